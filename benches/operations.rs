@@ -1,0 +1,2 @@
+//! Benchmarks: one an operation.
+fn main() {}

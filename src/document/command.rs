@@ -1,0 +1,403 @@
+//! The one command set. A script's line is one command as JSON, e.g. `{"brush":{"set":{"radius_mm":4.0}}}`.
+//!
+//! Grouped by noun; each noun has its handler file. Fields that a command leaves out keep their value.
+
+use super::scene::{Layer, Lighting, Mode, ViewName};
+use crate::explode::{Axis, Forces, PartId};
+use crate::math::{Camera, Pose};
+use crate::paint::{Falloff, Operation, Shape, Target, Tip};
+use crate::volume::{FieldKind, TransferFunction};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// Everything that can be done.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Command {
+    /// The project on disk.
+    Project(ProjectCommand),
+    /// The volume's density as a whole.
+    Volume(VolumeCommand),
+    /// Colour and opacity.
+    Transfer(TransferCommand),
+    /// Cameras, slices, looks and layers.
+    View(ViewCommand),
+    /// The brush's settings.
+    Brush(BrushCommand),
+    /// Painting.
+    Stroke(StrokeCommand),
+    /// The selection as a whole.
+    Selection(SelectionCommand),
+    /// The table of segments.
+    Segment(SegmentCommand),
+    /// Parts of the background.
+    Part(PartCommand),
+    /// The forces that move them.
+    Explosion(ExplosionCommand),
+    /// Undo and redo.
+    History(HistoryCommand),
+    /// Questions; they change nothing.
+    Ask(Question),
+    /// Pictures to files.
+    Render(RenderCommand),
+}
+
+/// A place: world mm, continuous index, or a pixel of a named view (in the 3D view: of the picked surface).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Place {
+    /// World RAS+ mm, of the rest pose.
+    Mm([f64; 3]),
+    /// Continuous index, voxel centres at integers.
+    Index([f64; 3]),
+    /// A pixel; (0, 0) is the picture's top-left corner. `size` is the picture's size, the view's own if left out.
+    Pixel {
+        /// View.
+        view: ViewName,
+        /// x right, y down.
+        px: [f64; 2],
+        /// Width and height in pixels.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        size: Option<[u32; 2]>,
+    },
+}
+
+/// One input point of a stroke.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct StrokePoint {
+    /// Where.
+    pub at: Place,
+    /// 0..1.
+    #[serde(default = "one")]
+    pub pressure: f32,
+}
+
+fn one() -> f32 {
+    1.0
+}
+
+/// See [`Command::Project`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum ProjectCommand {
+    /// Opens a project folder; replays what its journal holds beyond the last save.
+    Open { path: PathBuf },
+    /// Writes the next generation; `path` for the first save or for a copy elsewhere.
+    Save {
+        #[serde(default)]
+        path: Option<PathBuf>,
+    },
+}
+
+/// See [`Command::Volume`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum VolumeCommand {
+    /// Opens a file as a new, unsaved document.
+    Open {
+        path: PathBuf,
+        #[serde(default)]
+        component: u32,
+        #[serde(default)]
+        frame: u32,
+        /// Values that the 16-bit codes span; from the data if left out.
+        #[serde(default)]
+        range: Option<[f64; 2]>,
+    },
+    /// Writes a field to NRRD on the original grid. Density keeps the source's type, unedited voxels bit for bit.
+    Export { field: FieldKind, path: PathBuf },
+}
+
+/// See [`Command::Transfer`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum TransferCommand {
+    /// Replaces the whole function.
+    Set { function: TransferFunction },
+    /// Starts again from the histogram.
+    Reset {},
+}
+
+/// See [`Command::View`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum ViewCommand {
+    /// Sets the 3D view's camera.
+    Camera { camera: Camera },
+    /// Frames the volume from a side: the direction from the volume towards the eye, world RAS+.
+    Frame {
+        from: [f64; 3],
+        #[serde(default)]
+        up: Option<[f64; 3]>,
+        /// Distance as a multiple of the one that just fits.
+        #[serde(default)]
+        zoom: Option<f64>,
+    },
+    /// Turns about the target, degrees.
+    Orbit { azimuth_deg: f64, elevation_deg: f64 },
+    /// Shifts a view by pixels.
+    Pan { view: ViewName, px: [f64; 2] },
+    /// Scales a view: below 1 is nearer.
+    Zoom { view: ViewName, factor: f64 },
+    /// Size in pixels that pixel coordinates refer to.
+    Size { view: ViewName, size: [u32; 2] },
+    /// Moves the crosshair, and with it all three slices.
+    Crosshair { at: Place },
+    /// Steps a slice view by voxels.
+    Scroll { view: ViewName, voxels: i32 },
+    /// Mode, lighting, step and background of the 3D view.
+    Look {
+        #[serde(default)]
+        mode: Option<Mode>,
+        /// `false`: unshaded.
+        #[serde(default)]
+        shaded: Option<bool>,
+        #[serde(default)]
+        lighting: Option<Lighting>,
+        #[serde(default)]
+        step_voxels: Option<f64>,
+        #[serde(default)]
+        background: Option<[f32; 3]>,
+    },
+    /// Grey window of the slices.
+    Window { level: f64, width: f64 },
+    /// How a painted field is shown.
+    Layer(Layer),
+    /// The view before the last change of view.
+    Back {},
+    /// Undoes `back`.
+    Forward {},
+}
+
+/// See [`Command::Brush`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum BrushCommand {
+    /// Changes what is given and leaves the rest.
+    Set {
+        #[serde(default)]
+        shape: Option<Shape>,
+        #[serde(default)]
+        radius_mm: Option<f64>,
+        #[serde(default)]
+        falloff: Option<Falloff>,
+        #[serde(default)]
+        strength: Option<f32>,
+        #[serde(default)]
+        operation: Option<Operation>,
+        #[serde(default)]
+        tip: Option<Tip>,
+        #[serde(default)]
+        target: Option<Target>,
+        #[serde(default)]
+        spacing: Option<f64>,
+        /// Closed range of densities that may be painted.
+        #[serde(default)]
+        range: Option<[f64; 2]>,
+        /// Takes the range away.
+        #[serde(default)]
+        any_value: bool,
+        #[serde(default)]
+        erase: Option<bool>,
+    },
+}
+
+/// See [`Command::Stroke`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum StrokeCommand {
+    /// A whole stroke at once.
+    Paint { points: Vec<StrokePoint> },
+    /// Starts a stroke.
+    Begin { points: Vec<StrokePoint> },
+    /// Continues it.
+    Extend { points: Vec<StrokePoint> },
+    /// Ends it: one step of history, none if nothing changed.
+    End {},
+    /// Takes it back.
+    Cancel {},
+}
+
+/// See [`Command::Selection`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum SelectionCommand {
+    /// Reads another volume of the same grid, resampled if the grid differs: above `threshold` is selected. A soft border of
+    /// `soften_mm` is laid about it.
+    Import {
+        path: PathBuf,
+        #[serde(default)]
+        threshold: f64,
+        #[serde(default)]
+        soften_mm: f64,
+    },
+    /// Selects the voxels of a label.
+    FromLabel { label: u16 },
+    /// Nothing is selected.
+    Clear {},
+}
+
+/// See [`Command::Segment`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum SegmentCommand {
+    /// Adds a segment or changes what is given of one.
+    Set {
+        id: u16,
+        #[serde(default)]
+        name: Option<String>,
+        #[serde(default)]
+        colour: Option<[f32; 3]>,
+        #[serde(default)]
+        visible: Option<bool>,
+        #[serde(default)]
+        locked: Option<bool>,
+    },
+    /// Takes a segment out of the table and its label out of the voxels.
+    Remove { id: u16 },
+}
+
+/// Where a splitter cuts.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Splitter {
+    /// Through the picked point, along the viewing ray and a screen axis; cuts the part that is hit first.
+    Axis { px: [f64; 2], axis: Axis },
+    /// Through the picked point, parallel to the picture; cuts the part that is hit first.
+    Depth { px: [f64; 2] },
+    /// Through the eye and a line on the screen; cuts every part whose silhouette meets it.
+    Line { from: [f64; 2], to: [f64; 2] },
+    /// A plane in world mm at rest; cuts every part, or only `part`.
+    Plane {
+        point: [f64; 3],
+        normal: [f64; 3],
+        #[serde(default)]
+        part: Option<PartId>,
+    },
+}
+
+/// See [`Command::Part`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum PartCommand {
+    /// Cuts; pixels are of the 3D view.
+    Split {
+        by: Splitter,
+        #[serde(default)]
+        size: Option<[u32; 2]>,
+    },
+    /// Changes what is given of a part.
+    Set {
+        id: PartId,
+        #[serde(default)]
+        name: Option<String>,
+        #[serde(default)]
+        colour: Option<[f32; 3]>,
+        /// Takes the colour away.
+        #[serde(default)]
+        own_colour: bool,
+        #[serde(default)]
+        visible: Option<bool>,
+        #[serde(default)]
+        pinned: Option<bool>,
+        #[serde(default)]
+        importance: Option<f64>,
+    },
+    /// Moves a part by hand and pins it there.
+    Move { id: PartId, pose: Pose },
+    /// One part again.
+    Reset {},
+}
+
+/// See [`Command::Explosion`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum ExplosionCommand {
+    /// Sets the degree; the window animates towards it, a script says `settle`.
+    Degree { value: f64 },
+    /// Replaces the forces' constants.
+    Forces { forces: Forces },
+    /// Seed of the explosion points' jitter.
+    Seed { value: u64 },
+    /// Runs the simulation to rest.
+    Settle {},
+    /// Runs some steps of 1/60 s (what the window does every frame).
+    Step { steps: u32 },
+}
+
+/// See [`Command::History`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum HistoryCommand {
+    /// Takes back steps.
+    Undo {
+        #[serde(default = "one_step")]
+        steps: u32,
+    },
+    /// Does them again.
+    Redo {
+        #[serde(default = "one_step")]
+        steps: u32,
+    },
+    /// Memory for steps in bytes; older ones go to disk.
+    Budget { bytes: u64 },
+}
+
+fn one_step() -> u32 {
+    1
+}
+
+/// See [`Command::Ask`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Question {
+    /// Grid, type, statistics of the volume.
+    Volume {},
+    /// The whole scene.
+    Scene {},
+    /// Parts with their poses.
+    Parts {},
+    /// Density, colour, selection and label of the voxel at a place.
+    Voxel { at: Place },
+    /// First visible surface under a pixel of the 3D view: world mm, rest mm, index, part.
+    Pick {
+        px: [f64; 2],
+        #[serde(default)]
+        size: Option<[u32; 2]>,
+    },
+    /// Sum, count of non-zero and largest of a field's voxels.
+    Field { field: FieldKind },
+    /// Share of the selection's pixels with less than 5 % opacity before it.
+    Visibility {
+        #[serde(default)]
+        camera: Option<Camera>,
+        #[serde(default)]
+        size: Option<[u32; 2]>,
+    },
+    /// Steps that can be undone and redone.
+    History {},
+}
+
+/// See [`Command::Render`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum RenderCommand {
+    /// A view to PNG or EXR (by extension; EXR has colour, depth in mm and object id).
+    Image {
+        path: PathBuf,
+        #[serde(default = "three_d")]
+        view: ViewName,
+        #[serde(default)]
+        size: Option<[u32; 2]>,
+        #[serde(default)]
+        camera: Option<Camera>,
+        /// Transparent instead of the look's background.
+        #[serde(default)]
+        transparent: bool,
+    },
+}
+
+fn three_d() -> ViewName {
+    ViewName::ThreeD
+}

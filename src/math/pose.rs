@@ -1,0 +1,58 @@
+//! A rigid motion of a part: `world_from_rest`.
+
+use super::{Plane, Ray};
+use glam::{DAffine3, DQuat, DVec3};
+use serde::{Deserialize, Serialize};
+
+/// `p_world = rotation · p_rest + translation`, millimetres.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Pose {
+    /// Unit quaternion, x y z w.
+    #[schemars(with = "[f64; 4]")]
+    pub rotation: DQuat,
+    /// Millimetres.
+    #[schemars(with = "[f64; 3]")]
+    pub translation: DVec3,
+}
+
+impl Default for Pose {
+    fn default() -> Self {
+        Self::IDENTITY
+    }
+}
+
+impl Pose {
+    /// At rest.
+    pub const IDENTITY: Self = Self { rotation: DQuat::IDENTITY, translation: DVec3::ZERO };
+
+    /// A turn about `centre` followed by a shift.
+    pub fn about(centre: DVec3, rotation: DQuat, shift: DVec3) -> Self {
+        Self { rotation, translation: centre + shift - rotation * centre }
+    }
+
+    /// Where a point of the part at rest is now.
+    pub fn apply(&self, p: DVec3) -> DVec3 {
+        self.rotation * p + self.translation
+    }
+
+    /// Where a point of the world is in the part at rest.
+    pub fn unapply(&self, p: DVec3) -> DVec3 {
+        self.rotation.inverse() * (p - self.translation)
+    }
+
+    /// The same as an affine map.
+    pub fn world_from_rest(&self) -> DAffine3 {
+        DAffine3::from_rotation_translation(self.rotation, self.translation)
+    }
+
+    /// A plane of the part at rest, moved into the world.
+    pub fn apply_plane(&self, plane: &Plane) -> Plane {
+        let normal = self.rotation * plane.normal;
+        Plane { normal, offset: plane.offset + normal.dot(self.translation) }
+    }
+
+    /// A ray of the world, seen from the part at rest; parameters along it stay the same.
+    pub fn unapply_ray(&self, ray: &Ray) -> Ray {
+        Ray { origin: self.unapply(ray.origin), dir: self.rotation.inverse() * ray.dir }
+    }
+}

@@ -1,0 +1,24 @@
+//! What a volume is: its grid, its voxels by the brick, their coarser levels, and how they look.
+//!
+//! Owns `Grid`, `BrickSource` (where unedited voxels come from), `Field` (one quantity over the grid: edits in a sparse
+//! map over a source, coarser levels, cell minima and maxima), segments and the transfer function. Knows no file format
+//! and no GPU; texels are kept in the GPU's formats so that host, file and GPU hold the same bytes.
+
+mod brick;
+mod field;
+mod grid;
+mod pyramid;
+mod segments;
+mod source;
+mod texel;
+mod transfer;
+mod voxels;
+
+pub use brick::{BRICK, BRICK_VOXELS, Brick, BrickIndex, BrickKey, CELL, CELLS_PER_BRICK, SLOT, SLOT_VOXELS};
+pub use field::{BrickSummary, Cells, Field, FieldKind, Refresh};
+pub use grid::Grid;
+pub use segments::{Segment, Segments};
+pub use source::{BrickSource, MemorySource, SourceError};
+pub use texel::{DensityMap, TexelFormat};
+pub use transfer::{TABLE_ENTRIES, TransferFunction};
+pub use voxels::{Histogram, Statistics, Value, VoxelType, Voxels};

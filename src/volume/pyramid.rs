@@ -1,0 +1,142 @@
+//! Arithmetic over the texels of one brick or slot: minima and maxima by the cell, and the next coarser level.
+
+use super::field::{BrickSummary, Cells};
+use super::{BRICK, BRICK_VOXELS, Brick, CELL, CELLS_PER_BRICK, DensityMap, SLOT, TexelFormat};
+
+/// Reads a texel as the number that minima, maxima and occupancy speak of: density in the volume's unit, selection 0..1,
+/// the label's id, a colour's alpha.
+pub(super) fn texel_value(format: TexelFormat, map: &DensityMap, texel: [u8; 4]) -> f32 {
+    match format {
+        TexelFormat::R16Unorm | TexelFormat::R32Float => map.decode(texel) as f32,
+        TexelFormat::R8Unorm => f32::from(texel[0]) / 255.0,
+        TexelFormat::R16Uint => f32::from(u16::from_le_bytes([texel[0], texel[1]])),
+        TexelFormat::Rgba8Unorm => f32::from(texel[3]) / 255.0,
+    }
+}
+
+/// Minima and maxima of a slot: of the whole, and of every cell over all taps that a sample inside it can meet (6³ texels).
+/// NaN counts for nothing; an interval with min > max holds no number.
+pub(super) fn summarise(format: TexelFormat, map: &DensityMap, slot: &[u8]) -> (BrickSummary, Cells) {
+    let bytes = format.bytes();
+    let mut first = [0; 4];
+    first[..bytes].copy_from_slice(&slot[..bytes]);
+    if slot.chunks_exact(bytes).all(|t| t == &first[..bytes]) {
+        let value = texel_value(format, map, first);
+        let (min, max) = if value.is_nan() { (f32::INFINITY, f32::NEG_INFINITY) } else { (value, value) };
+        return (BrickSummary { uniform: Some(first), min, max }, Cells::Uniform([min, max]));
+    }
+    // Codes rise with values, so integer formats are compared as they are and decoded once a cell.
+    let values: Vec<f32> = match format {
+        TexelFormat::R16Unorm | TexelFormat::R16Uint => {
+            slot.chunks_exact(2).map(|t| f32::from(u16::from_le_bytes([t[0], t[1]]))).collect()
+        }
+        TexelFormat::R32Float => slot.chunks_exact(4).map(|t| f32::from_le_bytes([t[0], t[1], t[2], t[3]])).collect(),
+        TexelFormat::R8Unorm => slot.iter().map(|&t| f32::from(t)).collect(),
+        TexelFormat::Rgba8Unorm => slot.chunks_exact(4).map(|t| f32::from(t[3])).collect(),
+    };
+    let decode = |raw: f32| match format {
+        TexelFormat::R16Unorm => (map.lo + f64::from(raw) / map.codes_per_unit) as f32,
+        TexelFormat::R8Unorm | TexelFormat::Rgba8Unorm => raw / 255.0,
+        TexelFormat::R32Float | TexelFormat::R16Uint => raw,
+    };
+    // Separable: 6 taps along each axis in turn, at a stride of 4.
+    let n = (BRICK / CELL) as usize;
+    let s = SLOT as usize;
+    let fold = |acc: [f32; 2], [lo, hi]: [f32; 2]| [acc[0].min(lo), acc[1].max(hi)];
+    let none = [f32::INFINITY, f32::NEG_INFINITY];
+    let mut along_x = vec![none; n * s * s];
+    for (row, out) in values.chunks_exact(s).zip(along_x.chunks_exact_mut(n)) {
+        for (cell, out) in out.iter_mut().enumerate() {
+            *out = row[cell * 4..cell * 4 + 6].iter().fold(none, |acc, &v| [acc[0].min(v), acc[1].max(v)]);
+        }
+    }
+    let mut along_y = vec![none; n * n * s];
+    for z in 0..s {
+        for cy in 0..n {
+            for cx in 0..n {
+                along_y[cx + n * (cy + n * z)] =
+                    (cy * 4..cy * 4 + 6).map(|y| along_x[cx + n * (y + s * z)]).fold(none, fold);
+            }
+        }
+    }
+    let mut cells = vec![none; CELLS_PER_BRICK];
+    let mut whole = none;
+    for cz in 0..n {
+        for i in 0..n * n {
+            let cell = (cz * 4..cz * 4 + 6).map(|z| along_y[i + n * n * z]).fold(none, fold);
+            whole = fold(whole, cell);
+            cells[i + n * n * cz] = if cell[0] <= cell[1] { cell.map(decode) } else { none };
+        }
+    }
+    let [min, max] = if whole[0] <= whole[1] { whole.map(decode) } else { none };
+    (BrickSummary { uniform: None, min, max }, Cells::Dense(cells.into()))
+}
+
+/// Writes the half-size version of `child` into one octant of its parent's texels. `valid` is how many texels of the child
+/// lie in the volume along each axis. Density and selection average, colours average weighted by alpha, labels take the most
+/// frequent label that is not 0 (the lowest of equals) so that thin segments stay in sight.
+pub(super) fn coarsen(format: TexelFormat, child: &Brick, valid: [u32; 3], octant: [u32; 3], parent: &mut [u8]) {
+    let bytes = format.bytes();
+    debug_assert_eq!(parent.len(), BRICK_VOXELS * bytes);
+    let half = BRICK / 2;
+    for z in 0..valid[2].div_ceil(2) {
+        for y in 0..valid[1].div_ceil(2) {
+            for x in 0..valid[0].div_ceil(2) {
+                let mut taps = [[0_u8; 4]; 8];
+                let mut n = 0;
+                for dz in 0..2.min(valid[2] - 2 * z) {
+                    for dy in 0..2.min(valid[1] - 2 * y) {
+                        for dx in 0..2.min(valid[0] - 2 * x) {
+                            taps[n] = child.texel([2 * x + dx, 2 * y + dy, 2 * z + dz], bytes);
+                            n += 1;
+                        }
+                    }
+                }
+                let value = mean(format, &taps[..n]);
+                let [ox, oy, oz] = [octant[0] * half + x, octant[1] * half + y, octant[2] * half + z];
+                let at = (ox + BRICK * (oy + BRICK * oz)) as usize * bytes;
+                parent[at..at + bytes].copy_from_slice(&value[..bytes]);
+            }
+        }
+    }
+}
+
+fn mean(format: TexelFormat, taps: &[[u8; 4]]) -> [u8; 4] {
+    let n = taps.len() as u32;
+    match format {
+        TexelFormat::R8Unorm => {
+            let sum: u32 = taps.iter().map(|t| u32::from(t[0])).sum();
+            [((sum + n / 2) / n) as u8, 0, 0, 0]
+        }
+        TexelFormat::R16Unorm => {
+            let sum: u32 = taps.iter().map(|t| u32::from(u16::from_le_bytes([t[0], t[1]]))).sum();
+            let [a, b] = (((sum + n / 2) / n) as u16).to_le_bytes();
+            [a, b, 0, 0]
+        }
+        TexelFormat::R32Float => {
+            let numbers = taps.iter().map(|&t| f32::from_le_bytes(t)).filter(|v| !v.is_nan());
+            let (sum, count) = numbers.fold((0.0_f64, 0_u32), |(s, c), v| (s + f64::from(v), c + 1));
+            let value = if count == 0 { f32::NAN } else { (sum / f64::from(count)) as f32 };
+            value.to_le_bytes()
+        }
+        TexelFormat::Rgba8Unorm => {
+            let alpha: u32 = taps.iter().map(|t| u32::from(t[3])).sum();
+            if alpha == 0 {
+                return [0; 4];
+            }
+            let channel = |i: usize| {
+                let sum: u32 = taps.iter().map(|t| u32::from(t[i]) * u32::from(t[3])).sum();
+                ((sum + alpha / 2) / alpha) as u8
+            };
+            [channel(0), channel(1), channel(2), ((alpha + n / 2) / n) as u8]
+        }
+        TexelFormat::R16Uint => {
+            let label = |t: &[u8; 4]| u16::from_le_bytes([t[0], t[1]]);
+            let count = |id: u16| taps.iter().filter(|t| label(t) == id).count();
+            let best =
+                taps.iter().map(label).filter(|&id| id != 0).max_by_key(|&id| (count(id), std::cmp::Reverse(id)));
+            let [a, b] = best.unwrap_or(0).to_le_bytes();
+            [a, b, 0, 0]
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! The table of segments: what the label field's numbers mean.
+
+use serde::{Deserialize, Serialize};
+
+/// A labelled object. Its voxels are those whose label is `id`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Segment {
+    /// Label value, at least 1.
+    pub id: u16,
+    /// Name, as the user gave it.
+    pub name: String,
+    /// Display-referred red, green, blue, 0..1.
+    pub colour: [f32; 3],
+    /// Whether it is drawn.
+    pub visible: bool,
+    /// Whether brushes leave its voxels alone.
+    pub locked: bool,
+}
+
+/// All segments, by rising id.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Segments(pub Vec<Segment>);
+
+impl Segments {
+    /// The segment of a label.
+    pub fn get(&self, id: u16) -> Option<&Segment> {
+        self.0.binary_search_by_key(&id, |s| s.id).ok().map(|i| &self.0[i])
+    }
+
+    /// The same, to change it.
+    pub fn get_mut(&mut self, id: u16) -> Option<&mut Segment> {
+        self.0.binary_search_by_key(&id, |s| s.id).ok().map(|i| &mut self.0[i])
+    }
+
+    /// Adds a segment, or replaces the one of that id.
+    pub fn put(&mut self, segment: Segment) {
+        match self.0.binary_search_by_key(&segment.id, |s| s.id) {
+            Ok(i) => self.0[i] = segment,
+            Err(i) => self.0.insert(i, segment),
+        }
+    }
+
+    /// A segment of that id if there is none, with a colour that differs from its neighbours'.
+    pub fn ensure(&mut self, id: u16) {
+        if id != 0 && self.get(id).is_none() {
+            // Hues a golden ratio apart never come close to those just before.
+            let hue = (f32::from(id) * 0.618_034).fract() * 6.0;
+            let ramp = |shift: f32| (((hue + shift) % 6.0 - 3.0).abs() - 1.0).clamp(0.0, 1.0) * 0.65 + 0.3;
+            let colour = [ramp(0.0), ramp(4.0), ramp(2.0)];
+            self.put(Segment { id, name: format!("Segment {id}"), colour, visible: true, locked: false });
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! Texel formats: the bytes that host, project and GPU share.
+
+use super::{Value, Voxels};
+use crate::with_voxels;
+use serde::{Deserialize, Serialize};
+
+/// The format of a field's texels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TexelFormat {
+    /// Density as a 16-bit code of a [`DensityMap`].
+    R16Unorm,
+    /// Density as a 32-bit float in the volume's own unit; NaN is transparent.
+    R32Float,
+    /// Painted colour, display-referred; alpha is how much of it covers the transfer function's colour.
+    Rgba8Unorm,
+    /// Selection, degree of interest 0..1.
+    R8Unorm,
+    /// Label: id of a segment, 0 for none.
+    R16Uint,
+}
+
+impl TexelFormat {
+    /// Bytes of a texel.
+    pub const fn bytes(self) -> usize {
+        match self {
+            Self::R8Unorm => 1,
+            Self::R16Unorm | Self::R16Uint => 2,
+            Self::R32Float | Self::Rgba8Unorm => 4,
+        }
+    }
+}
+
+/// How density values become texels.
+///
+/// `R16Unorm`: `code = round((value − lo) · codes_per_unit)`, clamped to 0..65535. Integer data spanning at most 65,535 has a
+/// whole number of codes per unit, so that every integer is exact and what is left is fraction. `R32Float`: the value.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DensityMap {
+    /// `R16Unorm` or `R32Float`.
+    pub format: TexelFormat,
+    /// Value of code 0.
+    pub lo: f64,
+    /// Codes per unit of value.
+    pub codes_per_unit: f64,
+}
+
+impl DensityMap {
+    /// Values as they are, in 32-bit float.
+    pub const FLOAT: Self = Self { format: TexelFormat::R32Float, lo: 0.0, codes_per_unit: 1.0 };
+
+    /// 16-bit codes over `[min, max]`. `unit` is the distance between neighbouring values of integer data (its slope); with
+    /// it integers map one to one as long as they span at most 65,535. `None`: data with a fraction, spread over all codes.
+    pub fn codes(min: f64, max: f64, unit: Option<f64>) -> Self {
+        let span = (max - min).max(f64::MIN_POSITIVE);
+        let codes_per_unit = match unit {
+            Some(unit) if unit > 0.0 && max > min && span / unit <= 65_535.0 => {
+                (65_535.0 / (span / unit).round()).floor() / unit
+            }
+            Some(unit) if unit > 0.0 && max <= min => 1.0 / unit,
+            _ if max > min => 65_535.0 / span,
+            _ => 1.0,
+        };
+        Self { format: TexelFormat::R16Unorm, lo: min, codes_per_unit }
+    }
+
+    /// The value of the texel that the GPU reads as 1.0 (`R16Unorm`), so that value = lo + texel · (hi − lo).
+    pub fn hi(&self) -> f64 {
+        self.lo + 65_535.0 / self.codes_per_unit
+    }
+
+    /// Half a step of the storage: the largest error of a value inside the range.
+    pub fn half_step(&self) -> f64 {
+        match self.format {
+            TexelFormat::R32Float => 0.0,
+            _ => 0.5 / self.codes_per_unit,
+        }
+    }
+
+    /// Value to texel bytes.
+    pub fn encode(&self, value: f64) -> [u8; 4] {
+        match self.format {
+            TexelFormat::R32Float => (value as f32).to_le_bytes(),
+            _ => {
+                let code = ((value - self.lo) * self.codes_per_unit).round().clamp(0.0, 65_535.0) as u16;
+                let [a, b] = code.to_le_bytes();
+                [a, b, 0, 0]
+            }
+        }
+    }
+
+    /// Texel bytes to value.
+    pub fn decode(&self, texel: [u8; 4]) -> f64 {
+        match self.format {
+            TexelFormat::R32Float => f64::from(f32::from_le_bytes(texel)),
+            _ => self.lo + f64::from(u16::from_le_bytes([texel[0], texel[1]])) / self.codes_per_unit,
+        }
+    }
+
+    /// Stored voxels to texels, appended to `out`; `value = slope · stored + intercept`.
+    pub fn encode_voxels(&self, voxels: &Voxels, (slope, intercept): (f64, f64), out: &mut Vec<u8>) {
+        fn run<T: Value>(map: &DensityMap, v: &[T], slope: f64, intercept: f64, out: &mut Vec<u8>) {
+            match map.format {
+                TexelFormat::R32Float => {
+                    out.extend(v.iter().flat_map(|&x| ((x.to_f64() * slope + intercept) as f32).to_le_bytes()));
+                }
+                _ => {
+                    let (scale, shift) = (slope * map.codes_per_unit, (intercept - map.lo) * map.codes_per_unit);
+                    out.extend(v.iter().flat_map(|&x| {
+                        ((x.to_f64() * scale + shift).round().clamp(0.0, 65_535.0) as u16).to_le_bytes()
+                    }));
+                }
+            }
+        }
+        with_voxels!(voxels, v => run(self, v, slope, intercept, out));
+    }
+}

@@ -1,0 +1,160 @@
+//! The transfer function: density to colour and opacity.
+
+use super::Histogram;
+use serde::{Deserialize, Serialize};
+
+/// Entries of the table that the ray caster reads.
+pub const TABLE_ENTRIES: usize = 4096;
+
+/// Piecewise-linear colour and opacity over density, constant beyond their first and last points. Points rise in value.
+///
+/// Colour is display-referred (composited as it is, as the field's tools do); opacity is that of `unit_mm` of matter.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct TransferFunction {
+    /// (value, [r, g, b] in 0..1).
+    pub colour: Vec<(f64, [f32; 3])>,
+    /// (value, opacity in 0..1 per `unit_mm`).
+    pub opacity: Vec<(f64, f32)>,
+    /// Length in mm that `opacity` is meant for, positive.
+    pub unit_mm: f64,
+}
+
+impl TransferFunction {
+    /// Checks that points rise and numbers are in range.
+    ///
+    /// # Errors
+    /// A sentence that names the field, what was found and what was expected.
+    pub fn check(&self) -> Result<(), String> {
+        fn rising(name: &str, values: impl Iterator<Item = f64>) -> Result<(), String> {
+            let mut last = f64::NEG_INFINITY;
+            let mut count = 0;
+            for (i, v) in values.enumerate() {
+                if !v.is_finite() || v <= last {
+                    return Err(format!("{name}[{i}]: value {v} found, a finite number above {last} expected"));
+                }
+                last = v;
+                count += 1;
+            }
+            if count == 0 { Err(format!("{name}: no point found, at least one expected")) } else { Ok(()) }
+        }
+        rising("colour", self.colour.iter().map(|p| p.0))?;
+        rising("opacity", self.opacity.iter().map(|p| p.0))?;
+        if let Some((v, _)) = self.colour.iter().find(|(_, c)| c.iter().any(|x| !(0.0..=1.0).contains(x))) {
+            return Err(format!("colour at {v}: components between 0 and 1 expected"));
+        }
+        if let Some((v, a)) = self.opacity.iter().find(|(_, a)| !(0.0..=1.0).contains(a)) {
+            return Err(format!("opacity at {v}: {a} found, 0 to 1 expected"));
+        }
+        if !(self.unit_mm.is_finite() && self.unit_mm > 0.0) {
+            return Err(format!("unit_mm: {} found, a positive length expected", self.unit_mm));
+        }
+        Ok(())
+    }
+
+    /// Colour at a value.
+    pub fn colour_at(&self, value: f64) -> [f32; 3] {
+        interpolate(&self.colour, value, |a, b, t| std::array::from_fn(|i| a[i] + (b[i] - a[i]) * t))
+    }
+
+    /// Opacity of `unit_mm` at a value.
+    pub fn opacity_at(&self, value: f64) -> f32 {
+        interpolate(&self.opacity, value, |a, b, t| a + (b - a) * t)
+    }
+
+    /// Opacity of a step of `step_mm`: `1 − (1 − α)^(step/unit)`.
+    pub fn opacity_of_step(&self, value: f64, step_mm: f64) -> f64 {
+        1.0 - (1.0 - f64::from(self.opacity_at(value))).powf(step_mm / self.unit_mm)
+    }
+
+    /// The largest opacity anywhere in `[lo, hi]`: 0 means that a cell of these values is invisible.
+    pub fn max_opacity_in(&self, lo: f64, hi: f64) -> f32 {
+        if lo > hi {
+            return 0.0;
+        }
+        let inner = self.opacity.iter().filter(|(v, _)| (lo..=hi).contains(v)).map(|&(_, a)| a);
+        inner.fold(self.opacity_at(lo).max(self.opacity_at(hi)), f32::max)
+    }
+
+    /// First and last value of any point: the table's range. Constant beyond.
+    pub fn domain(&self) -> (f64, f64) {
+        let lo = self.colour[0].0.min(self.opacity[0].0);
+        let hi = self.colour[self.colour.len() - 1].0.max(self.opacity[self.opacity.len() - 1].0);
+        if hi > lo { (lo, hi) } else { (lo, lo + 1.0) }
+    }
+
+    /// [`TABLE_ENTRIES`] of (r, g, b, opacity of one step of `step_mm`) over [`domain`](Self::domain), entry i at
+    /// `lo + i/(entries − 1)·(hi − lo)`. Colour is not multiplied by opacity.
+    pub fn table(&self, step_mm: f64) -> Vec<[f32; 4]> {
+        let (lo, hi) = self.domain();
+        (0..TABLE_ENTRIES)
+            .map(|i| {
+                let value = lo + (hi - lo) * i as f64 / (TABLE_ENTRIES - 1) as f64;
+                let [r, g, b] = self.colour_at(value);
+                [r, g, b, self.opacity_of_step(value, step_mm) as f32]
+            })
+            .collect()
+    }
+
+    /// A start from the data: everything up to the background's peak is clear, then opacity rises gently to the last
+    /// hundredth of the values. Colours go from dark red through skin to white.
+    pub fn from_histogram(histogram: &Histogram, unit_mm: f64) -> Self {
+        let (min, max) = (histogram.min, histogram.max);
+        let width = (max - min) / histogram.bins.len().max(1) as f64;
+        let clear = min + width * otsu(&histogram.bins) as f64 * 0.6;
+        let total: u64 = histogram.bins.iter().sum();
+        let mut seen = 0;
+        let mut top = histogram.bins.len();
+        for (i, n) in histogram.bins.iter().enumerate() {
+            seen += n;
+            if seen as f64 >= total as f64 * 0.995 {
+                top = i + 1;
+                break;
+            }
+        }
+        let top = (min + width * top as f64)
+            .clamp(clear + width.max(f64::MIN_POSITIVE), max.max(clear + width.max(f64::MIN_POSITIVE)));
+        let at = |t: f64| clear + (top - clear) * t;
+        Self {
+            colour: vec![
+                (at(0.0), [0.25, 0.08, 0.06]),
+                (at(0.35), [0.72, 0.42, 0.30]),
+                (at(0.7), [0.93, 0.80, 0.66]),
+                (at(1.0), [1.0, 1.0, 1.0]),
+            ],
+            opacity: vec![(at(0.0), 0.0), (at(0.7), 0.12), (at(1.0), 0.3)],
+            unit_mm,
+        }
+    }
+}
+
+fn interpolate<T: Copy>(points: &[(f64, T)], value: f64, mix: impl Fn(T, T, f32) -> T) -> T {
+    let after = points.partition_point(|p| p.0 <= value);
+    if after == 0 {
+        points[0].1
+    } else if after == points.len() {
+        points[after - 1].1
+    } else {
+        let ((a, x), (b, y)) = (points[after - 1], points[after]);
+        mix(x, y, ((value - a) / (b - a)) as f32)
+    }
+}
+
+/// The bin that splits the counts into two classes of greatest distance (Otsu 1979).
+fn otsu(bins: &[u64]) -> usize {
+    let total: f64 = bins.iter().map(|&n| n as f64).sum();
+    let mean: f64 = bins.iter().enumerate().map(|(i, &n)| i as f64 * n as f64).sum();
+    let (mut below, mut below_mean, mut best, mut at) = (0.0, 0.0, -1.0, 0);
+    for (i, &n) in bins.iter().enumerate() {
+        below += n as f64;
+        below_mean += i as f64 * n as f64;
+        let above = total - below;
+        if below > 0.0 && above > 0.0 {
+            let distance = below_mean / below - (mean - below_mean) / above;
+            let score = below * above * distance * distance;
+            if score > best {
+                (best, at) = (score, i);
+            }
+        }
+    }
+    at
+}

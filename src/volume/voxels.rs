@@ -1,0 +1,179 @@
+//! Voxels in a source's own type.
+
+use serde::{Deserialize, Serialize};
+
+/// The numeric type of a source's voxels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[allow(missing_docs)]
+pub enum VoxelType {
+    U8,
+    I8,
+    U16,
+    I16,
+    U32,
+    I32,
+    U64,
+    I64,
+    F32,
+    F64,
+}
+
+impl VoxelType {
+    /// Size of a voxel.
+    pub const fn bytes(self) -> usize {
+        match self {
+            Self::U8 | Self::I8 => 1,
+            Self::U16 | Self::I16 => 2,
+            Self::U32 | Self::I32 | Self::F32 => 4,
+            Self::U64 | Self::I64 | Self::F64 => 8,
+        }
+    }
+
+    /// Whether the type has no fraction.
+    pub const fn is_integer(self) -> bool {
+        !matches!(self, Self::F32 | Self::F64)
+    }
+
+    /// The name that `burin info` prints.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::U8 => "u8",
+            Self::I8 => "i8",
+            Self::U16 => "u16",
+            Self::I16 => "i16",
+            Self::U32 => "u32",
+            Self::I32 => "i32",
+            Self::U64 => "u64",
+            Self::I64 => "i64",
+            Self::F32 => "f32",
+            Self::F64 => "f64",
+        }
+    }
+}
+
+/// A voxel type of Rust that a source may have.
+pub trait Value: bytemuck::Pod + Send + Sync {
+    /// Its name.
+    const TYPE: VoxelType;
+    /// The number; 64-bit integers beyond 2⁵³ lose their lowest bits.
+    fn to_f64(self) -> f64;
+    /// The nearest value of the type: integers round half away from zero and saturate, NaN becomes 0.
+    fn from_f64(value: f64) -> Self;
+    /// Wraps a vector of the type.
+    fn wrap(values: Vec<Self>) -> Voxels;
+}
+
+macro_rules! voxels {
+    ($($variant:ident $ty:ty, $round:expr;)*) => {
+        /// A block of voxels in their own type, x fastest.
+        #[derive(Clone, Debug, PartialEq)]
+        #[allow(missing_docs)]
+        pub enum Voxels { $($variant(Vec<$ty>),)* }
+
+        $(impl Value for $ty {
+            const TYPE: VoxelType = VoxelType::$variant;
+            fn to_f64(self) -> f64 { self as f64 }
+            fn from_f64(value: f64) -> Self { let round: fn(f64) -> f64 = $round; round(value) as $ty }
+            fn wrap(values: Vec<Self>) -> Voxels { Voxels::$variant(values) }
+        })*
+
+        /// Runs `$body` with `$v` bound to the typed slice of a [`Voxels`].
+        #[macro_export]
+        macro_rules! with_voxels {
+            ($value:expr, $v:ident => $body:expr) => {
+                match $value { $($crate::volume::Voxels::$variant($v) => $body,)* }
+            };
+        }
+
+        /// Runs `$body` with the type `$T` that a [`VoxelType`] names.
+        #[macro_export]
+        macro_rules! with_voxel_type {
+            ($value:expr, $T:ident => $body:expr) => {
+                match $value { $($crate::volume::VoxelType::$variant => { type $T = $ty; $body })* }
+            };
+        }
+    };
+}
+
+voxels! {
+    U8 u8, f64::round;
+    I8 i8, f64::round;
+    U16 u16, f64::round;
+    I16 i16, f64::round;
+    U32 u32, f64::round;
+    I32 i32, f64::round;
+    U64 u64, f64::round;
+    I64 i64, f64::round;
+    F32 f32, |x| x;
+    F64 f64, |x| x;
+}
+
+impl Voxels {
+    /// The type.
+    pub fn voxel_type(&self) -> VoxelType {
+        fn of<T: Value>(_: &[T]) -> VoxelType {
+            T::TYPE
+        }
+        with_voxels!(self, v => of(v))
+    }
+
+    /// Number of voxels.
+    pub fn len(&self) -> usize {
+        with_voxels!(self, v => v.len())
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The number at a position, before slope and intercept.
+    pub fn get(&self, i: usize) -> f64 {
+        with_voxels!(self, v => v[i].to_f64())
+    }
+
+    /// The voxels' bytes in this machine's order.
+    pub fn as_bytes(&self) -> &[u8] {
+        with_voxels!(self, v => bytemuck::cast_slice(v))
+    }
+
+    /// The voxels' bytes in this machine's order, for filling in place.
+    pub fn as_bytes_mut(&mut self) -> &mut [u8] {
+        with_voxels!(self, v => bytemuck::cast_slice_mut(v))
+    }
+
+    /// `len` zeros of a type; fails instead of aborting when memory is short.
+    pub fn try_zeroed(ty: VoxelType, len: usize) -> Result<Self, std::collections::TryReserveError> {
+        with_voxel_type!(ty, T => {
+            let mut v: Vec<T> = Vec::new();
+            v.try_reserve_exact(len)?;
+            v.resize(len, bytemuck::Zeroable::zeroed());
+            Ok(T::wrap(v))
+        })
+    }
+}
+
+/// What is true of all of a volume's values, after slope and intercept.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Statistics {
+    /// Smallest finite value; NaN if there is none.
+    pub min: f64,
+    /// Largest finite value; NaN if there is none.
+    pub max: f64,
+    /// Sum of all finite values.
+    pub sum: f64,
+    /// Number of voxels that are NaN.
+    pub nan_count: u64,
+}
+
+/// Counts of values in equal bins over `[min, max]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Histogram {
+    /// Value at the lower edge of the first bin.
+    pub min: f64,
+    /// Value at the upper edge of the last bin.
+    pub max: f64,
+    /// Voxels per bin.
+    pub bins: Vec<u64>,
+}

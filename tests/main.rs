@@ -1,0 +1,11 @@
+//! All tests in one binary. One module per floor; `common` holds what they share and no formula under test.
+#![allow(clippy::unwrap_used, missing_docs)]
+
+mod common;
+mod document;
+mod explode;
+mod gpu;
+mod io;
+mod paint;
+mod ui;
+mod volume;

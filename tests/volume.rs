@@ -1,0 +1,146 @@
+//! Fields, levels, grids and the transfer function.
+
+use burin::math::DVec3;
+use burin::volume::*;
+use std::sync::Arc;
+
+fn ramp(dims: [u32; 3]) -> (Arc<MemorySource>, impl Fn([u32; 3]) -> u16) {
+    let value = move |v: [u32; 3]| (v[0] * 7 + v[1] * 31 + v[2] * 131 + (v[0] * v[1] * v[2]) % 97) as u16;
+    let grid = Grid::aligned(dims, DVec3::ONE, DVec3::ZERO);
+    let mut voxels = Vec::new();
+    for z in 0..dims[2] {
+        for y in 0..dims[1] {
+            for x in 0..dims[0] {
+                voxels.push(value([x, y, z]));
+            }
+        }
+    }
+    (Arc::new(MemorySource::new("ramp", grid, Voxels::U16(voxels), (1.0, 0.0)).unwrap()), value)
+}
+
+fn code(texels: &[u8], i: usize) -> u16 {
+    u16::from_le_bytes([texels[2 * i], texels[2 * i + 1]])
+}
+
+#[test]
+fn a_slot_repeats_the_border_and_reads_over_its_neighbours() {
+    let dims = [70, 33, 40];
+    let (source, value) = ramp(dims);
+    let map = DensityMap::codes(0.0, 65_535.0, Some(1.0));
+    let field = Field::from_source(source, map, &|_| true).unwrap().unwrap();
+    for index in field.brick_indices(0) {
+        let slot = field.slot(BrickKey { level: 0, index }).unwrap();
+        let mut i = 0;
+        for z in 0..SLOT {
+            for y in 0..SLOT {
+                for x in 0..SLOT {
+                    let at = [x, y, z];
+                    let voxel = std::array::from_fn(|a| {
+                        (i64::from(index.origin()[a] + at[a]) - 1).clamp(0, i64::from(dims[a]) - 1) as u32
+                    });
+                    assert_eq!(code(&slot, i), value(voxel), "{index:?} {at:?}");
+                    i += 1;
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_coarser_voxel_is_the_mean_of_those_it_covers() {
+    let dims = [70, 33, 40];
+    let (source, value) = ramp(dims);
+    let map = DensityMap::codes(0.0, 65_535.0, Some(1.0));
+    let field = Field::from_source(source, map, &|_| true).unwrap().unwrap();
+    assert_eq!(field.level_count(), 3);
+    let d = field.dims(1);
+    let texels = field.read(1, [0; 3], d).unwrap();
+    let mut i = 0;
+    for z in 0..d[2] {
+        for y in 0..d[1] {
+            for x in 0..d[0] {
+                let mut sum = 0.0;
+                let mut n = 0.0;
+                for c in 0..8_u32 {
+                    let v = [2 * x + (c & 1), 2 * y + (c >> 1 & 1), 2 * z + (c >> 2)];
+                    if (0..3).all(|a| v[a] < dims[a]) {
+                        sum += f64::from(value(v));
+                        n += 1.0;
+                    }
+                }
+                assert!((f64::from(code(&texels, i)) - sum / n).abs() <= 0.5);
+                i += 1;
+            }
+        }
+    }
+}
+
+#[test]
+fn a_swap_and_its_answer_leave_every_level_as_it_was() {
+    let (source, _) = ramp([70, 33, 40]);
+    let map = DensityMap::codes(0.0, 65_535.0, Some(1.0));
+    let mut field = Field::from_source(source, map, &|_| true).unwrap().unwrap();
+    let all = |f: &Field| (0..f.level_count()).map(|l| f.read(l, [0; 3], f.dims(l)).unwrap()).collect::<Vec<_>>();
+    let about = |f: &Field| {
+        (0..f.level_count())
+            .flat_map(|level| f.brick_indices(level).into_iter().map(move |index| BrickKey { level, index }))
+            .map(|k| (f.summary(k), f.cells(k)))
+            .collect::<Vec<_>>()
+    };
+    let (start, start_about) = (all(&field), about(&field));
+    let change = vec![(BrickIndex([1, 0, 1]), Some(Brick::Uniform([9, 200, 0, 0])))];
+    let (before, refresh) = field.swap(change).unwrap();
+    assert!(refresh.slots.contains(&BrickKey { level: 2, index: BrickIndex([0, 0, 0]) }));
+    assert_ne!(all(&field), start);
+    assert_ne!(about(&field), start_about);
+    field.swap(before).unwrap();
+    assert_eq!(all(&field), start);
+    assert_eq!(about(&field), start_about);
+}
+
+#[test]
+fn a_cell_bounds_every_tap_of_its_samples() {
+    let dims = [40, 36, 33];
+    let (source, value) = ramp(dims);
+    let map = DensityMap::codes(0.0, 65_535.0, Some(1.0));
+    let field = Field::from_source(source, map, &|_| true).unwrap().unwrap();
+    for index in field.brick_indices(0) {
+        let Cells::Dense(cells) = field.cells(BrickKey { level: 0, index }) else { panic!("not uniform") };
+        for (i, cell) in cells.iter().enumerate() {
+            let i = i as u32;
+            let lo: [u32; 3] = std::array::from_fn(|a| index.origin()[a] + [i % 8, i / 8 % 8, i / 64][a] * CELL);
+            let mut expected = [f32::INFINITY, f32::NEG_INFINITY];
+            for n in 0..216_i64 {
+                let at = [n % 6, n / 6 % 6, n / 36];
+                let v = std::array::from_fn(|a| (i64::from(lo[a]) + at[a] - 1).clamp(0, i64::from(dims[a]) - 1) as u32);
+                expected = [expected[0].min(f32::from(value(v))), expected[1].max(f32::from(value(v)))];
+            }
+            // Cells beyond the volume repeat its border.
+            assert_eq!(*cell, expected, "{index:?} cell {i}");
+        }
+    }
+}
+
+#[test]
+fn codes_hold_every_integer_exactly() {
+    for (min, max) in [(0.0, 255.0), (-1024.0, 3071.0), (0.0, 65_535.0), (-32_768.0, 32_767.0)] {
+        let map = DensityMap::codes(min, max, Some(1.0));
+        let mut v = min;
+        while v <= max {
+            assert_eq!(map.decode(map.encode(v)), v);
+            v += 1.0;
+        }
+    }
+    let scaled = DensityMap::codes(-10.0, 10.0, Some(0.25));
+    assert_eq!(scaled.decode(scaled.encode(-3.75)), -3.75);
+}
+
+#[test]
+fn opacity_is_corrected_for_the_step() {
+    let tf = TransferFunction { colour: vec![(0.0, [1.0; 3])], opacity: vec![(0.0, 0.0), (10.0, 0.5)], unit_mm: 1.0 };
+    // Two half steps let through what one whole step does.
+    let half = tf.opacity_of_step(10.0, 0.5);
+    assert!(((1.0 - half) * (1.0 - half) - 0.5).abs() < 1e-7);
+    assert_eq!(tf.max_opacity_in(-5.0, 5.0), 0.25);
+    assert_eq!(tf.max_opacity_in(5.0, -5.0), 0.0);
+}
