@@ -2,11 +2,13 @@
 //!
 //! Grouped by noun; each noun has its handler file. Fields that a command leaves out keep their value.
 
-use super::scene::{Layer, Lighting, Mode, ViewName};
+#![allow(missing_docs)] // fields: the command's own text says what they are
+
+use super::scene::{Layer, ViewName};
 use crate::explode::{Axis, Forces, PartId};
 use crate::math::{Camera, Pose};
 use crate::paint::{Falloff, Operation, Shape, Target, Tip};
-use crate::volume::{FieldKind, TransferFunction};
+use crate::volume::{FieldKind, Lighting, Mode, TransferFunction};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;

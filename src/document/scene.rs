@@ -3,34 +3,9 @@
 use crate::explode::Explosion;
 use crate::math::{Camera, DVec3};
 use crate::paint::Brush;
-use crate::volume::{FieldKind, Segments, TransferFunction};
+use crate::volume::{FieldKind, Lighting, Mode, Segments, TransferFunction};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
-
-/// How rays become colour.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Mode {
-    /// Direct volume rendering by the transfer function.
-    Dvr,
-    /// The surface at a density, in the volume's unit.
-    Iso(f64),
-    /// Maximum intensity projection.
-    Mip,
-}
-
-/// Headlight, Blinn-Phong, lit on both sides.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-pub struct Lighting {
-    /// Share that needs no light.
-    pub ambient: f32,
-    /// Lambert's share.
-    pub diffuse: f32,
-    /// Highlight's share.
-    pub specular: f32,
-    /// Highlight's exponent.
-    pub power: f32,
-}
 
 /// The 3D view's appearance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -47,12 +22,7 @@ pub struct Look {
 
 impl Default for Look {
     fn default() -> Self {
-        Self {
-            mode: Mode::Dvr,
-            lighting: Some(Lighting { ambient: 0.2, diffuse: 0.8, specular: 0.2, power: 20.0 }),
-            step_voxels: 1.0,
-            background: [0.0; 3],
-        }
+        Self { mode: Mode::Dvr, lighting: Some(Lighting::default()), step_voxels: 1.0, background: [0.0; 3] }
     }
 }
 

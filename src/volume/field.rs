@@ -70,6 +70,9 @@ pub struct Refresh {
     pub slots: Vec<BrickKey>,
 }
 
+/// Bricks of level 0 for [`Field::swap`]: `Some` is an edit, `None` none.
+pub type Changes = Vec<(BrickIndex, Option<Brick>)>;
+
 #[derive(Clone, Debug)]
 enum Base {
     Blank,
@@ -377,10 +380,7 @@ impl Field {
     ///
     /// # Errors
     /// If the source fails; the field is then as it was.
-    pub fn swap(
-        &mut self,
-        changes: Vec<(BrickIndex, Option<Brick>)>,
-    ) -> Result<(Vec<(BrickIndex, Option<Brick>)>, Refresh), SourceError> {
+    pub fn swap(&mut self, changes: Changes) -> Result<(Changes, Refresh), SourceError> {
         let bytes = self.format.bytes();
         let mut before = Vec::with_capacity(changes.len());
         for (index, brick) in changes {

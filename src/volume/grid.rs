@@ -62,7 +62,7 @@ impl Grid {
     pub fn voxel_at(&self, index: DVec3) -> Option<[u32; 3]> {
         let v = (index + 0.5).floor();
         let inside = v.cmpge(DVec3::ZERO).all() && v.cmplt(self.dims_f64()).all();
-        inside.then(|| [v.x as u32, v.y as u32, v.z as u32])
+        inside.then_some([v.x as u32, v.y as u32, v.z as u32])
     }
 
     /// The grid of a coarser level: voxel j of level l covers voxels 2^l·j … 2^l·j + 2^l − 1 of level 0.

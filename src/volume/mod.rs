@@ -7,6 +7,7 @@
 mod brick;
 mod field;
 mod grid;
+mod look;
 mod pyramid;
 mod segments;
 mod source;
@@ -15,8 +16,9 @@ mod transfer;
 mod voxels;
 
 pub use brick::{BRICK, BRICK_VOXELS, Brick, BrickIndex, BrickKey, CELL, CELLS_PER_BRICK, SLOT, SLOT_VOXELS};
-pub use field::{BrickSummary, Cells, Field, FieldKind, Refresh};
+pub use field::{BrickSummary, Cells, Changes, Field, FieldKind, Refresh};
 pub use grid::Grid;
+pub use look::{Lighting, Mode};
 pub use segments::{Segment, Segments};
 pub use source::{BrickSource, MemorySource, SourceError};
 pub use texel::{DensityMap, TexelFormat};

@@ -64,6 +64,74 @@ pub trait Value: bytemuck::Pod + Send + Sync {
     fn wrap(values: Vec<Self>) -> Voxels;
 }
 
+/// Runs `$body` with `$v` bound to the typed vector of a [`Voxels`].
+#[macro_export]
+macro_rules! with_voxels {
+    ($value:expr, $v:ident => $body:expr) => {
+        match $value {
+            $crate::volume::Voxels::U8($v) => $body,
+            $crate::volume::Voxels::I8($v) => $body,
+            $crate::volume::Voxels::U16($v) => $body,
+            $crate::volume::Voxels::I16($v) => $body,
+            $crate::volume::Voxels::U32($v) => $body,
+            $crate::volume::Voxels::I32($v) => $body,
+            $crate::volume::Voxels::U64($v) => $body,
+            $crate::volume::Voxels::I64($v) => $body,
+            $crate::volume::Voxels::F32($v) => $body,
+            $crate::volume::Voxels::F64($v) => $body,
+        }
+    };
+}
+
+/// Runs `$body` with the type `$T` that a [`VoxelType`] names.
+#[macro_export]
+macro_rules! with_voxel_type {
+    ($value:expr, $T:ident => $body:expr) => {
+        match $value {
+            $crate::volume::VoxelType::U8 => {
+                type $T = u8;
+                $body
+            }
+            $crate::volume::VoxelType::I8 => {
+                type $T = i8;
+                $body
+            }
+            $crate::volume::VoxelType::U16 => {
+                type $T = u16;
+                $body
+            }
+            $crate::volume::VoxelType::I16 => {
+                type $T = i16;
+                $body
+            }
+            $crate::volume::VoxelType::U32 => {
+                type $T = u32;
+                $body
+            }
+            $crate::volume::VoxelType::I32 => {
+                type $T = i32;
+                $body
+            }
+            $crate::volume::VoxelType::U64 => {
+                type $T = u64;
+                $body
+            }
+            $crate::volume::VoxelType::I64 => {
+                type $T = i64;
+                $body
+            }
+            $crate::volume::VoxelType::F32 => {
+                type $T = f32;
+                $body
+            }
+            $crate::volume::VoxelType::F64 => {
+                type $T = f64;
+                $body
+            }
+        }
+    };
+}
+
 macro_rules! voxels {
     ($($variant:ident $ty:ty, $round:expr;)*) => {
         /// A block of voxels in their own type, x fastest.
@@ -77,22 +145,6 @@ macro_rules! voxels {
             fn from_f64(value: f64) -> Self { let round: fn(f64) -> f64 = $round; round(value) as $ty }
             fn wrap(values: Vec<Self>) -> Voxels { Voxels::$variant(values) }
         })*
-
-        /// Runs `$body` with `$v` bound to the typed slice of a [`Voxels`].
-        #[macro_export]
-        macro_rules! with_voxels {
-            ($value:expr, $v:ident => $body:expr) => {
-                match $value { $($crate::volume::Voxels::$variant($v) => $body,)* }
-            };
-        }
-
-        /// Runs `$body` with the type `$T` that a [`VoxelType`] names.
-        #[macro_export]
-        macro_rules! with_voxel_type {
-            ($value:expr, $T:ident => $body:expr) => {
-                match $value { $($crate::volume::VoxelType::$variant => { type $T = $ty; $body })* }
-            };
-        }
     };
 }
 

@@ -1,1 +1,1 @@
-//!
+//! What the tests share: data makers and pictures, no formula under test.

@@ -1,1 +1,1 @@
-//!
+//! Commands, history, journal, projects.

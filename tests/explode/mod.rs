@@ -1,1 +1,1 @@
-//!
+//! Parts, splitters, forces.

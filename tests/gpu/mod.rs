@@ -1,1 +1,1 @@
-//!
+//! Kernels and the ray caster against plain references.

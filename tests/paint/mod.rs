@@ -1,1 +1,1 @@
-//!
+//! Brushes and strokes.
