@@ -4,6 +4,7 @@
 mod common;
 mod document;
 mod explode;
+mod floors;
 mod gpu;
 mod io;
 mod paint;
