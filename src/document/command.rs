@@ -344,6 +344,12 @@ pub enum HistoryCommand {
     },
     /// Memory for steps in bytes; older ones go to disk.
     Budget { bytes: u64 },
+    /// Opens a group: everything until its end is one step (the drag of a slider, of a part, of a point of a curve).
+    Begin {},
+    /// Closes the group: one step under the last change's name, none if nothing changed.
+    End {},
+    /// Closes the group and takes back what it did.
+    Cancel {},
 }
 
 fn one_step() -> u32 {
