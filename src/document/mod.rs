@@ -4,7 +4,12 @@
 //! answers with what it did.
 
 mod command;
+mod defaults;
+mod error;
 mod scene;
+mod state;
 
 pub use command::*;
+pub use error::DocumentError;
 pub use scene::*;
+pub use state::State;

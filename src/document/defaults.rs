@@ -1,0 +1,94 @@
+//! What a volume that was just opened looks like.
+
+use super::{Layer, Look, Origin, Scene, SliceView, ViewName, Views, Window};
+use crate::explode::{Explosion, Forces};
+use crate::math::{Camera, DVec3};
+use crate::paint::Brush;
+use crate::volume::{FieldKind, Grid, Histogram, Segments, TransferFunction};
+
+impl Scene {
+    /// Seen from the front, framed, the crosshair in the middle, colours from the histogram, nothing painted, one part.
+    pub fn new(grid: &Grid, histogram: &Histogram, origin: Origin) -> Self {
+        Self {
+            origin,
+            transfer: TransferFunction::from_histogram(histogram, grid.voxel_mm()),
+            look: Look::default(),
+            window: Window::from_histogram(histogram),
+            views: Views::new(grid),
+            layers: [(FieldKind::Colour, 1.0), (FieldKind::Selection, 0.5), (FieldKind::Labels, 0.5)]
+                .map(|(field, opacity)| Layer { field, visible: true, opacity })
+                .to_vec(),
+            segments: Segments::default(),
+            brush: Brush::default(),
+            explosion: Explosion {
+                parts: Vec::new(),
+                degree: 0.0,
+                forces: Forces::default(),
+                seed: 0,
+                next_id: 1,
+            },
+        }
+    }
+}
+
+impl Window {
+    /// Black at the smallest value, white where 99.5 % of the values lie below.
+    pub fn from_histogram(histogram: &Histogram) -> Self {
+        let total: u64 = histogram.bins.iter().sum();
+        let bin = (histogram.max - histogram.min) / histogram.bins.len().max(1) as f64;
+        let mut seen = 0;
+        let top = histogram.bins.iter().position(|n| {
+            seen += n;
+            seen as f64 >= total as f64 * 0.995
+        });
+        let width = bin * top.map_or(histogram.bins.len(), |i| i + 1) as f64;
+        let width = if width.is_finite() && width > 0.0 { width } else { 1.0 };
+        let lo = if histogram.min.is_finite() { histogram.min } else { 0.0 };
+        Self { level: lo + width * 0.5, width }
+    }
+}
+
+impl Views {
+    /// All of the volume in every view, 512 pixels square.
+    pub fn new(grid: &Grid) -> Self {
+        let bounds = grid.world_bounds();
+        let slice = SliceView {
+            centre: bounds.centre(),
+            height_mm: (bounds.max - bounds.min).max_element().max(grid.voxel_mm()),
+            size: [512; 2],
+        };
+        Self {
+            camera: Camera::framing(&bounds, DVec3::Y, DVec3::Z),
+            size: [512; 2],
+            slices: [slice; 3],
+            crosshair: bounds.centre(),
+        }
+    }
+
+    /// A slice view; `None` for the 3D view.
+    pub fn slice(&self, name: ViewName) -> Option<&SliceView> {
+        name.slice().map(|i| &self.slices[i])
+    }
+}
+
+impl ViewName {
+    /// Place in [`Views::slices`]; `None` for the 3D view.
+    pub const fn slice(self) -> Option<usize> {
+        match self {
+            Self::ThreeD => None,
+            Self::Axial => Some(0),
+            Self::Coronal => Some(1),
+            Self::Sagittal => Some(2),
+        }
+    }
+
+    /// The name in scripts and messages.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::ThreeD => "3d",
+            Self::Axial => "axial",
+            Self::Coronal => "coronal",
+            Self::Sagittal => "sagittal",
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! Why a command was refused. A command that fails has changed nothing.
+
+use crate::volume::SourceError;
+use std::path::PathBuf;
+
+/// See the module's head.
+#[derive(Debug, thiserror::Error)]
+pub enum DocumentError {
+    /// The command needs a volume.
+    #[error("nothing is open; open a volume (volume.open) or a project (project.open) first")]
+    NothingOpen,
+    /// The command needs a GPU.
+    #[error("{what} needs a GPU, and there is none: {reason}")]
+    NoGpu {
+        /// What was asked.
+        what: &'static str,
+        /// Why there is none, and what to do.
+        reason: String,
+    },
+    /// A field of the command is out of range.
+    #[error("{field}: {found} found, {expected} expected")]
+    Invalid {
+        /// Field of the command.
+        field: String,
+        /// What it held.
+        found: String,
+        /// What it may hold.
+        expected: String,
+    },
+    /// The command does not fit what is going on.
+    #[error("{0}")]
+    NotNow(String),
+    /// A file could not be read or written.
+    #[error("{}: {reason}", path.display())]
+    File {
+        /// File.
+        path: PathBuf,
+        /// What happened, and what to do.
+        reason: String,
+    },
+    /// The voxels behind the volume failed.
+    #[error(transparent)]
+    Source(#[from] SourceError),
+    /// Who watched the progress said no.
+    #[error("stopped on request; nothing was changed")]
+    Stopped,
+}
+
+impl DocumentError {
+    pub(super) fn invalid(
+        field: impl Into<String>,
+        found: impl std::fmt::Display,
+        expected: impl Into<String>,
+    ) -> Self {
+        Self::Invalid { field: field.into(), found: found.to_string(), expected: expected.into() }
+    }
+}

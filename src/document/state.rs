@@ -1,0 +1,135 @@
+//! What is open: the scene, the four fields and the source behind the density.
+//!
+//! This is all that a save writes and all that undo brings back. Knows neither history nor the GPU, and can be built on a
+//! thread of its own, since reading a volume takes seconds.
+
+use super::{DocumentError, Scene};
+use crate::volume::{BrickSource, DensityMap, Field, FieldKind, Grid, Histogram, Statistics, TexelFormat};
+use std::sync::Arc;
+
+/// See the module's head. Cheap to clone: bricks are shared.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// Everything but voxels.
+    pub scene: Scene,
+    /// The volume's values with their edits.
+    pub density: Field,
+    /// Painted colour.
+    pub colour: Field,
+    /// Degree of interest.
+    pub selection: Field,
+    /// Labels.
+    pub labels: Field,
+    /// Where unedited density comes from.
+    pub source: Arc<dyn BrickSource>,
+    /// Of the source's values.
+    pub statistics: Statistics,
+    /// Of the source's values.
+    pub histogram: Histogram,
+}
+
+impl State {
+    /// Reads the source once and starts with nothing painted. `range` are the values that 16-bit codes span, from the data
+    /// if `None`. `progress` gets the share done and answers whether to go on.
+    ///
+    /// # Errors
+    /// If the source fails, the range is not one, or `progress` said no.
+    pub fn new(
+        source: Arc<dyn BrickSource>,
+        origin: super::Origin,
+        statistics: Statistics,
+        histogram: Histogram,
+        range: Option<[f64; 2]>,
+        progress: &(dyn Fn(f32) -> bool + Sync),
+    ) -> Result<Self, DocumentError> {
+        let map = density_map(source.as_ref(), &statistics, &histogram, range)?;
+        let density = Field::from_source(source.clone(), map, progress)?.ok_or(DocumentError::Stopped)?;
+        let grid = *source.grid();
+        Ok(Self {
+            scene: Scene::new(&grid, &histogram, origin),
+            density,
+            colour: Field::blank(FieldKind::Colour, &grid),
+            selection: Field::blank(FieldKind::Selection, &grid),
+            labels: Field::blank(FieldKind::Labels, &grid),
+            source,
+            statistics,
+            histogram,
+        })
+    }
+
+    /// The lattice that all fields share.
+    pub fn grid(&self) -> &Grid {
+        self.source.grid()
+    }
+
+    /// A field by its kind.
+    pub fn field(&self, kind: FieldKind) -> &Field {
+        match kind {
+            FieldKind::Density => &self.density,
+            FieldKind::Colour => &self.colour,
+            FieldKind::Selection => &self.selection,
+            FieldKind::Labels => &self.labels,
+        }
+    }
+
+    /// The same, to change it; whoever does keeps the history.
+    pub fn field_mut(&mut self, kind: FieldKind) -> &mut Field {
+        match kind {
+            FieldKind::Density => &mut self.density,
+            FieldKind::Colour => &mut self.colour,
+            FieldKind::Selection => &mut self.selection,
+            FieldKind::Labels => &mut self.labels,
+        }
+    }
+}
+
+/// The distance between neighbouring values of integer data.
+pub(super) fn unit(source: &dyn BrickSource) -> Option<f64> {
+    let slope = source.scaling().0.abs();
+    (source.voxel_type().is_integer() && slope > 0.0).then_some(slope)
+}
+
+/// How the density is kept: 16-bit codes where every integer stays exact, or where half a code is at most 1/2000 of what the
+/// middle 98 % of the values span; 32-bit floats otherwise, and where there is a NaN, for which there is no code.
+pub(super) fn density_map(
+    source: &dyn BrickSource,
+    statistics: &Statistics,
+    histogram: &Histogram,
+    range: Option<[f64; 2]>,
+) -> Result<DensityMap, DocumentError> {
+    if let Some([lo, hi]) = range
+        && !(lo.is_finite() && hi.is_finite() && lo < hi)
+    {
+        return Err(DocumentError::invalid("range", format!("[{lo}, {hi}]"), "two finite values, the smaller first"));
+    }
+    let (min, max) = range.map_or((statistics.min, statistics.max), |[lo, hi]| (lo, hi));
+    if statistics.nan_count > 0 || !(min.is_finite() && max.is_finite()) {
+        return Ok(DensityMap::FLOAT);
+    }
+    Ok(map_over(min, max, unit(source), (range.is_none()).then(|| middle(histogram))))
+}
+
+/// The map of values in `[min, max]`; see [`density_map`]. `middle` is the width of the values that must stay apart.
+pub(super) fn map_over(min: f64, max: f64, unit: Option<f64>, middle: Option<f64>) -> DensityMap {
+    let map = DensityMap::codes(min, max, unit);
+    let exact = unit.is_some_and(|u| (max - min) / u <= 65_535.0);
+    let fine = middle.is_none_or(|m| map.half_step() <= m / 2000.0);
+    if exact || (unit.is_none() && fine) { map } else { DensityMap { format: TexelFormat::R32Float, ..DensityMap::FLOAT } }
+}
+
+/// From the first to the last hundredth of the values, never less than a bin.
+fn middle(histogram: &Histogram) -> f64 {
+    let total: u64 = histogram.bins.iter().sum();
+    let width = (histogram.max - histogram.min) / histogram.bins.len().max(1) as f64;
+    let bin_at = |share: f64| {
+        let mut seen = 0;
+        histogram.bins.iter().position(|n| {
+            seen += n;
+            seen as f64 >= total as f64 * share
+        })
+    };
+    match (bin_at(0.01), bin_at(0.99)) {
+        (Some(a), Some(b)) => width * (b - a + 1) as f64,
+        _ => width,
+    }
+}
