@@ -20,13 +20,7 @@ impl Scene {
                 .to_vec(),
             segments: Segments::default(),
             brush: Brush::default(),
-            explosion: Explosion {
-                parts: Vec::new(),
-                degree: 0.0,
-                forces: Forces::default(),
-                seed: 0,
-                next_id: 1,
-            },
+            explosion: Explosion { parts: Vec::new(), degree: 0.0, forces: Forces::default(), seed: 0, next_id: 1 },
         }
     }
 }
