@@ -7,9 +7,11 @@ mod command;
 mod defaults;
 mod error;
 mod scene;
+mod slice_plane;
 mod state;
 
 pub use command::*;
 pub use error::DocumentError;
 pub use scene::*;
+pub use slice_plane::{SlicePlane, side_letter};
 pub use state::State;
