@@ -1,1 +1,5 @@
-//! (floor under construction)
+//! The GPU floor: device, brick pools, kernels and the ray caster.
+
+mod body;
+
+pub use body::{Body, Frame, Mask, Overlay};
