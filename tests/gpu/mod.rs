@@ -1,1 +1,4 @@
 //! Kernels and the ray caster against plain references.
+
+mod cast_image;
+mod cast_tiles;
