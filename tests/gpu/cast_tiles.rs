@@ -55,7 +55,10 @@ fn check(pieces: &[Piece], camera: &Camera, window: &Window) -> Tiles {
             let all = pieces.iter().filter(|p| interval(&p.planes, &ray).is_some()).count();
             assert_eq!(met.len(), all, "pixel {x} {y}: a body of this ray is not in its tile's list");
             if !merge {
-                assert!(met.windows(2).all(|w| w[0].1 <= w[1].0 + 1e-6), "pixel {x} {y}: {met:?} not in order of sight");
+                assert!(
+                    met.windows(2).all(|w| w[0].1 <= w[1].0 + 1e-6),
+                    "pixel {x} {y}: {met:?} not in order of sight"
+                );
             }
         }
     }
