@@ -1,7 +1,8 @@
 //! What a stroke paints with. All lengths are millimetres, also on anisotropic grids.
 
+use super::PaintError;
 use crate::math::DVec3;
-use crate::volume::FieldKind;
+use crate::volume::{DensityMap, Field, FieldKind, TexelFormat};
 use serde::{Deserialize, Serialize};
 
 /// The footprint's form.
@@ -27,16 +28,22 @@ pub enum Falloff {
 }
 
 /// The `op` of equation 1, and how dabs of a stroke add up.
+///
+/// Colours (straight, display-referred r, g, b, a) mix as amounts of paint, that is, multiplied by their alpha: P and C are
+/// (r·a, g·a, b·a, a), and the result is divided by its alpha again. So a weak dab on bare ground has the brush's full hue at
+/// a low alpha instead of a dark fringe, and fading out keeps the hue. What ends at alpha 0 is 0 in all four.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Operation {
-    /// C op P = C.
+    /// C op P = C; a colour brings its alpha with it.
     Replace,
-    /// C op P = P + C, clamped at the stroke's end.
+    /// C op P = P + C, clamped to what the field can hold. A label is taken as by `Replace`.
     Add,
-    /// C op P = P − C, clamped at the stroke's end.
+    /// C op P = P − C, clamped likewise. From a colour it takes r, g, b times the brush's alpha and leaves the paint's own alpha;
+    /// from labels it takes the brush's label and no other.
     Subtract,
-    /// C op P = mix of both by the brush's own opacity.
+    /// C op P = mix of both by the brush's own opacity: a colour lies over the paint by its alpha. Density, selection and labels
+    /// have no opacity of their own: as `Replace`.
     Blend,
     /// C op P = the value before any edit: the source's density, no colour, no selection, no label.
     Restore,
@@ -117,6 +124,70 @@ impl Default for Brush {
             range: None,
             erase: false,
         }
+    }
+}
+
+impl Brush {
+    /// What it really does: erasing is restoring, whatever the operation.
+    pub fn effective(&self) -> Operation {
+        if self.erase { Operation::Restore } else { self.operation }
+    }
+
+    /// # Errors
+    /// If a setting is outside of its range; names the first.
+    pub fn check(&self) -> Result<(), PaintError> {
+        let wrong = |field, found: String, expected| Err(PaintError::Brush { field, found, expected });
+        if !(self.radius_mm >= 0.0 && self.radius_mm < 1e100) {
+            return wrong("radius_mm", self.radius_mm.to_string(), "a finite length in mm, 0 or more");
+        }
+        if !(0.0..=1.0).contains(&self.strength) {
+            return wrong("strength", self.strength.to_string(), "0 to 1");
+        }
+        if !(self.spacing > 0.0 && self.spacing <= 0.25) {
+            return wrong("spacing", self.spacing.to_string(), "a share of the radius above 0 and at most 0.25");
+        }
+        match self.target {
+            Target::Density(value) if !value.is_finite() => {
+                return wrong("target.density", value.to_string(), "a finite value in the volume's unit");
+            }
+            Target::Colour(rgba) if !rgba.iter().all(|c| (0.0..=1.0).contains(c)) => {
+                return wrong("target.colour", format!("{rgba:?}"), "four numbers from 0 to 1");
+            }
+            Target::Selection(value) if !(0.0..=1.0).contains(&value) => {
+                return wrong("target.selection", value.to_string(), "0 to 1");
+            }
+            _ => {}
+        }
+        match self.range {
+            Some([lo, hi]) if lo.partial_cmp(&hi).is_none_or(std::cmp::Ordering::is_gt) => {
+                wrong("range", format!("[{lo}, {hi}]"), "two values, the first not above the second")
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The range of values that density must be able to hold before this brush paints on it, if its 16-bit codes cannot yet:
+    /// the union of their range and what the brush can make. For `Add` and `Subtract` room is made for one full application
+    /// to the field's extremes; building up beyond that is clamped.
+    pub fn range_needed(&self, density: &Field) -> Option<[f64; 2]> {
+        let Target::Density(value) = self.target else { return None };
+        if density.format() != TexelFormat::R16Unorm {
+            return None;
+        }
+        let map: &DensityMap = density.map();
+        let [lo, hi] = match self.effective() {
+            Operation::Restore => return None,
+            Operation::Replace | Operation::Blend => [value, value],
+            Operation::Add | Operation::Subtract => {
+                let sign = if self.effective() == Operation::Add { 1.0 } else { -1.0 };
+                let share = if self.tip == Tip::Wash { f64::from(self.strength) } else { 1.0 };
+                let offset = sign * share * value;
+                let [min, max] = density.extremes();
+                [f64::from(min) + offset.min(0.0), f64::from(max) + offset.max(0.0)]
+            }
+        };
+        let slack = map.half_step();
+        (lo < map.lo - slack || hi > map.hi() + slack).then(|| [lo.min(map.lo), hi.max(map.hi())])
     }
 }
 

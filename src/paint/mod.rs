@@ -1,8 +1,14 @@
-//! Painting, as arithmetic: brushes, strokes, dabs, and what a dab does to a texel.
+//! Painting, as arithmetic: brushes, strokes, dabs, and how much of a dab a voxel gets.
 //!
 //! Pure: knows fields and geometry, neither the GPU nor documents. Direct Volume Editing (2008) section 3, equations 1 and 2
 //! in the form P′ = P + G·((C op P) − P), G = strength·F(d), F = 0 beyond the support.
 
 mod brush;
+mod dab;
+mod error;
+mod path;
 
 pub use brush::{Brush, Falloff, Operation, Sample, Shape, Target, Tip};
+pub use dab::{Dab, EDGE, Footprint, IndexBox};
+pub use error::PaintError;
+pub use path::{MAX_DABS, StrokePath};

@@ -244,6 +244,14 @@ impl Field {
         self.about.get(&key).unwrap_or(&EMPTY).0
     }
 
+    /// Smallest and largest value of the whole field, in one pass over the summaries of level 0; min > max if all is NaN.
+    pub fn extremes(&self) -> [f32; 2] {
+        self.brick_indices(0)
+            .into_iter()
+            .map(|index| self.summary(BrickKey { level: 0, index }))
+            .fold([f32::INFINITY, f32::NEG_INFINITY], |[lo, hi], s| [lo.min(s.min), hi.max(s.max)])
+    }
+
     /// Minima and maxima of the cells of a brick of any level.
     pub fn cells(&self, key: BrickKey) -> Cells {
         self.about.get(&key).unwrap_or(&EMPTY).1.clone()
@@ -312,11 +320,23 @@ impl Field {
         self.read(key.level, lo, [SLOT; 3])
     }
 
+    /// The slot of a brick of level 0 as it is without edits.
+    ///
+    /// # Errors
+    /// If the source fails.
+    pub fn base_slot(&self, index: BrickIndex) -> Result<Vec<u8>, SourceError> {
+        self.read_box(0, index.origin().map(|o| i64::from(o) - 1), [SLOT; 3], false)
+    }
+
     /// Any box of texels of a level, x fastest; voxels outside repeat the volume's border.
     ///
     /// # Errors
     /// If the source fails.
     pub fn read(&self, level: u8, lo: [i64; 3], size: [u32; 3]) -> Result<Vec<u8>, SourceError> {
+        self.read_box(level, lo, size, true)
+    }
+
+    fn read_box(&self, level: u8, lo: [i64; 3], size: [u32; 3], edits: bool) -> Result<Vec<u8>, SourceError> {
         let dims = self.dims(level);
         let bytes = self.format.bytes();
         // The part inside the volume, at least one voxel thick so that there is something to repeat.
@@ -334,7 +354,7 @@ impl Field {
             }
             _ => block.resize(inner.iter().map(|&s| s as usize).product::<usize>() * bytes, 0),
         }
-        if !(level == 0 && self.edits.is_empty()) {
+        if edits && !(level == 0 && self.edits.is_empty()) {
             for z in low[2]..=high[2] {
                 for y in low[1]..=high[1] {
                     for x in low[0]..=high[0] {

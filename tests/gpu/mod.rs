@@ -1,4 +1,1 @@
 //! Kernels and the ray caster against plain references.
-
-mod cast_image;
-mod cast_tiles;

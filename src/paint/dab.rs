@@ -1,0 +1,184 @@
+//! One footprint of a brush, and which voxels get how much of it.
+//!
+//! Distances are millimetres of the world on any grid, measured through `world_from_index` from voxel centre to dab centre.
+//! Direct Volume Editing (2008), equation 2: G = strength·F(d/m), zero beyond the support m.
+
+use super::{Brush, Falloff, Shape};
+use crate::math::{DMat3, DVec3};
+use crate::volume::{BRICK, BrickIndex, Grid};
+
+/// A voxel further from the centre than the radius by less than this share counts as lying on it, so that a voxel at exactly
+/// the radius is inside however its distance is rounded (f64 here, f32 in the kernel).
+pub const EDGE: f64 = 2e-6;
+
+/// One footprint along a stroke.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dab {
+    /// World mm at rest.
+    pub centre: DVec3,
+    /// Support m of equation 2, mm. 0: the one voxel that holds the centre.
+    pub radius_mm: f64,
+    /// 0..1, scales the brush's strength.
+    pub pressure: f32,
+    /// Normal of the slice for a disc; a ball ignores it.
+    pub normal: DVec3,
+}
+
+/// A box of voxels, never empty.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct IndexBox {
+    /// First voxel.
+    pub lo: [u32; 3],
+    /// One past the last voxel.
+    pub end: [u32; 3],
+}
+
+impl IndexBox {
+    /// Bricks that hold a voxel of the box, x fastest.
+    pub fn bricks(&self) -> impl Iterator<Item = BrickIndex> + use<> {
+        bricks_between(self.lo.map(|v| v / BRICK), self.end.map(|v| (v - 1) / BRICK))
+    }
+
+    /// Bricks whose slot (a brick with one voxel of apron) shows a voxel of the box, in a volume of `dims` voxels.
+    pub fn slots(&self, dims: [u32; 3]) -> impl Iterator<Item = BrickIndex> + use<> {
+        let lo = self.lo.map(|v| v.saturating_sub(1) / BRICK);
+        bricks_between(lo, std::array::from_fn(|a| self.end[a].min(dims[a] - 1) / BRICK))
+    }
+
+    /// The smallest box around both.
+    #[must_use]
+    pub fn union(&self, other: &Self) -> Self {
+        Self {
+            lo: std::array::from_fn(|a| self.lo[a].min(other.lo[a])),
+            end: std::array::from_fn(|a| self.end[a].max(other.end[a])),
+        }
+    }
+}
+
+fn bricks_between(lo: [u32; 3], hi: [u32; 3]) -> impl Iterator<Item = BrickIndex> {
+    (lo[2]..=hi[2])
+        .flat_map(move |z| (lo[1]..=hi[1]).flat_map(move |y| (lo[0]..=hi[0]).map(move |x| BrickIndex([x, y, z]))))
+}
+
+/// The layer of voxels that a disc lies in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DiscLayer {
+    /// Voxel axis across the layer: the one whose layers are most nearly normal to the dab's normal.
+    pub axis: usize,
+    /// Index along it.
+    pub index: u32,
+    /// Unit normal of the layer in the world; on a sheared grid not the direction of the axis.
+    pub normal: DVec3,
+}
+
+/// A dab laid on a grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Footprint {
+    /// Where the dab's centre is; with radius 0 the centre of the voxel that holds it. Continuous index.
+    pub centre: DVec3,
+    /// mm.
+    pub radius_mm: f64,
+    /// Strength times pressure.
+    pub gain: f32,
+    /// For a disc.
+    pub layer: Option<DiscLayer>,
+    /// All voxels with G > 0 are in here.
+    pub bounds: IndexBox,
+    falloff: Falloff,
+    world_from_index: DMat3,
+}
+
+impl Dab {
+    /// The dab on a grid; `None` if it meets no voxel's neighbourhood or has no strength.
+    pub fn footprint(&self, brush: &Brush, grid: &Grid) -> Option<Footprint> {
+        let inverse = grid.index_from_world();
+        let mut centre = inverse.transform_point3(self.centre);
+        let gain = brush.strength * self.pressure;
+        if !(gain > 0.0 && centre.is_finite()) {
+            return None;
+        }
+        // Row a of the inverse is the gradient of index a: normal to the layers of axis a, as long as 1 / their distance.
+        let rows = inverse.matrix3.transpose();
+        let mut reach = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length()) * self.radius_mm;
+        let mut shown = centre;
+        let mut layer = None;
+        if brush.shape == Shape::Disc {
+            let found = disc_layer(self.normal, centre, &rows, grid)?;
+            // Distances count in the layer, so the disc is about the foot of the perpendicular.
+            let lift = (f64::from(found.index) - centre[found.axis]) / rows.col(found.axis).length();
+            shown = centre + inverse.matrix3 * (found.normal * lift);
+            for a in 0..3 {
+                let row = rows.col(a);
+                reach[a] = self.radius_mm * (row - found.normal * row.dot(found.normal)).length();
+            }
+            reach[found.axis] = 0.0;
+            shown[found.axis] = f64::from(found.index);
+            layer = Some(found);
+        }
+        let bounds = if self.radius_mm == 0.0 {
+            let voxel = grid.voxel_at(centre)?;
+            centre = DVec3::new(f64::from(voxel[0]), f64::from(voxel[1]), f64::from(voxel[2]));
+            IndexBox { lo: voxel, end: voxel.map(|v| v + 1) }
+        } else {
+            // The slack of EDGE, and of the inverse's rounding.
+            let slack = reach * EDGE + (shown.abs() + 1.0) * 1e-12;
+            let lo = (shown - reach - slack).ceil().max(DVec3::ZERO);
+            let end = ((shown + reach + slack).floor() + 1.0).min(grid.dims_f64());
+            if !lo.cmplt(end).all() {
+                return None;
+            }
+            IndexBox { lo: lo.to_array().map(|v| v as u32), end: end.to_array().map(|v| v as u32) }
+        };
+        Some(Footprint {
+            centre,
+            radius_mm: self.radius_mm,
+            gain,
+            layer,
+            bounds,
+            falloff: brush.falloff,
+            world_from_index: grid.world_from_index.matrix3,
+        })
+    }
+}
+
+/// The layer nearest to the centre; `None` outside the volume.
+fn disc_layer(normal: DVec3, centre: DVec3, rows: &DMat3, grid: &Grid) -> Option<DiscLayer> {
+    let lean = |a: usize| (rows.col(a).normalize().dot(normal)).abs();
+    let axis = (0..3).fold(0, |best, a| if lean(a) > lean(best) { a } else { best });
+    let index = (centre[axis] + 0.5).floor();
+    (index >= 0.0 && index < f64::from(grid.dims[axis])).then(|| DiscLayer {
+        axis,
+        index: index as u32,
+        normal: rows.col(axis).normalize(),
+    })
+}
+
+impl Footprint {
+    /// G of equation 2 for a voxel: strength · pressure · F(d / radius), 0 beyond the support.
+    pub fn coverage(&self, voxel: [u32; 3]) -> f64 {
+        let at = DVec3::new(f64::from(voxel[0]), f64::from(voxel[1]), f64::from(voxel[2]));
+        let mut d = self.world_from_index * (at - self.centre);
+        if let Some(layer) = self.layer {
+            if voxel[layer.axis] != layer.index {
+                return 0.0;
+            }
+            d -= layer.normal * layer.normal.dot(d);
+        }
+        f64::from(self.gain) * self.falloff.at(d.length(), self.radius_mm)
+    }
+}
+
+impl Falloff {
+    /// F: 1 at the centre, 0 beyond the radius; radius 0 is 1 at distance 0 only.
+    pub fn at(self, distance_mm: f64, radius_mm: f64) -> f64 {
+        if distance_mm > radius_mm * (1.0 + EDGE) {
+            return 0.0;
+        }
+        let x = if radius_mm > 0.0 { (distance_mm / radius_mm).min(1.0) } else { 0.0 };
+        match self {
+            Self::Hard => 1.0,
+            Self::Linear => 1.0 - x,
+            Self::Smooth => (1.0 - x * x) * (1.0 - x * x),
+        }
+    }
+}
