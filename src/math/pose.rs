@@ -51,6 +51,12 @@ impl Pose {
         Plane { normal, offset: plane.offset + normal.dot(self.translation) }
     }
 
+    /// A plane of the world, seen from the part at rest.
+    pub fn unapply_plane(&self, plane: &Plane) -> Plane {
+        let offset = plane.offset - plane.normal.dot(self.translation);
+        Plane { normal: self.rotation.inverse() * plane.normal, offset }
+    }
+
     /// A ray of the world, seen from the part at rest; parameters along it stay the same.
     pub fn unapply_ray(&self, ray: &Ray) -> Ray {
         Ray { origin: self.unapply(ray.origin), dir: self.rotation.inverse() * ray.dir }

@@ -1,0 +1,34 @@
+//! What can be wrong with an explosion or with a request to change it.
+
+use super::PartId;
+
+/// See the module's head.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ExplodeError {
+    /// No part has this id.
+    #[error("part {found:?} does not exist; the parts are {parts:?}")]
+    NoSuchPart {
+        /// What was asked for.
+        found: PartId,
+        /// What there is.
+        parts: Vec<PartId>,
+    },
+    /// A splitter has no plane.
+    #[error("the {splitter} splitter has no plane: {reason}")]
+    NoPlane {
+        /// `axis`, `depth`, `line` or `plane`.
+        splitter: &'static str,
+        /// What to do.
+        reason: &'static str,
+    },
+    /// A stored or given explosion is not one.
+    #[error("{field}: {found} found, {expected} expected")]
+    Invalid {
+        /// Path of the field, as in a project's JSON.
+        field: String,
+        /// What it held.
+        found: String,
+        /// What it should hold.
+        expected: &'static str,
+    },
+}
