@@ -41,7 +41,10 @@ impl Explosion {
                 let on: Vec<DVec3> = (0..8).filter(|i| i >> axis & 1 == side).map(|i| corners[i]).collect();
                 let normal = (on[1] - on[0]).cross(on[2] - on[0]).normalize_or(DVec3::AXES[axis]);
                 let plane = Plane { normal, offset: normal.dot(on[0]) };
-                faces.push(Face { plane: if plane.distance(centre) > 0.0 { plane.flipped() } else { plane }, cut: false });
+                faces.push(Face {
+                    plane: if plane.distance(centre) > 0.0 { plane.flipped() } else { plane },
+                    cut: false,
+                });
             }
         }
         let id = PartId(1);
@@ -228,7 +231,11 @@ impl Forces {
 fn check_pose(pose: &Pose, field: &str) -> Result<(), ExplodeError> {
     let rigid = (pose.rotation.length() - 1.0).abs() < 1e-3 && pose.translation.is_finite();
     let small = pose.translation.abs().max_element() < 1e9;
-    if rigid && small { Ok(()) } else { Err(invalid(field, format!("{pose:?}"), "a unit quaternion and finite millimetres")) }
+    if rigid && small {
+        Ok(())
+    } else {
+        Err(invalid(field, format!("{pose:?}"), "a unit quaternion and finite millimetres"))
+    }
 }
 
 fn within(field: &str, found: f64, lo: f64, hi: f64, expected: &'static str) -> Result<(), ExplodeError> {

@@ -107,7 +107,13 @@ impl Explosion {
     ///
     /// # Errors
     /// If the segment has no length.
-    pub fn meeting(&self, camera: &Camera, from: DVec2, to: DVec2, size: [u32; 2]) -> Result<Vec<PartId>, ExplodeError> {
+    pub fn meeting(
+        &self,
+        camera: &Camera,
+        from: DVec2,
+        to: DVec2,
+        size: [u32; 2],
+    ) -> Result<Vec<PartId>, ExplodeError> {
         let plane = line_plane(camera, from, to, size)?;
         let meets = |p: &&Part| p.visible && p.meets(camera, from, to, size, &plane);
         Ok(self.parts.iter().filter(meets).map(|p| p.id).collect())
