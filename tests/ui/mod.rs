@@ -1,1 +1,15 @@
-//! The window.
+//! The window and its tools: pure state machines, panels driven by accessible names, and one real window.
+
+mod interact;
+
+use burin::document::{Origin, Scene};
+use burin::math::DVec3;
+use burin::volume::{Grid, Histogram};
+
+/// 64 × 64 × 32 voxels of 1 × 1 × 2 mm, values 0 to 100, nothing painted.
+fn scene() -> (Grid, Scene) {
+    let grid = Grid::aligned([64, 64, 32], DVec3::new(1.0, 1.0, 2.0), DVec3::ZERO);
+    let histogram = Histogram { min: 0.0, max: 100.0, bins: (0..50).map(|i| 1000 / (i + 1)).collect() };
+    let scene = Scene::new(&grid, &histogram, Origin { path: "small.nii".into(), component: 0, frame: 0 });
+    (grid, scene)
+}

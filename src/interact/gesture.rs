@@ -1,0 +1,162 @@
+//! What a held button is doing, from its press to its release.
+
+use super::brush::set_erase;
+use super::slices::{crosshair, set_window, windowed};
+use super::{Hit, PointerEvent, Tool};
+use crate::document::{
+    Command, HistoryCommand, PartCommand, Place, Scene, Splitter, StrokeCommand, StrokePoint, ViewCommand, ViewName,
+    Window,
+};
+use crate::explode::{Axis, PartId};
+use crate::math::{Camera, DQuat, DVec2, DVec3, Pose};
+
+/// A press this close to its release, in pixels, is a click.
+const CLICK_PX: f64 = 4.0;
+/// Degrees that a drag across the picture's height turns.
+const DEGREES_PER_HEIGHT: f64 = 180.0;
+
+/// See the module's head. Positions are pixels of the view where it began.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(missing_docs)] // fields: the variant's own text says what they are
+pub enum Gesture {
+    /// Turns the camera; `start` comes back on abort.
+    Orbit { start: Camera, last: DVec2 },
+    /// Shifts a view.
+    Pan { view: ViewName, start: DVec2, last: DVec2 },
+    /// Zooms a view.
+    Zoom { view: ViewName, start: DVec2, last: DVec2 },
+    /// Grey window of the slices; one step of history.
+    Window { start: Window, from: DVec2 },
+    /// Crosshair follows.
+    Crosshair { view: ViewName },
+    /// A stroke. `erase`: the brush was set to take away for this stroke only.
+    Stroke { view: ViewName, last: DVec2, erase: bool },
+    /// A splitter that waits for its click to end.
+    Click { tool: Tool, from: DVec2, axis: Axis },
+    /// The line splitter's line.
+    Line { from: DVec2, to: DVec2 },
+    /// A part under the hand; one step of history.
+    Part { id: PartId, start: Pose, from: DVec2, hit: Hit, turn: bool, centre: DVec3, moved: bool },
+}
+
+impl Gesture {
+    /// Commands of its start.
+    pub(super) fn start(&self, e: &PointerEvent) -> Vec<Command> {
+        match self {
+            Self::Crosshair { view } => vec![crosshair(*view, e.px, e.size)],
+            Self::Stroke { erase, .. } => {
+                let begin = Command::Stroke(StrokeCommand::Begin { points: vec![stroke_point(e)] });
+                if *erase { vec![set_erase(true), begin] } else { vec![begin] }
+            }
+            Self::Window { .. } | Self::Part { .. } => vec![Command::History(HistoryCommand::Begin {})],
+            _ => Vec::new(),
+        }
+    }
+
+    /// The pointer moved.
+    pub(super) fn drag(&mut self, e: &PointerEvent, scene: &Scene) -> Vec<Command> {
+        let height = e.size[1].max(1);
+        match self {
+            Self::Orbit { last, .. } => {
+                let d = (e.px - *last) / f64::from(height) * DEGREES_PER_HEIGHT;
+                *last = e.px;
+                vec![Command::View(ViewCommand::Orbit { azimuth_deg: -d.x, elevation_deg: d.y })]
+            }
+            Self::Pan { view, last, .. } => {
+                let px = (e.px - *last).to_array();
+                *last = e.px;
+                vec![Command::View(ViewCommand::Pan { view: *view, px })]
+            }
+            Self::Zoom { view, last, .. } => {
+                let factor = zoom_factor(*last, e.px, height);
+                *last = e.px;
+                vec![Command::View(ViewCommand::Zoom { view: *view, factor })]
+            }
+            Self::Window { start, from } => vec![set_window(windowed(*start, e.px - *from, height))],
+            Self::Crosshair { view } => vec![crosshair(*view, e.px, e.size)],
+            Self::Stroke { last, .. } => {
+                if e.px == *last {
+                    return Vec::new();
+                }
+                *last = e.px;
+                vec![Command::Stroke(StrokeCommand::Extend { points: vec![stroke_point(e)] })]
+            }
+            Self::Click { .. } => Vec::new(),
+            Self::Line { to, .. } => {
+                *to = e.px;
+                Vec::new()
+            }
+            Self::Part { id, start, from, hit, turn, centre, moved } => {
+                // A click alone must not pin the part.
+                *moved |= e.px != *from;
+                if !*moved {
+                    return Vec::new();
+                }
+                let pose = pose_of_drag(&scene.views.camera, *start, *from, e, hit, *turn, *centre);
+                vec![Command::Part(PartCommand::Move { id: *id, pose })]
+            }
+        }
+    }
+
+    /// The button went up.
+    pub(super) fn commit(self, e: &PointerEvent) -> Vec<Command> {
+        let split = |by| vec![Command::Part(PartCommand::Split { by, size: Some(e.size) })];
+        match self {
+            Self::Stroke { erase, .. } => {
+                let end = Command::Stroke(StrokeCommand::End {});
+                if erase { vec![end, set_erase(false)] } else { vec![end] }
+            }
+            Self::Click { tool, from, axis } if from.distance(e.px) <= CLICK_PX => match tool {
+                Tool::DepthSplit => split(Splitter::Depth { px: from.to_array() }),
+                _ => split(Splitter::Axis { px: from.to_array(), axis }),
+            },
+            Self::Line { from, to } if from.distance(to) > CLICK_PX => {
+                split(Splitter::Line { from: from.to_array(), to: to.to_array() })
+            }
+            Self::Window { .. } | Self::Part { .. } => vec![Command::History(HistoryCommand::End {})],
+            _ => Vec::new(),
+        }
+    }
+
+    /// Everything as it was at the start.
+    pub(super) fn abort(self, height: u32) -> Vec<Command> {
+        match self {
+            Self::Orbit { start, .. } => vec![Command::View(ViewCommand::Camera { camera: start })],
+            Self::Pan { view, start, last } => {
+                vec![Command::View(ViewCommand::Pan { view, px: (start - last).to_array() })]
+            }
+            Self::Zoom { view, start, last } => {
+                vec![Command::View(ViewCommand::Zoom { view, factor: zoom_factor(last, start, height.max(1)) })]
+            }
+            Self::Stroke { erase, .. } => {
+                let cancel = Command::Stroke(StrokeCommand::Cancel {});
+                if erase { vec![cancel, set_erase(false)] } else { vec![cancel] }
+            }
+            Self::Window { .. } | Self::Part { .. } => vec![Command::History(HistoryCommand::Cancel {})],
+            Self::Crosshair { .. } | Self::Click { .. } | Self::Line { .. } => Vec::new(),
+        }
+    }
+}
+
+fn stroke_point(e: &PointerEvent) -> StrokePoint {
+    let at = Place::Pixel { view: e.view, px: e.px.to_array(), size: Some(e.size) };
+    StrokePoint { at, pressure: e.pressure }
+}
+
+fn zoom_factor(from: DVec2, to: DVec2, height: u32) -> f64 {
+    ((to.y - from.y) / f64::from(height) * 3.0).exp2()
+}
+
+/// Where a part is after a drag: shifted in the plane of the picture at the depth where it was taken, or turned about its centre.
+fn moved(camera: &Camera, start: Pose, from: DVec2, e: &PointerEvent, hit: &Hit, turn: bool, centre: DVec3) -> Pose {
+    let d = e.px - from;
+    let (right, up) = camera.right_up();
+    if turn {
+        let angle = d / f64::from(e.size[1].max(1)) * DEGREES_PER_HEIGHT.to_radians();
+        let rotation = DQuat::from_axis_angle(up, angle.x) * DQuat::from_axis_angle(right, angle.y);
+        let about = Pose::about(start.apply(centre), rotation, DVec3::ZERO);
+        return Pose { rotation: rotation * start.rotation, translation: about.apply(start.translation) };
+    }
+    let mm = camera.mm_per_pixel(hit.depth_mm, e.size[1]);
+    Pose { translation: start.translation + right * (d.x * mm) - up * (d.y * mm), ..start }
+}

@@ -1,0 +1,172 @@
+//! The machine: which tool, which gesture, and what comes of an event.
+
+use super::brush::set_radius;
+use super::{Button, Event, Gesture, PointerEvent, Tool, Wheel};
+use crate::document::{Command, Scene, ViewCommand, ViewName};
+use crate::explode::{Axis, Part};
+use crate::math::DVec3;
+
+/// One step of the brush's size.
+pub(super) const SIZE_STEP: f64 = 1.15;
+/// Largest brush in mm.
+const LARGEST_MM: f64 = 500.0;
+/// One notch of zoom.
+const ZOOM_STEP: f64 = 1.15;
+
+/// What a tool may look at.
+#[derive(Clone, Copy, Debug)]
+pub struct Context<'a> {
+    /// The scene as last seen.
+    pub scene: &'a Scene,
+    /// The smallest spacing in mm: the smallest brush that one can still grow is half of it.
+    pub voxel_mm: f64,
+}
+
+/// See the module's head.
+#[derive(Clone, Debug, Default)]
+pub struct Interaction {
+    tool: Tool,
+    gesture: Option<(Button, Gesture, u32)>,
+    notches: f64,
+}
+
+impl Interaction {
+    /// The tool in hand.
+    pub fn tool(&self) -> Tool {
+        self.tool
+    }
+
+    /// Takes another tool; what runs is taken back.
+    pub fn choose(&mut self, tool: Tool) -> Vec<Command> {
+        let commands = self.abort();
+        self.tool = tool;
+        commands
+    }
+
+    /// The gesture that runs.
+    pub fn gesture(&self) -> Option<&Gesture> {
+        self.gesture.as_ref().map(|(_, g, _)| g)
+    }
+
+    /// Takes in an event, answers what is to be done.
+    pub fn handle(&mut self, event: Event, context: &Context<'_>) -> Vec<Command> {
+        match event {
+            Event::Press(button, e) => self.press(button, &e, context),
+            Event::Move(e) => match &mut self.gesture {
+                Some((_, gesture, _)) => gesture.drag(&e, context.scene),
+                None => Vec::new(),
+            },
+            Event::Release(button, e) => match self.gesture.take() {
+                Some((held, mut gesture, _)) if held == button => {
+                    let mut commands = gesture.drag(&e, context.scene);
+                    commands.extend(gesture.commit(&e));
+                    commands
+                }
+                other => {
+                    self.gesture = other;
+                    Vec::new()
+                }
+            },
+            Event::Wheel(wheel) => self.wheel(&wheel, context),
+            Event::Abort => self.abort(),
+        }
+    }
+
+    /// Another size for the brush.
+    pub fn sized(factor: f64, context: &Context<'_>) -> Command {
+        let old = context.scene.brush.radius_mm.max(context.voxel_mm * 0.5);
+        let radius = (old * factor).clamp(context.voxel_mm * 0.5, LARGEST_MM);
+        // Three digits are what a person reads; the rest would only show as noise in the field.
+        let digits = 10.0_f64.powi(2 - radius.log10().floor() as i32);
+        set_radius((radius * digits).round() / digits)
+    }
+
+    fn press(&mut self, button: Button, e: &PointerEvent, context: &Context<'_>) -> Vec<Command> {
+        if self.gesture.is_some() {
+            return Vec::new();
+        }
+        let Some(gesture) = self.gesture_of(button, e, context) else { return Vec::new() };
+        let commands = gesture.start(e);
+        self.gesture = Some((button, gesture, e.size[1]));
+        commands
+    }
+
+    fn gesture_of(&self, button: Button, e: &PointerEvent, context: &Context<'_>) -> Option<Gesture> {
+        let three_d = e.view == ViewName::ThreeD;
+        let orbit = Gesture::Orbit { start: context.scene.views.camera, last: e.px };
+        let pan = Gesture::Pan { view: e.view, start: e.px, last: e.px };
+        match button {
+            Button::Middle => return Some(pan),
+            Button::Secondary if three_d => return Some(Gesture::Zoom { view: e.view, start: e.px, last: e.px }),
+            Button::Secondary => return Some(Gesture::Window { start: context.scene.window, from: e.px }),
+            Button::Primary => {}
+        }
+        if e.modifiers.space {
+            return Some(pan);
+        }
+        if e.modifiers.alt {
+            return Some(if three_d { orbit } else { pan });
+        }
+        let can_point = !three_d || e.hit.is_some();
+        match self.tool {
+            // Shift is the axis splitter's own.
+            tool if e.modifiers.shift && tool != Tool::AxisSplit => {
+                can_point.then_some(Gesture::Crosshair { view: e.view })
+            }
+            Tool::Navigate if three_d => Some(orbit),
+            Tool::Brush if !three_d || e.hit.is_some() => {
+                let erase = e.modifiers.erase && !context.scene.brush.erase;
+                Some(Gesture::Stroke { view: e.view, last: e.px, erase })
+            }
+            Tool::LineSplit if three_d => Some(Gesture::Line { from: e.px, to: e.px }),
+            Tool::AxisSplit | Tool::DepthSplit if three_d && e.hit.is_some() => {
+                let axis = if e.modifiers.shift { Axis::Vertical } else { Axis::Horizontal };
+                Some(Gesture::Click { tool: self.tool, from: e.px, axis })
+            }
+            Tool::MovePart if three_d => Some(self.part_gesture(e, context).unwrap_or(orbit)),
+            _ if three_d => Some(orbit),
+            _ => Some(Gesture::Crosshair { view: e.view }),
+        }
+    }
+
+    fn part_gesture(&self, e: &PointerEvent, context: &Context<'_>) -> Option<Gesture> {
+        let hit = e.hit?;
+        let part = context.scene.explosion.parts.iter().find(|p| Some(p.id) == hit.part)?;
+        let (start, centre) = (part.pose, centre_of(part));
+        Some(Gesture::Part { id: part.id, start, from: e.px, hit, turn: e.modifiers.ctrl, centre, moved: false })
+    }
+
+    fn wheel(&mut self, wheel: &Wheel, context: &Context<'_>) -> Vec<Command> {
+        let zoom = || {
+            let factor = ZOOM_STEP.powf(-wheel.notches);
+            vec![Command::View(ViewCommand::Zoom { view: wheel.view, factor })]
+        };
+        if wheel.modifiers.ctrl {
+            return zoom();
+        }
+        if wheel.modifiers.shift {
+            return vec![Self::sized(SIZE_STEP.powf(wheel.notches), context)];
+        }
+        if wheel.view == ViewName::ThreeD {
+            return zoom();
+        }
+        // Touchpads send fractions; a slice is stepped when they make a whole one.
+        self.notches += wheel.notches;
+        let voxels = self.notches.trunc();
+        self.notches -= voxels;
+        if voxels == 0.0 {
+            return Vec::new();
+        }
+        vec![Command::View(ViewCommand::Scroll { view: wheel.view, voxels: voxels as i32 })]
+    }
+
+    fn abort(&mut self) -> Vec<Command> {
+        self.gesture.take().map_or_else(Vec::new, |(_, gesture, height)| gesture.abort(height))
+    }
+}
+
+/// The mean of a part's corners at rest, about which it turns.
+fn centre_of(part: &Part) -> DVec3 {
+    let n = part.vertices.len().max(1) as f64;
+    part.vertices.iter().sum::<DVec3>() / n
+}

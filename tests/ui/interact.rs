@@ -1,0 +1,354 @@
+//! Tools as a user's hand drives them, without a window.
+
+use super::scene;
+use burin::document::{
+    BrushCommand, Command, HistoryCommand, PartCommand, Place, Scene, Splitter, StrokeCommand, ViewCommand, ViewName,
+};
+use burin::explode::{Axis, Part, PartId};
+use burin::interact::{
+    Action, Button, Context, Event, Hit, Interaction, Key, Modifiers, PointerEvent, SHORTCUTS, Tool, Wheel, action_of,
+};
+use burin::math::{DVec2, DVec3, Pose};
+
+const SIZE: [u32; 2] = [400, 300];
+
+struct Hand {
+    scene: Scene,
+    interaction: Interaction,
+    view: ViewName,
+    modifiers: Modifiers,
+    hit: Option<Hit>,
+}
+
+impl Hand {
+    fn new(tool: Tool, view: ViewName) -> Self {
+        let mut interaction = Interaction::default();
+        assert_eq!(interaction.choose(tool), []);
+        let hit = (view == ViewName::ThreeD).then_some(Hit {
+            world: DVec3::splat(10.0),
+            part: Some(PartId(3)),
+            depth_mm: 200.0,
+        });
+        Self { scene: scene().1, interaction, view, modifiers: Modifiers::default(), hit }
+    }
+
+    fn at(&self, x: f64, y: f64) -> PointerEvent {
+        PointerEvent {
+            view: self.view,
+            px: DVec2::new(x, y),
+            size: SIZE,
+            modifiers: self.modifiers,
+            pressure: 1.0,
+            time_s: 0.0,
+            hit: self.hit,
+        }
+    }
+
+    fn send(&mut self, event: Event) -> Vec<Command> {
+        self.interaction.handle(event, &Context { scene: &self.scene, voxel_mm: 1.0 })
+    }
+
+    fn press(&mut self, button: Button, x: f64, y: f64) -> Vec<Command> {
+        let e = self.at(x, y);
+        self.send(Event::Press(button, e))
+    }
+
+    fn drag(&mut self, x: f64, y: f64) -> Vec<Command> {
+        let e = self.at(x, y);
+        self.send(Event::Move(e))
+    }
+
+    fn release(&mut self, button: Button, x: f64, y: f64) -> Vec<Command> {
+        let e = self.at(x, y);
+        self.send(Event::Release(button, e))
+    }
+
+    fn wheel(&mut self, notches: f64) -> Vec<Command> {
+        let wheel = Wheel { view: self.view, notches, modifiers: self.modifiers };
+        self.send(Event::Wheel(wheel))
+    }
+}
+
+fn pixel_of(command: &Command) -> [f64; 2] {
+    let points = match command {
+        Command::Stroke(StrokeCommand::Begin { points } | StrokeCommand::Extend { points }) => points,
+        other => panic!("a stroke expected, {other:?} found"),
+    };
+    match points[..] {
+        [burin::document::StrokePoint { at: Place::Pixel { px, size, .. }, .. }] => {
+            assert_eq!(size, Some(SIZE), "pixels are worth nothing without the picture's size");
+            px
+        }
+        _ => panic!("one pixel expected, {points:?} found"),
+    }
+}
+
+#[test]
+fn a_drag_with_the_brush_is_begin_extend_end_at_its_pixels() {
+    let mut hand = Hand::new(Tool::Brush, ViewName::Axial);
+    let begin = hand.press(Button::Primary, 10.0, 20.0);
+    assert_eq!(begin.len(), 1);
+    assert_eq!(pixel_of(&begin[0]), [10.0, 20.0]);
+    assert!(matches!(begin[0], Command::Stroke(StrokeCommand::Begin { .. })));
+    assert_eq!(pixel_of(&hand.drag(14.0, 20.0)[0]), [14.0, 20.0]);
+    assert_eq!(hand.drag(14.0, 20.0), [], "a hand that rests adds no sample");
+    let end = hand.release(Button::Primary, 15.5, 21.0);
+    assert_eq!(pixel_of(&end[0]), [15.5, 21.0], "the stroke reaches the point where the button went up");
+    assert_eq!(end[1], Command::Stroke(StrokeCommand::End {}));
+    assert_eq!(hand.drag(30.0, 30.0), [], "nothing paints after the release");
+}
+
+#[test]
+fn escape_takes_the_stroke_back_and_its_release_says_no_more() {
+    let mut hand = Hand::new(Tool::Brush, ViewName::Axial);
+    hand.press(Button::Primary, 10.0, 20.0);
+    assert_eq!(hand.send(Event::Abort), [Command::Stroke(StrokeCommand::Cancel {})]);
+    assert_eq!(hand.send(Event::Abort), []);
+    assert_eq!(hand.release(Button::Primary, 15.0, 20.0), []);
+}
+
+#[test]
+fn held_e_erases_for_one_stroke_only() {
+    let mut hand = Hand::new(Tool::Brush, ViewName::Coronal);
+    hand.modifiers.erase = true;
+    let begin = hand.press(Button::Primary, 1.0, 2.0);
+    assert!(matches!(begin[0], Command::Brush(BrushCommand::Set { erase: Some(true), radius_mm: None, .. })));
+    hand.modifiers.erase = false;
+    let end = hand.release(Button::Primary, 1.0, 2.0);
+    assert!(matches!(
+        end[..],
+        [Command::Stroke(StrokeCommand::End {}), Command::Brush(BrushCommand::Set { erase: Some(false), .. })]
+    ));
+    hand.scene.brush.erase = true;
+    hand.modifiers.erase = true;
+    assert_eq!(hand.press(Button::Primary, 1.0, 2.0).len(), 1, "a brush that erases anyway is left alone");
+}
+
+#[test]
+fn the_brush_beside_the_object_turns_the_view_instead() {
+    let mut hand = Hand::new(Tool::Brush, ViewName::ThreeD);
+    hand.hit = None;
+    assert_eq!(hand.press(Button::Primary, 100.0, 100.0), []);
+    let turned = hand.drag(130.0, 100.0);
+    assert!(matches!(turned[..], [Command::View(ViewCommand::Orbit { azimuth_deg, elevation_deg })]
+        if azimuth_deg < 0.0 && elevation_deg == 0.0));
+    let start = hand.scene.views.camera;
+    assert_eq!(hand.send(Event::Abort), [Command::View(ViewCommand::Camera { camera: start })]);
+}
+
+#[test]
+fn space_and_the_wheel_button_pan_with_every_tool_and_abort_pans_back() {
+    for tool in Tool::ALL {
+        for view in [ViewName::ThreeD, ViewName::Sagittal] {
+            let mut hand = Hand::new(tool, view);
+            hand.modifiers.space = true;
+            hand.press(Button::Primary, 10.0, 10.0);
+            hand.modifiers.space = false;
+            let pan = |px| Command::View(ViewCommand::Pan { view, px });
+            assert_eq!(hand.drag(13.0, 6.0), [pan([3.0, -4.0])]);
+            assert_eq!(hand.drag(14.0, 6.0), [pan([1.0, 0.0])]);
+            assert_eq!(hand.send(Event::Abort), [pan([-4.0, 4.0])]);
+            hand.press(Button::Middle, 10.0, 10.0);
+            assert_eq!(hand.release(Button::Middle, 11.0, 10.0), [pan([1.0, 0.0])]);
+        }
+    }
+}
+
+#[test]
+fn right_drag_windows_a_slice_as_one_step_and_zooms_in_3d() {
+    let mut hand = Hand::new(Tool::Brush, ViewName::Axial);
+    let start = hand.scene.window;
+    assert_eq!(hand.press(Button::Secondary, 50.0, 50.0), [Command::History(HistoryCommand::Begin {})]);
+    let wider = hand.drag(50.0 + 150.0, 50.0);
+    assert!(
+        matches!(wider[..], [Command::View(ViewCommand::Window { level, width })]
+        if level == start.level && (width / start.width - 2.0).abs() < 1e-9),
+        "half a picture to the right doubles: {wider:?}"
+    );
+    let end = hand.release(Button::Secondary, 50.0, 50.0 + 150.0);
+    assert!(
+        matches!(end[..], [Command::View(ViewCommand::Window { level, width }), Command::History(HistoryCommand::End {})]
+        if width == start.width && level > start.level),
+        "down darkens: {end:?}"
+    );
+    hand.press(Button::Secondary, 50.0, 50.0);
+    assert_eq!(hand.send(Event::Abort), [Command::History(HistoryCommand::Cancel {})]);
+
+    let mut hand = Hand::new(Tool::Navigate, ViewName::ThreeD);
+    hand.press(Button::Secondary, 50.0, 50.0);
+    assert!(matches!(hand.drag(50.0, 40.0)[..], [Command::View(ViewCommand::Zoom { factor, .. })] if factor < 1.0));
+}
+
+#[test]
+fn the_wheel_steps_slices_by_whole_voxels_and_modifiers_change_its_meaning() {
+    let mut hand = Hand::new(Tool::Navigate, ViewName::Axial);
+    let step = |voxels| Command::View(ViewCommand::Scroll { view: ViewName::Axial, voxels });
+    assert_eq!(hand.wheel(2.0), [step(2)]);
+    assert_eq!(hand.wheel(-0.4), []);
+    assert_eq!(hand.wheel(-0.4), []);
+    assert_eq!(hand.wheel(-0.4), [step(-1)]);
+    hand.modifiers.ctrl = true;
+    assert!(matches!(hand.wheel(1.0)[..], [Command::View(ViewCommand::Zoom { factor, .. })] if factor < 1.0));
+    hand.modifiers = Modifiers { shift: true, ..Modifiers::default() };
+    let radius = hand.scene.brush.radius_mm;
+    assert!(
+        matches!(hand.wheel(1.0)[..], [Command::Brush(BrushCommand::Set { radius_mm: Some(r), erase: None, .. })] if r > radius)
+    );
+    let mut hand = Hand::new(Tool::Navigate, ViewName::ThreeD);
+    assert!(matches!(hand.wheel(-1.0)[..], [Command::View(ViewCommand::Zoom { factor, .. })] if factor > 1.0));
+}
+
+#[test]
+fn a_brush_never_shrinks_below_half_a_voxel_and_can_grow_from_nothing() {
+    let mut scene = scene().1;
+    let radius = |scene: &Scene, factor| match Interaction::sized(factor, &Context { scene, voxel_mm: 2.0 }) {
+        Command::Brush(BrushCommand::Set { radius_mm: Some(r), .. }) => r,
+        other => panic!("{other:?}"),
+    };
+    scene.brush.radius_mm = 0.0;
+    assert!(radius(&scene, 1.15) > 1.0);
+    assert_eq!(radius(&scene, 0.01), 1.0);
+    scene.brush.radius_mm = 400.0;
+    assert_eq!(radius(&scene, 2.0), 500.0);
+}
+
+#[test]
+fn splitters_commit_on_release_and_a_drag_is_no_click() {
+    let split = |by| vec![Command::Part(PartCommand::Split { by, size: Some(SIZE) })];
+    let mut hand = Hand::new(Tool::DepthSplit, ViewName::ThreeD);
+    assert_eq!(hand.press(Button::Primary, 80.0, 90.0), []);
+    assert_eq!(hand.release(Button::Primary, 81.0, 90.0), split(Splitter::Depth { px: [80.0, 90.0] }));
+    hand.press(Button::Primary, 80.0, 90.0);
+    assert_eq!(hand.release(Button::Primary, 120.0, 90.0), [], "a hand that slides away has changed its mind");
+
+    let mut hand = Hand::new(Tool::AxisSplit, ViewName::ThreeD);
+    hand.press(Button::Primary, 5.0, 6.0);
+    assert_eq!(
+        hand.release(Button::Primary, 5.0, 6.0),
+        split(Splitter::Axis { px: [5.0, 6.0], axis: Axis::Horizontal })
+    );
+    hand.modifiers.shift = true;
+    hand.press(Button::Primary, 5.0, 6.0);
+    assert_eq!(hand.release(Button::Primary, 5.0, 6.0), split(Splitter::Axis { px: [5.0, 6.0], axis: Axis::Vertical }));
+
+    let mut hand = Hand::new(Tool::LineSplit, ViewName::ThreeD);
+    hand.hit = None;
+    hand.press(Button::Primary, 10.0, 10.0);
+    hand.drag(200.0, 50.0);
+    assert_eq!(
+        hand.release(Button::Primary, 300.0, 60.0),
+        split(Splitter::Line { from: [10.0, 10.0], to: [300.0, 60.0] })
+    );
+    hand.press(Button::Primary, 10.0, 10.0);
+    assert_eq!(hand.send(Event::Abort), []);
+    assert_eq!(hand.release(Button::Primary, 300.0, 60.0), []);
+}
+
+fn part_at_rest() -> Part {
+    Part {
+        id: PartId(3),
+        name: "Left".into(),
+        colour: None,
+        visible: true,
+        pinned: false,
+        importance: 1.0,
+        faces: Vec::new(),
+        vertices: vec![DVec3::ZERO, DVec3::splat(20.0)],
+        pose: Pose::IDENTITY,
+    }
+}
+
+#[test]
+fn a_dragged_part_stays_under_the_hand_and_a_turn_keeps_its_centre() {
+    let mut hand = Hand::new(Tool::MovePart, ViewName::ThreeD);
+    hand.scene.explosion.parts = vec![part_at_rest()];
+    let camera = hand.scene.views.camera;
+    // A point in the picture's centre, at the depth where the hand takes it.
+    let world = camera.eye + camera.forward() * 200.0;
+    hand.hit = Some(Hit { world, part: Some(PartId(3)), depth_mm: 200.0 });
+    assert_eq!(hand.press(Button::Primary, 200.0, 150.0), [Command::History(HistoryCommand::Begin {})]);
+    let Command::Part(PartCommand::Move { id: PartId(3), pose }) = hand.drag(260.0, 120.0)[0].clone() else { panic!() };
+    let (px, depth) = camera.project(pose.apply(world), SIZE).unwrap();
+    assert!((px - DVec2::new(260.0, 120.0)).length() < 1e-6 && (depth - 200.0).abs() < 1e-6, "{px} at {depth} mm");
+    assert_eq!(hand.send(Event::Abort), [Command::History(HistoryCommand::Cancel {})]);
+    hand.press(Button::Primary, 200.0, 150.0);
+    let click = hand.release(Button::Primary, 200.0, 150.0);
+    assert_eq!(click, [Command::History(HistoryCommand::End {})], "a click moves and pins nothing");
+
+    hand.modifiers.ctrl = true;
+    hand.press(Button::Primary, 200.0, 150.0);
+    let Command::Part(PartCommand::Move { pose, .. }) = hand.drag(260.0, 120.0)[0].clone() else { panic!() };
+    let centre = DVec3::splat(10.0);
+    assert!((pose.apply(centre) - centre).length() < 1e-9);
+    assert!((pose.rotation.length() - 1.0).abs() < 1e-12 && pose.rotation.w < 0.99);
+}
+
+#[test]
+fn a_second_button_does_not_disturb_a_running_gesture() {
+    let mut hand = Hand::new(Tool::Brush, ViewName::Axial);
+    hand.press(Button::Primary, 10.0, 20.0);
+    assert_eq!(hand.press(Button::Secondary, 10.0, 20.0), []);
+    assert_eq!(hand.release(Button::Secondary, 10.0, 20.0), []);
+    assert_eq!(hand.drag(12.0, 20.0).len(), 1, "the stroke goes on");
+}
+
+#[test]
+fn another_tool_takes_back_what_runs() {
+    let mut hand = Hand::new(Tool::Brush, ViewName::Axial);
+    hand.press(Button::Primary, 10.0, 20.0);
+    assert_eq!(hand.interaction.choose(Tool::Navigate), [Command::Stroke(StrokeCommand::Cancel {})]);
+}
+
+#[test]
+fn shift_click_moves_the_crosshair_with_any_tool_but_the_one_that_uses_shift() {
+    for tool in Tool::ALL.into_iter().filter(|t| *t != Tool::AxisSplit) {
+        let mut hand = Hand::new(tool, ViewName::Sagittal);
+        hand.modifiers.shift = true;
+        let commands = hand.press(Button::Primary, 7.0, 8.0);
+        assert!(
+            matches!(commands[..], [Command::View(ViewCommand::Crosshair { at: Place::Pixel { px: [7.0, 8.0], .. } })]),
+            "{tool:?}"
+        );
+    }
+}
+
+#[test]
+fn every_tool_has_its_own_key_and_keys_do_what_the_page_says() {
+    let none = Modifiers::default();
+    let ctrl = Modifiers { ctrl: true, ..none };
+    let both = Modifiers { shift: true, ..ctrl };
+    for tool in Tool::ALL {
+        assert_eq!(action_of(Key::Char(tool.key()), none), Some(Action::Choose(tool)));
+        assert!(SHORTCUTS.iter().any(|s| s.keys == tool.key().to_string()), "{tool:?} is not on the page of keys");
+    }
+    assert_eq!(action_of(Key::Char('7'), none), Some(Action::Label(7)));
+    assert_eq!(action_of(Key::Char('0'), none), None);
+    assert_eq!(action_of(Key::Char('Z'), ctrl), Some(Action::Undo));
+    assert_eq!(action_of(Key::Char('Z'), both), Some(Action::Redo));
+    assert_eq!(action_of(Key::Char('Y'), ctrl), Some(Action::Redo));
+    assert_eq!(action_of(Key::Char('S'), ctrl), Some(Action::Save));
+    assert_eq!(action_of(Key::Char('O'), ctrl), Some(Action::Open));
+    assert_eq!(action_of(Key::Char('E'), none), None, "E is held, not pressed");
+    assert_eq!(action_of(Key::Help, Modifiers { shift: true, ..none }), Some(Action::Keys));
+    assert!(matches!(action_of(Key::BracketLeft, none), Some(Action::BrushSize(f)) if f < 1.0));
+    assert!(matches!(action_of(Key::BracketRight, none), Some(Action::BrushSize(f)) if f > 1.0));
+}
+
+#[test]
+fn only_what_changed_of_a_brush_is_sent() {
+    let old = scene().1.brush;
+    assert_eq!(burin::interact::brush_change(&old, &old), None);
+    let mut new = old;
+    new.range = Some([1.0, 2.0]);
+    let Some(Command::Brush(BrushCommand::Set { range, radius_mm, any_value, .. })) =
+        burin::interact::brush_change(&old, &new)
+    else {
+        panic!()
+    };
+    assert_eq!((range, radius_mm, any_value), (Some([1.0, 2.0]), None, false));
+    let Some(Command::Brush(BrushCommand::Set { range, any_value, .. })) = burin::interact::brush_change(&new, &old)
+    else {
+        panic!()
+    };
+    assert_eq!((range, any_value), (None, true));
+}
