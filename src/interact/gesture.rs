@@ -148,7 +148,15 @@ fn zoom_factor(from: DVec2, to: DVec2, height: u32) -> f64 {
 }
 
 /// Where a part is after a drag: shifted in the plane of the picture at the depth where it was taken, or turned about its centre.
-fn moved(camera: &Camera, start: Pose, from: DVec2, e: &PointerEvent, hit: &Hit, turn: bool, centre: DVec3) -> Pose {
+fn pose_of_drag(
+    camera: &Camera,
+    start: Pose,
+    from: DVec2,
+    e: &PointerEvent,
+    hit: &Hit,
+    turn: bool,
+    centre: DVec3,
+) -> Pose {
     let d = e.px - from;
     let (right, up) = camera.right_up();
     if turn {
