@@ -4,9 +4,11 @@
 //! map over a source, coarser levels, cell minima and maxima), segments and the transfer function. Knows no file format
 //! and no GPU; texels are kept in the GPU's formats so that host, file and GPU hold the same bytes.
 
+mod blocks;
 mod brick;
 mod field;
 mod grid;
+mod levels;
 mod look;
 mod pyramid;
 mod segments;
