@@ -1,0 +1,205 @@
+//! One step of history: what it holds is what comes back, and exchanging it leaves what was there before.
+//!
+//! So undo and redo are the same swap, and what a simulation moved in between comes back as it was when undo was pressed. A
+//! step holds only what changed: components of the scene, bricks of fields, and the density's map when painting widened it.
+
+use super::{Layer, Look, Scene, State, Window};
+use crate::explode::Explosion;
+use crate::volume::{Brick, BrickIndex, DensityMap, Field, FieldKind, Refresh, Segments, SourceError, TransferFunction};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// The parts of a scene that undo knows; views and brush are not among them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct SceneDelta {
+    transfer: Option<TransferFunction>,
+    look: Option<Look>,
+    window: Option<Window>,
+    layers: Option<Vec<Layer>>,
+    segments: Option<Segments>,
+    explosion: Option<Explosion>,
+}
+
+/// Runs `$body` for every component, `$slot` bound to the delta's and `$now` to the scene's.
+macro_rules! components {
+    ($delta:expr, $scene:expr, $slot:ident, $now:ident => $body:expr) => {{
+        { let ($slot, $now) = (&mut $delta.transfer, &mut $scene.transfer); $body }
+        { let ($slot, $now) = (&mut $delta.look, &mut $scene.look); $body }
+        { let ($slot, $now) = (&mut $delta.window, &mut $scene.window); $body }
+        { let ($slot, $now) = (&mut $delta.layers, &mut $scene.layers); $body }
+        { let ($slot, $now) = (&mut $delta.segments, &mut $scene.segments); $body }
+        { let ($slot, $now) = (&mut $delta.explosion, &mut $scene.explosion); $body }
+    }};
+}
+
+impl SceneDelta {
+    /// What `before` holds where `after` differs from it.
+    pub(super) fn between(before: Scene, after: &Scene) -> Self {
+        let mut delta = Self {
+            transfer: Some(before.transfer),
+            look: Some(before.look),
+            window: Some(before.window),
+            layers: Some(before.layers),
+            segments: Some(before.segments),
+            explosion: Some(before.explosion),
+        };
+        delta.prune(after);
+        delta
+    }
+
+    /// Forgets what the scene holds anyway.
+    fn prune(&mut self, scene: &Scene) {
+        fn drop_equal<T: PartialEq>(slot: &mut Option<T>, now: &T) {
+            if slot.as_ref() == Some(now) {
+                *slot = None;
+            }
+        }
+        drop_equal(&mut self.transfer, &scene.transfer);
+        drop_equal(&mut self.look, &scene.look);
+        drop_equal(&mut self.window, &scene.window);
+        drop_equal(&mut self.layers, &scene.layers);
+        drop_equal(&mut self.segments, &scene.segments);
+        drop_equal(&mut self.explosion, &scene.explosion);
+    }
+
+    fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    fn exchange(&mut self, scene: &mut Scene) {
+        components!(self, scene, slot, now => if let Some(held) = slot { std::mem::swap(held, now) });
+    }
+
+    /// Joins a later delta: what was there first comes back.
+    fn absorb(&mut self, later: Self) {
+        self.transfer = self.transfer.take().or(later.transfer);
+        self.look = self.look.take().or(later.look);
+        self.window = self.window.take().or(later.window);
+        self.layers = self.layers.take().or(later.layers);
+        self.segments = self.segments.take().or(later.segments);
+        self.explosion = self.explosion.take().or(later.explosion);
+    }
+}
+
+/// What an exchange made new, for whoever mirrors fields.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Refreshed {
+    /// Slots by field.
+    pub slots: Vec<(FieldKind, Refresh)>,
+    /// Whether the density got another map: all of its texels are new.
+    pub remapped: bool,
+}
+
+/// See the module's head.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Step {
+    /// What the user did.
+    pub name: String,
+    /// Scene.
+    pub scene: SceneDelta,
+    /// Bricks of level 0; `None` is an unedited one.
+    pub bricks: BTreeMap<(FieldKind, BrickIndex), Option<Brick>>,
+    /// With a map, the density's bricks above are all of its edits.
+    pub map: Option<DensityMap>,
+}
+
+impl Step {
+    /// Whether it would change nothing.
+    pub(super) fn is_empty(&self) -> bool {
+        self.scene.is_empty() && self.bricks.is_empty() && self.map.is_none()
+    }
+
+    /// Exchanges what it holds with what the state holds.
+    ///
+    /// # Errors
+    /// If the source fails; state and step are then as they were.
+    pub(super) fn exchange(&mut self, state: &mut State) -> Result<Refreshed, SourceError> {
+        let mut refreshed = Refreshed::default();
+        let mut held = BTreeMap::new();
+        let mut done: Vec<FieldKind> = Vec::new();
+        // The density last: only it has a source that can fail, and a map that is exchanged as a whole.
+        for kind in [FieldKind::Colour, FieldKind::Selection, FieldKind::Labels, FieldKind::Density] {
+            let mut changes = Vec::new();
+            for (&(of, index), brick) in &self.bricks {
+                if of == kind {
+                    changes.push((index, brick.clone()));
+                }
+            }
+            let result = match self.map {
+                Some(map) if kind == FieldKind::Density => remap(&mut state.density, map, changes).map(|(old, before)| {
+                    self.map = Some(old);
+                    refreshed.remapped = true;
+                    before
+                }),
+                _ if changes.is_empty() => continue,
+                _ => state.field_mut(kind).swap(changes).map(|(before, refresh)| {
+                    refreshed.slots.push((kind, refresh));
+                    before
+                }),
+            };
+            match result {
+                Ok(before) => {
+                    done.push(kind);
+                    held.extend(before.into_iter().map(|(index, brick)| ((kind, index), brick)));
+                }
+                Err(error) => {
+                    for kind in done {
+                        let back =
+                            held.iter().filter(|((of, _), _)| *of == kind).map(|((_, i), b)| (*i, b.clone())).collect();
+                        state.field_mut(kind).swap(back)?;
+                    }
+                    return Err(error);
+                }
+            }
+        }
+        self.bricks = held;
+        self.scene.exchange(&mut state.scene);
+        Ok(refreshed)
+    }
+
+    /// Joins a step that came after this one; what was there first comes back.
+    pub(super) fn absorb(&mut self, later: Self) {
+        self.name = later.name;
+        self.scene.absorb(later.scene);
+        let density = |key: &(FieldKind, BrickIndex)| key.0 == FieldKind::Density;
+        if later.map.is_some() && self.map.is_none() {
+            // The later list is all edits; ours say what some of those were still earlier.
+            self.map = later.map;
+            for (key, brick) in later.bricks {
+                self.bricks.entry(key).or_insert(brick);
+            }
+            self.bricks.retain(|key, brick| !density(key) || brick.is_some());
+        } else {
+            let whole = self.map.is_some();
+            for (key, brick) in later.bricks {
+                if !(whole && density(&key)) {
+                    self.bricks.entry(key).or_insert(brick);
+                }
+            }
+        }
+    }
+
+    /// Forgets what the state holds anyway.
+    pub(super) fn prune(&mut self, state: &State) {
+        self.scene.prune(&state.scene);
+        let whole = self.map.is_some();
+        self.bricks.retain(|&(kind, index), brick| {
+            (whole && kind == FieldKind::Density) || state.field(kind).edit(index) != brick.as_ref()
+        });
+    }
+}
+
+/// Gives the density another map and other edits, all of them; answers with the ones before.
+pub(super) fn remap(
+    density: &mut Field,
+    map: DensityMap,
+    edits: Vec<(BrickIndex, Option<Brick>)>,
+) -> Result<(DensityMap, Vec<(BrickIndex, Option<Brick>)>), SourceError> {
+    let Some(source) = density.source().cloned() else { return Ok((*density.map(), Vec::new())) };
+    let Some(mut next) = Field::from_source(source, map, &|_| true)? else { return Ok((*density.map(), Vec::new())) };
+    next.swap(edits)?;
+    let before = density.edits().into_iter().map(|(i, b)| (i, Some(b.clone()))).collect();
+    let old = *density.map();
+    *density = next;
+    Ok((old, before))
+}
