@@ -1,17 +1,152 @@
 //! The document: what is open, what can be done to it, and how it is kept.
 //!
-//! One command set. Buttons, shortcuts, tools, scripts and tests all call `Document::apply` with a [`Command`]; every command
-//! answers with what it did.
+//! One command set. Buttons, shortcuts, tools, scripts and tests all call [`Document::apply`] with a [`Command`]; every command
+//! answers with what it did, and one that fails has changed nothing. Each noun has its handler file. Views and the brush are
+//! tools: they are saved, views have a past of their own (`view.back`), and undo leaves both alone. Everything else is undone.
 
+mod ask;
+mod brush;
 mod command;
 mod defaults;
+mod edit;
 mod error;
+mod history;
+mod packed;
+mod place;
 mod scene;
+mod segment;
+mod selection;
 mod slice_plane;
 mod state;
+mod step;
+mod transfer;
+mod undo;
+mod view;
+mod view_history;
 
 pub use command::*;
 pub use error::DocumentError;
+pub use history::{DEFAULT_BUDGET_BYTES, History};
 pub use scene::*;
 pub use slice_plane::{SlicePlane, side_letter};
 pub use state::State;
+
+use edit::Edit;
+use serde_json::{Value, json};
+use step::Refreshed;
+use view_history::ViewHistory;
+
+/// See the module's head.
+#[derive(Debug, Default)]
+pub struct Document {
+    state: Option<State>,
+    history: History,
+    views: ViewHistory,
+    revision: u64,
+}
+
+impl Document {
+    /// Nothing open.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Takes a volume that was read elsewhere as a new, unsaved document; past steps are forgotten.
+    pub fn adopt(&mut self, state: State) {
+        self.state = Some(state);
+        self.history.clear();
+        self.views.clear();
+        self.revision += 1;
+    }
+
+    /// What is open.
+    pub fn state(&self) -> Option<&State> {
+        self.state.as_ref()
+    }
+
+    /// Steps that can be undone and redone.
+    pub fn history(&self) -> &History {
+        &self.history
+    }
+
+    /// Where older steps of history go; the system's temporary folder unless said otherwise. Forgets past steps.
+    pub fn keep_history_in(&mut self, folder: std::path::PathBuf) {
+        self.history = History::new(folder);
+    }
+
+    /// Changes whenever the document did: whoever shows it draws again.
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Does a command. The answer is a JSON object that says what was done; `step` names the new step of history, or is null.
+    ///
+    /// # Errors
+    /// If the command cannot be done; nothing was changed then.
+    pub fn apply(&mut self, command: Command) -> Result<Value, DocumentError> {
+        let answer = match command {
+            Command::History(command) => self.travel(command)?,
+            Command::Ask(question) => return self.ask(question),
+            command => self.record(command)?,
+        };
+        self.revision += 1;
+        Ok(answer)
+    }
+
+    /// Does a command that changes what is open, and makes a step of what it changed.
+    fn record(&mut self, command: Command) -> Result<Value, DocumentError> {
+        let mut edit = Edit::new(self.state.as_ref());
+        let views = self.state.as_ref().map(|s| s.scene.views.clone());
+        let moves_view = matches!(&command, Command::View(c) if c.moves_view());
+        let result = match command {
+            Command::Transfer(command) => self.transfer(command, &mut edit),
+            Command::View(command) => self.view(command, &mut edit),
+            Command::Brush(command) => self.brush(command),
+            Command::Segment(command) => self.segment(command, &mut edit),
+            Command::Selection(command) => self.selection(command, &mut edit),
+            other => Err(DocumentError::NotNow(format!("this build cannot do {other:?}"))),
+        };
+        let state = self.state.as_mut().ok_or(DocumentError::NothingOpen);
+        let mut answer = match result {
+            Ok(answer) => answer,
+            Err(error) => {
+                if let Ok(state) = state {
+                    edit.roll_back(state)?;
+                }
+                return Err(error);
+            }
+        };
+        let (voxels, bricks) = edit.counts();
+        let (step, refreshed) = edit.finish(state?);
+        self.mirror(&refreshed);
+        if let (Some(before), true, Some(state)) = (views, moves_view, &self.state) {
+            self.views.moved(before, &state.scene.views, self.history.in_group());
+        }
+        answer["step"] = json!(step.as_ref().map(|s| s.name.clone()));
+        if bricks > 0 {
+            answer["voxels_changed"] = json!(voxels);
+            answer["bricks_touched"] = json!(bricks);
+        }
+        if let Some(step) = step
+            && let Some(warning) = self.history.push(step)?
+        {
+            answer["warning"] = json!(warning);
+        }
+        Ok(answer)
+    }
+
+    /// Hands changed voxels on to their mirrors.
+    fn mirror(&mut self, refreshed: &Refreshed) {
+        if refreshed.remapped || !refreshed.slots.is_empty() {
+            self.revision += 1;
+        }
+    }
+
+    fn open(&self) -> Result<&State, DocumentError> {
+        self.state.as_ref().ok_or(DocumentError::NothingOpen)
+    }
+
+    fn open_mut(&mut self) -> Result<&mut State, DocumentError> {
+        self.state.as_mut().ok_or(DocumentError::NothingOpen)
+    }
+}

@@ -5,7 +5,7 @@
 
 use super::{Layer, Look, Scene, State, Window};
 use crate::explode::Explosion;
-use crate::volume::{Brick, BrickIndex, DensityMap, Field, FieldKind, Refresh, Segments, SourceError, TransferFunction};
+use crate::volume::{Brick, BrickIndex, Changes, DensityMap, Field, FieldKind, Refresh, Segments, SourceError, TransferFunction};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -193,8 +193,8 @@ impl Step {
 pub(super) fn remap(
     density: &mut Field,
     map: DensityMap,
-    edits: Vec<(BrickIndex, Option<Brick>)>,
-) -> Result<(DensityMap, Vec<(BrickIndex, Option<Brick>)>), SourceError> {
+    edits: Changes,
+) -> Result<(DensityMap, Changes), SourceError> {
     let Some(source) = density.source().cloned() else { return Ok((*density.map(), Vec::new())) };
     let Some(mut next) = Field::from_source(source, map, &|_| true)? else { return Ok((*density.map(), Vec::new())) };
     next.swap(edits)?;

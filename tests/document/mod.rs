@@ -1,1 +1,5 @@
 //! Commands, history, journal, projects.
+
+mod history;
+mod maker;
+mod nouns;

@@ -1,0 +1,66 @@
+//! Commands on the table of segments.
+
+use super::edit::Edit;
+use super::{Document, DocumentError, SegmentCommand, State};
+use crate::volume::{Brick, BrickIndex, Changes, FieldKind, SourceError};
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+impl Document {
+    pub(super) fn segment(&mut self, command: SegmentCommand, edit: &mut Edit) -> Result<Value, DocumentError> {
+        let state = self.open_mut()?;
+        match command {
+            SegmentCommand::Set { id, name, colour, visible, locked } => {
+                if id == 0 {
+                    return Err(DocumentError::invalid("id", 0, "1 to 65535; label 0 is unlabelled matter"));
+                }
+                if let Some(c) = colour
+                    && c.iter().any(|x| !(0.0..=1.0).contains(x))
+                {
+                    return Err(DocumentError::invalid("colour", format!("{c:?}"), "red, green and blue of 0 to 1"));
+                }
+                let known = state.scene.segments.get(id).map(|s| s.name.clone());
+                edit.name(match (&known, &name) {
+                    (None, _) => format!("Add segment {id}"),
+                    (Some(old), Some(new)) if old != new => format!("Rename segment {old}"),
+                    (Some(old), _) => format!("Change segment {old}"),
+                });
+                state.scene.segments.ensure(id);
+                let segment = state.scene.segments.get_mut(id).ok_or(DocumentError::NothingOpen)?;
+                segment.name = name.unwrap_or_else(|| segment.name.clone());
+                segment.colour = colour.unwrap_or(segment.colour);
+                segment.visible = visible.unwrap_or(segment.visible);
+                segment.locked = locked.unwrap_or(segment.locked);
+                Ok(json!({ "segment": segment }))
+            }
+            SegmentCommand::Remove { id } => {
+                let Some(segment) = state.scene.segments.get(id) else {
+                    let known: Vec<u16> = state.scene.segments.0.iter().map(|s| s.id).collect();
+                    return Err(DocumentError::invalid("id", id, format!("the id of a segment, of {known:?}")));
+                };
+                edit.name(format!("Remove segment {}", segment.name));
+                state.scene.segments.0.retain(|s| s.id != id);
+                let changes = without_label(state, id)?;
+                edit.swap(state, FieldKind::Labels, changes)?;
+                Ok(json!({ "removed": id }))
+            }
+        }
+    }
+}
+
+/// The edited bricks that hold a label, with 0 in its place.
+fn without_label(state: &State, id: u16) -> Result<Changes, SourceError> {
+    let bytes = state.labels.format().bytes();
+    let gone = id.to_le_bytes();
+    let edits: Vec<(BrickIndex, &Brick)> = state.labels.edits().into_iter().collect();
+    let changed = edits.into_par_iter().filter_map(|(index, brick)| {
+        let mut texels = brick.to_texels(bytes);
+        let mut found = false;
+        for texel in texels.chunks_exact_mut(bytes).filter(|t| **t == gone) {
+            texel.fill(0);
+            found = true;
+        }
+        found.then(|| (index, Some(Brick::from_texels(texels, bytes))))
+    });
+    Ok(changed.collect())
+}

@@ -1,0 +1,50 @@
+//! Commands on the selection as a whole.
+
+use super::edit::Edit;
+use super::{Document, DocumentError, SelectionCommand, State};
+use crate::volume::{Brick, BrickIndex, Changes, FieldKind};
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+impl Document {
+    pub(super) fn selection(&mut self, command: SelectionCommand, edit: &mut Edit) -> Result<Value, DocumentError> {
+        let state = self.open_mut()?;
+        let changes = match command {
+            SelectionCommand::FromLabel { label } => {
+                edit.name(format!("Select label {label}"));
+                from_label(state, label)?
+            }
+            SelectionCommand::Clear {} => {
+                edit.name("Clear selection");
+                Changes::new()
+            }
+            SelectionCommand::Import { .. } => return Err(DocumentError::NotNow("this build cannot import".into())),
+        };
+        replace(state, edit, changes)?;
+        Ok(json!({ "selected_bricks": state.selection.edits().len() }))
+    }
+}
+
+/// Makes `changes` all that is selected.
+fn replace(state: &mut State, edit: &mut Edit, mut changes: Changes) -> Result<(), DocumentError> {
+    let given: std::collections::BTreeSet<BrickIndex> = changes.iter().map(|(index, _)| *index).collect();
+    changes.extend(state.selection.edits().into_keys().filter(|index| !given.contains(index)).map(|i| (i, None)));
+    Ok(edit.swap(state, FieldKind::Selection, changes)?)
+}
+
+fn from_label(state: &State, label: u16) -> Result<Changes, DocumentError> {
+    if label == 0 || state.scene.segments.get(label).is_none() {
+        let known: Vec<u16> = state.scene.segments.0.iter().map(|s| s.id).collect();
+        return Err(DocumentError::invalid("label", label, format!("the id of a segment, of {known:?}")));
+    }
+    let wanted = label.to_le_bytes();
+    let bytes = state.labels.format().bytes();
+    let edits: Vec<(BrickIndex, &Brick)> = state.labels.edits().into_iter().collect();
+    Ok(edits
+        .into_par_iter()
+        .map(|(index, brick)| {
+            let texels = brick.to_texels(bytes).chunks_exact(bytes).map(|t| if t == wanted { 255 } else { 0 }).collect();
+            (index, Some(Brick::from_texels(texels, 1)))
+        })
+        .collect())
+}

@@ -1,0 +1,30 @@
+//! Commands on colour and opacity.
+
+use super::edit::Edit;
+use super::{Document, DocumentError, TransferCommand};
+use crate::volume::TransferFunction;
+use serde_json::{Value, json};
+
+impl Document {
+    pub(super) fn transfer(&mut self, command: TransferCommand, edit: &mut Edit) -> Result<Value, DocumentError> {
+        let state = self.open_mut()?;
+        let function = match command {
+            TransferCommand::Set { function } => {
+                edit.name("Transfer function");
+                function
+            }
+            TransferCommand::Reset {} => {
+                edit.name("Reset transfer function");
+                TransferFunction::from_histogram(&state.histogram, state.grid().voxel_mm())
+            }
+        };
+        function.check().map_err(|found| DocumentError::NotNow(format!("transfer function: {found}")))?;
+        state.scene.transfer = function;
+        let (lo, hi) = state.scene.transfer.domain();
+        Ok(json!({
+            "colour_points": state.scene.transfer.colour.len(),
+            "opacity_points": state.scene.transfer.opacity.len(),
+            "domain": [lo, hi],
+        }))
+    }
+}

@@ -1,0 +1,237 @@
+//! Commands on cameras, slices, looks and layers.
+
+use super::edit::Edit;
+use super::{Document, DocumentError, Layer, SlicePlane, State, ViewCommand, ViewName, Views, Window};
+use crate::math::{Camera, DVec2, DVec3, Projection};
+use crate::volume::{FieldKind, Lighting, Mode};
+use serde_json::{Value, json};
+
+impl ViewCommand {
+    /// Whether it changes what is looked at (and `view.back` can take it back).
+    pub(super) fn moves_view(&self) -> bool {
+        matches!(
+            self,
+            Self::Camera { .. }
+                | Self::Frame { .. }
+                | Self::Orbit { .. }
+                | Self::Pan { .. }
+                | Self::Zoom { .. }
+                | Self::Crosshair { .. }
+                | Self::Scroll { .. }
+        )
+    }
+}
+
+impl Document {
+    pub(super) fn view(&mut self, command: ViewCommand, edit: &mut Edit) -> Result<Value, DocumentError> {
+        if let ViewCommand::Crosshair { at } = command {
+            let world = self.resolve(at)?.position;
+            let state = self.open_mut()?;
+            state.scene.views.crosshair = clamp_to_volume(state, world);
+            return Ok(crosshair(state));
+        }
+        if let ViewCommand::Back {} | ViewCommand::Forward {} = command {
+            let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
+            let moved = self.views.travel(&mut state.scene.views, matches!(command, ViewCommand::Back {}));
+            let (back, forward) = self.views.counts();
+            return Ok(json!({ "moved": moved, "back": back, "forward": forward, "camera": state.scene.views.camera }));
+        }
+        let state = self.open_mut()?;
+        let bounds = state.grid().world_bounds();
+        let views = &mut state.scene.views;
+        match command {
+            ViewCommand::Camera { camera } => {
+                views.camera = checked(camera)?;
+                Ok(json!({ "camera": views.camera }))
+            }
+            ViewCommand::Frame { from, up, zoom } => {
+                let zoom = positive("zoom", zoom.unwrap_or(1.0))?;
+                let from = direction("from", from)?;
+                let up = up.map_or(Ok(up_for(from)), |up| direction("up", up))?;
+                views.camera = checked(Camera::framing(&bounds, from, up).zoomed(zoom))?;
+                Ok(json!({ "camera": views.camera }))
+            }
+            ViewCommand::Orbit { azimuth_deg, elevation_deg } => {
+                views.camera =
+                    views.camera.orbited(finite("azimuth_deg", azimuth_deg)?, finite("elevation_deg", elevation_deg)?);
+                Ok(json!({ "camera": views.camera }))
+            }
+            ViewCommand::Pan { view, px } => {
+                let px = DVec2::new(finite("px", px[0])?, finite("px", px[1])?);
+                pan(state, view, px);
+                Ok(view_answer(&state.scene.views, view))
+            }
+            ViewCommand::Zoom { view, factor } => {
+                let factor = positive("factor", factor)?;
+                match view.slice() {
+                    None => views.camera = views.camera.zoomed(factor),
+                    Some(i) => {
+                        let height = &mut views.slices[i].height_mm;
+                        *height = (*height * factor).clamp(1e-6, 1e9);
+                    }
+                }
+                Ok(view_answer(views, view))
+            }
+            ViewCommand::Size { view, size } => {
+                if size.iter().any(|s| !(1..=16_384).contains(s)) {
+                    return Err(DocumentError::invalid("size", format!("{size:?}"), "1 to 16384 pixels either way"));
+                }
+                match view.slice() {
+                    None => views.size = size,
+                    Some(i) => views.slices[i].size = size,
+                }
+                Ok(view_answer(views, view))
+            }
+            ViewCommand::Scroll { view, voxels } => {
+                let grid = *state.grid();
+                let plane = SlicePlane::new(&grid, &state.scene.views, view)
+                    .ok_or_else(|| DocumentError::invalid("view", "3d", "axial, coronal or sagittal"))?;
+                let mut index = grid.index_from_world().transform_point3(state.scene.views.crosshair);
+                let last = f64::from(grid.dims[plane.axis] - 1);
+                index[plane.axis] = (f64::from(plane.index) + f64::from(voxels)).clamp(0.0, last);
+                state.scene.views.crosshair = grid.world_from_index.transform_point3(index);
+                Ok(crosshair(state))
+            }
+            ViewCommand::Look { mode, shaded, lighting, step_voxels, background } => {
+                edit.name("Look");
+                let mut look = state.scene.look;
+                if let Some(mode) = mode {
+                    if let Mode::Iso(value) = mode {
+                        finite("mode.iso", value)?;
+                    }
+                    look.mode = mode;
+                }
+                if shaded == Some(false) && lighting.is_some() {
+                    return Err(DocumentError::invalid("lighting", "given with shaded: false", "one of the two"));
+                }
+                if let Some(light) = lighting {
+                    let terms = [light.ambient, light.diffuse, light.specular, light.power];
+                    if terms.iter().any(|t| !(t.is_finite() && *t >= 0.0)) {
+                        return Err(DocumentError::invalid("lighting", format!("{light:?}"), "numbers from 0 up"));
+                    }
+                    look.lighting = Some(light);
+                }
+                match shaded {
+                    Some(false) => look.lighting = None,
+                    Some(true) if look.lighting.is_none() => look.lighting = Some(Lighting::default()),
+                    _ => {}
+                }
+                if let Some(step) = step_voxels {
+                    if !(0.05..=16.0).contains(&step) {
+                        return Err(DocumentError::invalid("step_voxels", step, "0.05 to 16 voxels"));
+                    }
+                    look.step_voxels = step;
+                }
+                if let Some(background) = background {
+                    if background.iter().any(|c| !(0.0..=1.0).contains(c)) {
+                        let found = format!("{background:?}");
+                        return Err(DocumentError::invalid("background", found, "red, green and blue of 0 to 1"));
+                    }
+                    look.background = background;
+                }
+                state.scene.look = look;
+                Ok(json!({ "look": look }))
+            }
+            ViewCommand::Window { level, width } => {
+                edit.name("Window");
+                state.scene.window = Window { level: finite("level", level)?, width: positive("width", width)? };
+                Ok(json!({ "window": state.scene.window }))
+            }
+            ViewCommand::Layer(layer) => {
+                edit.name(format!("Layer {}", layer.field.name()));
+                set_layer(state, layer)?;
+                Ok(json!({ "layers": state.scene.layers }))
+            }
+            ViewCommand::Crosshair { .. } | ViewCommand::Back {} | ViewCommand::Forward {} => Ok(json!({})),
+        }
+    }
+}
+
+fn set_layer(state: &mut State, layer: Layer) -> Result<(), DocumentError> {
+    if !(0.0..=1.0).contains(&layer.opacity) {
+        return Err(DocumentError::invalid("opacity", layer.opacity, "0 to 1"));
+    }
+    match state.scene.layers.iter_mut().find(|l| l.field == layer.field) {
+        Some(known) => *known = layer,
+        None => {
+            debug_assert_eq!(layer.field, FieldKind::Density);
+            let expected = "colour, selection or labels; the density's look is the transfer function";
+            return Err(DocumentError::invalid("field", layer.field.name(), expected));
+        }
+    }
+    Ok(())
+}
+
+fn pan(state: &mut State, view: ViewName, px: DVec2) {
+    let grid = *state.grid();
+    let views = &mut state.scene.views;
+    match (view.slice(), SlicePlane::new(&grid, views, view)) {
+        (Some(i), Some(plane)) => {
+            views.slices[i].centre -= (plane.right * px.x - plane.up * px.y) * plane.mm_per_px;
+        }
+        _ => views.camera = views.camera.panned(px, views.size[1]),
+    }
+}
+
+/// Upward in the picture when nobody says: superior, or anterior when looking along the body's axis.
+fn up_for(from: DVec3) -> DVec3 {
+    if from.normalize_or_zero().z.abs() > 0.999 { DVec3::Y } else { DVec3::Z }
+}
+
+fn clamp_to_volume(state: &State, world: DVec3) -> DVec3 {
+    let grid = state.grid();
+    let index = grid.index_from_world().transform_point3(world);
+    grid.world_from_index.transform_point3(index.clamp(DVec3::ZERO, grid.dims_f64() - 1.0))
+}
+
+fn crosshair(state: &State) -> Value {
+    let at = state.scene.views.crosshair;
+    let index = state.grid().index_from_world().transform_point3(at);
+    json!({ "crosshair_mm": at.to_array(), "index": index.to_array() })
+}
+
+fn view_answer(views: &Views, view: ViewName) -> Value {
+    match views.slice(view) {
+        Some(slice) => json!({ "slice": slice }),
+        None => json!({ "camera": views.camera, "size": views.size }),
+    }
+}
+
+pub(super) fn checked(camera: Camera) -> Result<Camera, DocumentError> {
+    let invalid = |field: &str, found: String, expected: &str| Err(DocumentError::invalid(field, found, expected));
+    for (name, v) in [("camera.eye", camera.eye), ("camera.target", camera.target), ("camera.up", camera.up)] {
+        if !v.is_finite() {
+            return invalid(name, format!("{v}"), "three finite numbers");
+        }
+    }
+    if camera.eye == camera.target {
+        return invalid("camera.target", format!("{} as the eye", camera.target), "another point than the eye");
+    }
+    match camera.projection {
+        Projection::Perspective { fov_y_deg } if !(fov_y_deg > 0.0 && fov_y_deg < 180.0) => {
+            invalid("camera.projection.fov_y_deg", fov_y_deg.to_string(), "between 0 and 180 degrees")
+        }
+        Projection::Orthographic { height_mm } if !(height_mm.is_finite() && height_mm > 0.0) => {
+            invalid("camera.projection.height_mm", height_mm.to_string(), "a positive length")
+        }
+        _ => Ok(camera),
+    }
+}
+
+pub(super) fn finite(field: &str, value: f64) -> Result<f64, DocumentError> {
+    if value.is_finite() { Ok(value) } else { Err(DocumentError::invalid(field, value, "a finite number")) }
+}
+
+pub(super) fn positive(field: &str, value: f64) -> Result<f64, DocumentError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(DocumentError::invalid(field, value, "a positive number"))
+    }
+}
+
+fn direction(field: &str, v: [f64; 3]) -> Result<DVec3, DocumentError> {
+    DVec3::from_array(v)
+        .try_normalize()
+        .ok_or_else(|| DocumentError::invalid(field, format!("{v:?}"), "a direction other than zero"))
+}

@@ -1,0 +1,128 @@
+//! Undo and redo: every byte back, within a budget, in groups.
+
+use super::maker::{bytes, labelled, run};
+use burin::document::Document;
+use rand::{Rng, SeedableRng, seq::IndexedRandom};
+
+/// A command that changes something undoable, or a view, at random.
+fn random_line(rng: &mut impl Rng) -> String {
+    let id = rng.random_range(1..5);
+    let n = rng.random_range(0..100);
+    match rng.random_range(0..12) {
+        0 => format!(r#"{{"segment":{{"set":{{"id":{id},"name":"bone {n}"}}}}}}"#),
+        1 => format!(r#"{{"segment":{{"set":{{"id":{id},"colour":[0.{n},0.5,1]}}}}}}"#),
+        2 => format!(r#"{{"segment":{{"remove":{{"id":{id}}}}}}}"#),
+        3 => format!(r#"{{"selection":{{"from_label":{{"label":{id}}}}}}}"#),
+        4 => r#"{"selection":{"clear":{}}}"#.into(),
+        5 => format!(r#"{{"view":{{"window":{{"level":{n},"width":{}}}}}}}"#, n + 1),
+        6 => format!(r#"{{"view":{{"layer":{{"field":"labels","visible":true,"opacity":0.{n}}}}}}}"#),
+        7 => format!(r#"{{"view":{{"look":{{"mode":{{"iso":{n}}}}}}}}}"#),
+        8 => format!(r#"{{"view":{{"orbit":{{"azimuth_deg":{n},"elevation_deg":1}}}}}}"#),
+        9 => r#"{"transfer":{"reset":{}}}"#.into(),
+        10 => format!(
+            r#"{{"transfer":{{"set":{{"function":{{"colour":[[0,[0,0,0]],[{},[1,1,1]]],"opacity":[[0,0.{n}]],"unit_mm":1}}}}}}}}"#,
+            n + 1
+        ),
+        _ => [r#"{"history":{"begin":{}}}"#, r#"{"history":{"end":{}}}"#].choose(rng).unwrap().to_string(),
+    }
+}
+
+fn walk(seed: u64, budget: u64) {
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+    let mut document = labelled();
+    run(&mut document, &format!(r#"{{"history":{{"budget":{{"bytes":{budget}}}}}}}"#)).unwrap();
+    let start = bytes(&document);
+    for _ in 0..60 {
+        let steps = document.history().undo_names().len();
+        let before = bytes(&document);
+        let line = random_line(&mut rng);
+        // What is refused (an unknown segment, an end without begin) must change nothing.
+        if run(&mut document, &line).is_err() {
+            assert_eq!(bytes(&document), before, "{line}");
+            assert_eq!(document.history().undo_names().len(), steps, "{line}");
+        }
+        if rng.random_range(0..6) == 0 {
+            let line = if rng.random() { r#"{"history":{"undo":{}}}"# } else { r#"{"history":{"redo":{}}}"# };
+            run(&mut document, line).unwrap();
+        }
+    }
+    let end = bytes(&document);
+    let all = |d: &mut Document, way: &str| {
+        run(d, &format!(r#"{{"history":{{"{way}":{{"steps":1000}}}}}}"#)).unwrap();
+    };
+    all(&mut document, "redo");
+    let newest = bytes(&document);
+    for _ in 0..2 {
+        all(&mut document, "undo");
+        assert_eq!(bytes(&document), start, "seed {seed}");
+        all(&mut document, "redo");
+        assert_eq!(bytes(&document), newest, "seed {seed}");
+    }
+    assert_ne!(end, start, "seed {seed}: a walk that changed nothing tests nothing");
+    assert!(document.history().bytes().0 <= budget);
+}
+
+#[test]
+fn a_random_walk_comes_back_byte_for_byte_both_ways() {
+    (0..8).for_each(|seed| walk(seed, 1 << 30));
+}
+
+#[test]
+fn steps_beyond_the_budget_come_back_from_disk() {
+    (100..104).for_each(|seed| walk(seed, 0));
+    (104..106).for_each(|seed| walk(seed, 3000));
+}
+
+#[test]
+fn a_command_that_changes_nothing_is_no_step() {
+    let mut document = labelled();
+    for line in [
+        r#"{"selection":{"clear":{}}}"#,
+        r#"{"segment":{"set":{"id":1,"visible":true}}}"#,
+        r#"{"transfer":{"reset":{}}}"#,
+        r#"{"view":{"look":{"shaded":true}}}"#,
+    ] {
+        assert_eq!(run(&mut document, line).unwrap()["step"], serde_json::Value::Null, "{line}");
+    }
+    assert_eq!(document.history().undo_names().len(), 0);
+}
+
+#[test]
+fn a_group_is_one_step_and_one_that_returns_is_none() {
+    let mut document = labelled();
+    let window = |d: &mut Document, w: u32| {
+        run(d, &format!(r#"{{"view":{{"window":{{"level":1,"width":{w}}}}}}}"#)).unwrap();
+    };
+    window(&mut document, 5);
+    run(&mut document, r#"{"history":{"begin":{}}}"#).unwrap();
+    (6..20).for_each(|w| window(&mut document, w));
+    assert_eq!(run(&mut document, r#"{"history":{"end":{}}}"#).unwrap()["step"], "Window");
+    assert_eq!(document.history().undo_names().len(), 2);
+    run(&mut document, r#"{"history":{"undo":{}}}"#).unwrap();
+    assert_eq!(document.state().unwrap().scene.window.width, 5.0);
+    run(&mut document, r#"{"history":{"begin":{}}}"#).unwrap();
+    window(&mut document, 9);
+    window(&mut document, 5);
+    assert_eq!(run(&mut document, r#"{"history":{"end":{}}}"#).unwrap()["step"], serde_json::Value::Null);
+    // Redo is still there: the group did nothing.
+    assert_eq!(document.history().redo_names().len(), 1);
+    run(&mut document, r#"{"history":{"begin":{}}}"#).unwrap();
+    window(&mut document, 9);
+    run(&mut document, r#"{"history":{"cancel":{}}}"#).unwrap();
+    assert_eq!(document.state().unwrap().scene.window.width, 5.0);
+}
+
+#[test]
+fn a_full_disk_is_an_answer_and_loses_no_step() {
+    let mut document = labelled();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("not a folder");
+    std::fs::write(&file, b"").unwrap();
+    document.keep_history_in(file);
+    run(&mut document, r#"{"history":{"budget":{"bytes":0}}}"#).unwrap();
+    let start = bytes(&document);
+    let answer = run(&mut document, r#"{"selection":{"from_label":{"label":1}}}"#).unwrap();
+    assert!(answer["warning"].as_str().unwrap().contains("older steps of history cannot go to"), "{answer}");
+    run(&mut document, r#"{"history":{"undo":{}}}"#).unwrap();
+    assert_eq!(bytes(&document), start);
+}
