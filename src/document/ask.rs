@@ -30,9 +30,10 @@ impl Document {
                     "budget": self.history.budget_bytes(),
                 }))
             }
-            Question::Pick { .. } | Question::Visibility { .. } => {
-                Err(DocumentError::NoGpu { what: "looking through the 3D view", reason: "this build has no caster".into() })
-            }
+            Question::Pick { .. } | Question::Visibility { .. } => Err(DocumentError::NoGpu {
+                what: "looking through the 3D view",
+                reason: "this build has no caster".into(),
+            }),
         }
     }
 }

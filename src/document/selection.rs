@@ -43,7 +43,8 @@ fn from_label(state: &State, label: u16) -> Result<Changes, DocumentError> {
     Ok(edits
         .into_par_iter()
         .map(|(index, brick)| {
-            let texels = brick.to_texels(bytes).chunks_exact(bytes).map(|t| if t == wanted { 255 } else { 0 }).collect();
+            let texels =
+                brick.to_texels(bytes).chunks_exact(bytes).map(|t| if t == wanted { 255 } else { 0 }).collect();
             (index, Some(Brick::from_texels(texels, 1)))
         })
         .collect())

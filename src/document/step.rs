@@ -5,7 +5,9 @@
 
 use super::{Layer, Look, Scene, State, Window};
 use crate::explode::Explosion;
-use crate::volume::{Brick, BrickIndex, Changes, DensityMap, Field, FieldKind, Refresh, Segments, SourceError, TransferFunction};
+use crate::volume::{
+    Brick, BrickIndex, Changes, DensityMap, Field, FieldKind, Refresh, Segments, SourceError, TransferFunction,
+};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -23,12 +25,30 @@ pub(super) struct SceneDelta {
 /// Runs `$body` for every component, `$slot` bound to the delta's and `$now` to the scene's.
 macro_rules! components {
     ($delta:expr, $scene:expr, $slot:ident, $now:ident => $body:expr) => {{
-        { let ($slot, $now) = (&mut $delta.transfer, &mut $scene.transfer); $body }
-        { let ($slot, $now) = (&mut $delta.look, &mut $scene.look); $body }
-        { let ($slot, $now) = (&mut $delta.window, &mut $scene.window); $body }
-        { let ($slot, $now) = (&mut $delta.layers, &mut $scene.layers); $body }
-        { let ($slot, $now) = (&mut $delta.segments, &mut $scene.segments); $body }
-        { let ($slot, $now) = (&mut $delta.explosion, &mut $scene.explosion); $body }
+        {
+            let ($slot, $now) = (&mut $delta.transfer, &mut $scene.transfer);
+            $body
+        }
+        {
+            let ($slot, $now) = (&mut $delta.look, &mut $scene.look);
+            $body
+        }
+        {
+            let ($slot, $now) = (&mut $delta.window, &mut $scene.window);
+            $body
+        }
+        {
+            let ($slot, $now) = (&mut $delta.layers, &mut $scene.layers);
+            $body
+        }
+        {
+            let ($slot, $now) = (&mut $delta.segments, &mut $scene.segments);
+            $body
+        }
+        {
+            let ($slot, $now) = (&mut $delta.explosion, &mut $scene.explosion);
+            $body
+        }
     }};
 }
 
@@ -126,11 +146,13 @@ impl Step {
                 }
             }
             let result = match self.map {
-                Some(map) if kind == FieldKind::Density => remap(&mut state.density, map, changes).map(|(old, before)| {
-                    self.map = Some(old);
-                    refreshed.remapped = true;
-                    before
-                }),
+                Some(map) if kind == FieldKind::Density => {
+                    remap(&mut state.density, map, changes).map(|(old, before)| {
+                        self.map = Some(old);
+                        refreshed.remapped = true;
+                        before
+                    })
+                }
                 _ if changes.is_empty() => continue,
                 _ => state.field_mut(kind).swap(changes).map(|(before, refresh)| {
                     refreshed.slots.push((kind, refresh));

@@ -46,7 +46,11 @@ impl ViewHistory {
             slice.size = now.size;
         }
         std::mem::swap(views, &mut other);
-        if back { self.forward.push(other) } else { self.back.push_back(other) }
+        if back {
+            self.forward.push(other)
+        } else {
+            self.back.push_back(other)
+        }
         true
     }
 
