@@ -1,1 +1,27 @@
-//! (floor under construction)
+//! Readers and writers of volumes.
+//!
+//! Owns the [`Reader`] trait, the list of readers, `info`, and the export to NRRD. A reader turns a file into a [`Grid`] in
+//! RAS+ mm (LPS is turned here and nowhere else) and into `BrickSource`s; voxels keep their file's order, the affine carries
+//! the orientation. Files are hostile: what is allocated is bounded by what the file can hold, and an error names the field.
+//! Knows no GPU and no document.
+//!
+//! [`Grid`]: crate::volume::Grid
+
+mod error;
+mod info;
+mod inflate;
+mod layout;
+mod nifti;
+mod nifti_place;
+mod nrrd;
+mod nrrd_header;
+mod nrrd_place;
+mod place;
+mod raw;
+mod reader;
+mod statistics;
+
+pub use error::IoError;
+pub use info::{Info, info};
+pub use reader::{Contents, Opened, Progress, Reader, open, readers};
+pub use statistics::statistics;

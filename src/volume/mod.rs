@@ -22,6 +22,7 @@ pub use field::{BrickSummary, Cells, Changes, Field, FieldKind, Refresh};
 pub use grid::Grid;
 pub use look::{Lighting, Mode};
 pub use segments::{Segment, Segments};
+pub(crate) use source::check_box;
 pub use source::{BrickSource, MemorySource, SourceError};
 pub use texel::{DensityMap, TexelFormat};
 pub use transfer::{TABLE_ENTRIES, TransferFunction};

@@ -1,0 +1,126 @@
+//! What every format gives: a trait for its reader, the list of readers, and what an opened file offers.
+
+use super::{IoError, inflate, nifti::Nifti, nrrd::Nrrd};
+use crate::volume::{BrickSource, Grid, Statistics, VoxelType};
+use std::io::Read;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Gets the share done, 0..1, and answers whether to go on.
+pub type Progress<'a> = &'a (dyn Fn(f32) -> bool + Sync);
+
+/// Bytes of a file's beginning, inflated if it is gzip, that readers may look at.
+const HEAD_BYTES: u64 = 544;
+
+/// A format.
+pub trait Reader: Sync {
+    /// The format's name and its usual extensions, for messages.
+    fn name(&self) -> &'static str;
+    /// Whether the first bytes (inflated if the file is gzip) are this format's.
+    fn recognises(&self, head: &[u8]) -> bool;
+    /// Whether a file of this name would be of this format; asked when no reader recognises the bytes, so that the error
+    /// comes from the reader that the user meant.
+    fn claims(&self, file_name: &str) -> bool;
+    /// Reads the header; voxels are read by [`Opened::source`].
+    ///
+    /// # Errors
+    /// Of every kind but `NoSuch` and `Cancelled`; they name the field.
+    fn open(&self, path: &Path) -> Result<Opened, IoError>;
+}
+
+/// The voxels of an opened file.
+pub trait Contents: Send + Sync + std::fmt::Debug {
+    /// One component of one frame, both inside their counts.
+    ///
+    /// # Errors
+    /// If the voxels cannot be read, or `progress` said no.
+    fn source(&self, component: u32, frame: u32, progress: Progress<'_>) -> Result<Arc<dyn BrickSource>, IoError>;
+    /// Over all components of all frames, without holding them in memory.
+    ///
+    /// # Errors
+    /// As `source`.
+    fn statistics(&self, progress: Progress<'_>) -> Result<Statistics, IoError>;
+}
+
+/// A file whose header was read and believed.
+#[derive(Debug)]
+pub struct Opened {
+    /// Dimensions and place, RAS+ mm.
+    pub grid: Grid,
+    /// Type of the voxels as stored.
+    pub voxel_type: VoxelType,
+    /// `value = slope · stored + intercept`.
+    pub scaling: (f64, f64),
+    /// Numbers per voxel, at least 1.
+    pub components: u32,
+    /// Volumes in the file (time points), at least 1.
+    pub frames: u32,
+    /// What was odd about the file and how it was taken.
+    pub warnings: Vec<String>,
+    pub(super) file: String,
+    pub(super) contents: Box<dyn Contents>,
+}
+
+impl Opened {
+    /// One component of one frame, both counted from 0. Uncompressed voxels stay in the file and are read box by box;
+    /// compressed ones are inflated into memory.
+    ///
+    /// # Errors
+    /// `NoSuch`, or what the file's voxels give rise to.
+    pub fn source(&self, component: u32, frame: u32, progress: Progress<'_>) -> Result<Arc<dyn BrickSource>, IoError> {
+        for (what, count, asked) in [("components", self.components, component), ("frames", self.frames, frame)] {
+            if asked >= count {
+                return Err(IoError::NoSuch { file: self.file.clone(), what, count, asked });
+            }
+        }
+        self.contents.source(component, frame, progress)
+    }
+
+    /// Over all components of all frames.
+    ///
+    /// # Errors
+    /// What the file's voxels give rise to.
+    pub fn statistics(&self, progress: Progress<'_>) -> Result<Statistics, IoError> {
+        self.contents.statistics(progress)
+    }
+}
+
+/// All readers, in the order in which they are asked.
+pub fn readers() -> &'static [&'static dyn Reader] {
+    &[&Nifti, &Nrrd]
+}
+
+/// Opens a volume file of any known format.
+///
+/// # Errors
+/// If no reader knows the file, or its reader's.
+pub fn open(path: impl AsRef<Path>) -> Result<Opened, IoError> {
+    let path = path.as_ref();
+    let head = head(path)?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let reader = readers().iter().find(|r| r.recognises(&head)).or_else(|| readers().iter().find(|r| r.claims(&name)));
+    match reader {
+        Some(reader) => reader.open(path),
+        None => Err(IoError::Unknown {
+            file: path.display().to_string(),
+            found: format!("first bytes \"{}\"", head[..head.len().min(16)].escape_ascii()),
+            expected: readers().iter().map(|r| r.name()).collect::<Vec<_>>().join(", "),
+        }),
+    }
+}
+
+/// The first bytes of a file, inflated if it is gzip; fewer if the file is shorter or damaged.
+pub(super) fn head(path: &Path) -> Result<Vec<u8>, IoError> {
+    let file = inflate::open_file(path)?;
+    let mut start = Vec::new();
+    (&file).take(2).read_to_end(&mut start).map_err(IoError::system(path, "read the file"))?;
+    let mut head = Vec::new();
+    if start == inflate::GZIP_MAGIC {
+        // A damaged stream gives what comes before the damage; the reader that is chosen says what is wrong.
+        let _ = inflate::Inflate::open(path, 0)?.take(HEAD_BYTES).read_to_end(&mut head);
+    } else {
+        head = start;
+        (&file).take(HEAD_BYTES - 2).read_to_end(&mut head).map_err(IoError::system(path, "read the file"))?;
+    }
+    Ok(head)
+}
