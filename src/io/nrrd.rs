@@ -4,7 +4,7 @@ use super::inflate::open_file;
 use super::layout::{Encoding, Layout, Role};
 use super::nrrd_header::Header;
 use super::{IoError, Opened, Reader, nrrd_place};
-use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
+use std::io::{BufRead, BufReader, Seek, SeekFrom};
 use std::path::{Component, Path, PathBuf};
 
 /// The reader.

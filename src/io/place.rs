@@ -1,16 +1,11 @@
 //! From a header's numbers to a grid: dimensions that are sane, affines that can be inverted.
 
 use super::IoError;
-use crate::math::{DAffine3, DMat3, DVec3};
+use crate::math::{DAffine3, DMat3};
 use crate::volume::Grid;
 
 /// Least volume of the unit box spanned by an affine's directions: below, the axes lie in one plane for all purposes.
 const LEAST_DETERMINANT: f64 = 1e-6;
-
-/// From LPS to RAS and back: x and y change sign.
-pub(super) fn turned(affine: DAffine3) -> DAffine3 {
-    DAffine3::from_mat3(DMat3::from_diagonal(DVec3::new(-1.0, -1.0, 1.0))) * affine
-}
 
 /// What keeps an affine from being a place for voxels, if anything does.
 pub(super) fn flaw(affine: &DAffine3) -> Option<String> {

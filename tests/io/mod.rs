@@ -1,1 +1,4 @@
 //! Readers and writers.
+
+mod files;
+mod types;
