@@ -99,7 +99,12 @@ impl IoError {
         found: impl std::fmt::Display,
         expected: impl Into<String>,
     ) -> Self {
-        Self::Field { file: file.into(), field: field.into(), found: shown(&found.to_string()), expected: expected.into() }
+        Self::Field {
+            file: file.into(),
+            field: field.into(),
+            found: shown(&found.to_string()),
+            expected: expected.into(),
+        }
     }
 }
 

@@ -178,7 +178,8 @@ impl Contents for Layout {
                 Ok(Arc::new(RawSource::open(self, start, strides)?))
             }
             Encoding::Gzip { .. } => {
-                let voxels = with_voxel_type!(self.voxel_type, T => T::wrap(self.inflated::<T>(component, frame, progress)?));
+                let voxels =
+                    with_voxel_type!(self.voxel_type, T => T::wrap(self.inflated::<T>(component, frame, progress)?));
                 Ok(Arc::new(MemorySource::new(&self.file, self.grid, voxels, self.scaling)?))
             }
         }

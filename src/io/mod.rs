@@ -8,8 +8,8 @@
 //! [`Grid`]: crate::volume::Grid
 
 mod error;
-mod info;
 mod inflate;
+mod info;
 mod layout;
 mod nifti;
 mod nifti_place;

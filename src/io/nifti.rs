@@ -59,11 +59,8 @@ impl Reader for Nifti {
         axes.extend((0..3).map(|a| Axis { len: u64::from(dims[a]), role: Role::Space(a) }));
         axes.push(Axis { len: frames, role: Role::Frame });
         axes.push(Axis { len: parts, role: Role::Component });
-        let encoding = if is_gzip(&path)? {
-            Encoding::Gzip { start: 0, skip: offset }
-        } else {
-            Encoding::Raw { start: offset }
-        };
+        let encoding =
+            if is_gzip(&path)? { Encoding::Gzip { start: 0, skip: offset } } else { Encoding::Raw { start: offset } };
         let big_endian = header.big_endian;
         Layout { path, file, grid, voxel_type, big_endian, scaling, axes, encoding }.opened(warnings)
     }

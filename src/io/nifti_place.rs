@@ -29,7 +29,9 @@ pub(super) fn world_from_index(header: &Header, warnings: &mut Vec<String>) -> D
             Err(flaw) => warnings.push(format!("qform has {flaw}; passed over")),
         }
     }
-    warnings.push("orientation is unknown (no usable sform or qform): i, j, k are taken as right, anterior, superior".into());
+    warnings.push(
+        "orientation is unknown (no usable sform or qform): i, j, k are taken as right, anterior, superior".into(),
+    );
     let plain = |spacing| scaled(DAffine3 { matrix3: DMat3::from_diagonal(spacing), translation: DVec3::ZERO });
     let place = plain(spacing);
     match flaw(&place) {

@@ -82,7 +82,8 @@ fn encoding_of(header: &Header, layout: &Layout, start: u64) -> Result<Encoding,
             Ok(skip) => Ok(Encoding::Raw { start: start.saturating_add(skip) }),
             // Counted from the end: −1 says that the voxels are the file's last bytes, −1−n that n bytes follow them.
             Err(_) => {
-                let len = std::fs::metadata(&layout.path).map_err(IoError::system(&layout.path, "open the file"))?.len();
+                let len =
+                    std::fs::metadata(&layout.path).map_err(IoError::system(&layout.path, "open the file"))?.len();
                 let behind = (byte_skip + 1).unsigned_abs();
                 let from = layout.bytes().and_then(|b| b.checked_add(behind)).and_then(|b| len.checked_sub(b));
                 match from.filter(|&from| from >= start) {

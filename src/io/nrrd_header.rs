@@ -235,7 +235,12 @@ impl Header {
             "ushort" | "unsigned short" | "unsigned short int" | "uint16" | "uint16_t" => Ok(VoxelType::U16),
             "int" | "signed int" | "int32" | "int32_t" => Ok(VoxelType::I32),
             "uint" | "unsigned int" | "uint32" | "uint32_t" => Ok(VoxelType::U32),
-            "longlong" | "long long" | "long long int" | "signed long long" | "signed long long int" | "int64"
+            "longlong"
+            | "long long"
+            | "long long int"
+            | "signed long long"
+            | "signed long long int"
+            | "int64"
             | "int64_t" => Ok(VoxelType::I64),
             "ulonglong" | "unsigned long long" | "unsigned long long int" | "uint64" | "uint64_t" => Ok(VoxelType::U64),
             "float" => Ok(VoxelType::F32),

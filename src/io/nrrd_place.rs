@@ -136,7 +136,9 @@ impl Space {
                 "left-anterior-superior" | "las" => DVec3::new(-1.0, 1.0, 1.0),
                 "left-posterior-superior" | "lps" => DVec3::new(-1.0, -1.0, 1.0),
                 "scanner-xyz" | "3d-right-handed" | "3d-left-handed" => {
-                    warnings.push(format!("space {base} has no anatomical sides: x, y, z are taken as right, anterior, superior"));
+                    warnings.push(format!(
+                        "space {base} has no anatomical sides: x, y, z are taken as right, anterior, superior"
+                    ));
                     DVec3::ONE
                 }
                 _ => {
@@ -202,7 +204,9 @@ impl Space {
 fn mm_per_unit(field: &str, unit: &str, warnings: &mut Vec<String>) -> f64 {
     match unit.trim().to_lowercase().as_str() {
         "mm" | "millimeter" | "millimeters" | "millimetre" | "millimetres" | "" | "none" | "???" => 1.0,
-        "um" | "µm" | "μm" | "micron" | "microns" | "micrometer" | "micrometers" | "micrometre" | "micrometres" => 1e-3,
+        "um" | "µm" | "μm" | "micron" | "microns" | "micrometer" | "micrometers" | "micrometre" | "micrometres" => {
+            1e-3
+        }
         "nm" | "nanometer" | "nanometers" | "nanometre" | "nanometres" => 1e-6,
         "cm" | "centimeter" | "centimeters" | "centimetre" | "centimetres" => 10.0,
         "m" | "meter" | "meters" | "metre" | "metres" => 1000.0,
