@@ -141,7 +141,7 @@ impl Layout {
             }
             Encoding::Gzip { start, skip } => {
                 let inflate = Inflate::open(&self.path, start)?;
-                let mut stream = Stream { layout: self, from: From::Gzip(inflate), passed: 0 };
+                let mut stream = Stream { layout: self, from: From::Gzip(Box::new(inflate)), passed: 0 };
                 stream.skip(skip)?;
                 stream.passed = 0;
                 Ok(stream)
@@ -210,7 +210,7 @@ impl Contents for Layout {
 
 enum From {
     File(File),
-    Gzip(Inflate),
+    Gzip(Box<Inflate>),
 }
 
 /// The block, read from its first byte on.
