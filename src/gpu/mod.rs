@@ -1,5 +1,18 @@
-//! The GPU floor: device, brick pools, kernels and the ray caster.
+//! The GPU: device, brick pools, kernels, the ray caster and slices.
+//!
+//! One kernel is one file here and one file under `shaders/`. Owns every GPU object but the window's surface. Fields stay
+//! the host's: whatever is on the device can be made again from them after a loss.
 
 mod body;
+mod device;
+mod error;
+pub mod layout;
+mod pool;
+mod pools;
+mod residency;
+pub mod shader;
 
 pub use body::{Body, Frame, Mask, Overlay};
+pub use device::Gpu;
+pub use error::GpuError;
+pub use pools::{FieldInfo, FieldPools, Fields};

@@ -1,1 +1,3 @@
 //! Kernels and the ray caster against plain references.
+
+mod pools;

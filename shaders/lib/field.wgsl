@@ -1,0 +1,185 @@
+#define_import_path burin::field
+// Voxels. The only module that knows of slots and pages.
+// p is a place in voxels of level 0, voxel centres at integers. Values come as texels: density 0..1 of a 16-bit code or the
+// value itself (value = value_lo + texel·value_span), NaN where a tap is NaN.
+
+struct FieldInfo {
+    dims: vec3<u32>,            // voxels of level 0
+    cell: u32,                  // voxels along an edge of a cell of the skip maps
+    bricks: vec3<u32>,          // bricks of level 0
+    value_lo: f32,
+    density_texel: vec3<f32>,   // 1 / texels of the pool
+    value_span: f32,
+    colour_texel: vec3<f32>,
+    pad_0: u32,
+    selection_texel: vec3<f32>,
+    pad_1: u32,
+}
+
+@group(1) @binding(0) var<uniform> info: FieldInfo;
+@group(1) @binding(1) var density_pool: texture_3d<f32>;
+@group(1) @binding(2) var density_pages: texture_3d<u32>;
+@group(1) @binding(3) var colour_pool: texture_3d<f32>;
+@group(1) @binding(4) var colour_pages: texture_3d<u32>;
+@group(1) @binding(5) var selection_pool: texture_3d<f32>;
+@group(1) @binding(6) var selection_pages: texture_3d<u32>;
+@group(1) @binding(7) var label_pool: texture_3d<u32>;
+@group(1) @binding(8) var label_pages: texture_3d<u32>;
+@group(1) @binding(9) var linear_sampler: sampler;
+@group(1) @binding(10) var density_skip: texture_3d<u32>;
+@group(1) @binding(11) var selection_skip: texture_3d<u32>;
+@group(1) @binding(12) var background_skip: texture_3d<u32>;
+
+// Where a brick's texels are. A run inside one brick samples at q = p·scale + off: one fused multiply-add.
+struct Page {
+    scale: vec3<f32>,
+    off: vec3<f32>,
+    value: vec4<f32>,           // the texel of a brick of one value
+    held: bool,                 // false: the brick has one value
+    level: u32,
+    slot: vec3<u32>,            // first texel of the slot, apron included
+    first: vec3<f32>,           // centre of the slot's first texel, in texture coordinates
+    last: vec3<f32>,            // centre of its last one
+}
+
+// The brick of level 0 that a sample belongs to: ⌊(p+½)/32⌋, inside the volume.
+fn brick_of(p: vec3<f32>) -> vec3<i32> {
+    return clamp(vec3<i32>(floor((p + 0.5) * (1.0 / 32.0))), vec3<i32>(0), vec3<i32>(info.bricks) - 1);
+}
+
+fn page_of(entry: u32, brick: vec3<i32>, texel: vec3<f32>) -> Page {
+    var page: Page;
+    page.held = (entry & 1u) != 0u;
+    page.level = (entry >> 1u) & 31u;
+    page.slot = ((vec3<u32>(entry) >> vec3<u32>(8u, 16u, 24u)) & vec3<u32>(255u)) * 34u;
+    let size = 1.0 / f32(1u << page.level);
+    let coarse = vec3<f32>(brick >> vec3<u32>(page.level));
+    // Voxel i of the coarse brick has its centre at slot + 1 + i + ½; a place p is at (p+½)·size − ½ in coarse voxels.
+    page.scale = size * texel;
+    page.off = (vec3<f32>(page.slot) + (1.0 + 0.5 * size) - 32.0 * coarse) * texel;
+    page.first = (vec3<f32>(page.slot) + 0.5) * texel;
+    // A hair short of the last centre, so that the tap beyond it is never touched.
+    page.last = (vec3<f32>(page.slot) + (33.5 - 1.0 / 256.0)) * texel;
+    return page;
+}
+
+// Address of a place, taps clamped to the slot.
+fn address(page: Page, p: vec3<f32>) -> vec3<f32> {
+    return clamp(p * page.scale + page.off, page.first, page.last);
+}
+
+// The level-l voxel of a page that a place lies in, as a texel of the pool.
+fn nearest_texel(page: Page, brick: vec3<i32>, p: vec3<f32>) -> vec3<i32> {
+    let inside = vec3<i32>(floor((p + 0.5) / f32(1u << page.level))) - 32 * (brick >> vec3<u32>(page.level));
+    return vec3<i32>(page.slot) + 1 + clamp(inside, vec3<i32>(0), vec3<i32>(31));
+}
+
+fn is_nan(x: f32) -> bool {
+    return (bitcast<u32>(x) & 0x7fffffffu) > 0x7f800000u;
+}
+
+// ---- density
+
+fn density_page(brick: vec3<i32>) -> Page {
+    let entry = textureLoad(density_pages, brick, 0);
+    var page = page_of(entry.r, brick, info.density_texel);
+#ifdef FLOAT_DENSITY
+    page.value = vec4<f32>(bitcast<f32>(entry.g));
+#else
+    page.value = vec4<f32>(f32(entry.g) * (1.0 / 65535.0));
+#endif
+    return page;
+}
+
+// The texel at an address of the page, linear between voxels.
+fn density_texel(page: Page, q: vec3<f32>) -> f32 {
+#ifdef MANUAL_FILTER
+    let x = q / info.density_texel - 0.5;
+    let lo = floor(x);
+    let f = x - lo;
+    let a = vec3<i32>(lo);
+    let v000 = textureLoad(density_pool, a, 0).r;
+    let v100 = textureLoad(density_pool, a + vec3<i32>(1, 0, 0), 0).r;
+    let v010 = textureLoad(density_pool, a + vec3<i32>(0, 1, 0), 0).r;
+    let v110 = textureLoad(density_pool, a + vec3<i32>(1, 1, 0), 0).r;
+    let v001 = textureLoad(density_pool, a + vec3<i32>(0, 0, 1), 0).r;
+    let v101 = textureLoad(density_pool, a + vec3<i32>(1, 0, 1), 0).r;
+    let v011 = textureLoad(density_pool, a + vec3<i32>(0, 1, 1), 0).r;
+    let v111 = textureLoad(density_pool, a + vec3<i32>(1, 1, 1), 0).r;
+    let z0 = mix(mix(v000, v100, f.x), mix(v010, v110, f.x), f.y);
+    let z1 = mix(mix(v001, v101, f.x), mix(v011, v111, f.x), f.y);
+    let texel = mix(z0, z1, f.z);
+#else
+    let texel = textureSampleLevel(density_pool, linear_sampler, q, 0.0).r;
+#endif
+    return select(page.value.x, texel, page.held);
+}
+
+// Density in the volume's unit at a place of the page's brick.
+fn density_at(page: Page, p: vec3<f32>) -> f32 {
+    return info.value_lo + density_texel(page, address(page, p)) * info.value_span;
+}
+
+// ---- selection, 0..1
+
+fn selection_page(brick: vec3<i32>) -> Page {
+    let entry = textureLoad(selection_pages, brick, 0);
+    var page = page_of(entry.r, brick, info.selection_texel);
+    page.value = vec4<f32>(f32(entry.g) * (1.0 / 255.0));
+    return page;
+}
+
+fn selection_texel(page: Page, q: vec3<f32>) -> f32 {
+    return select(page.value.x, textureSampleLevel(selection_pool, linear_sampler, q, 0.0).r, page.held);
+}
+
+fn selection_at(page: Page, p: vec3<f32>) -> f32 {
+    return selection_texel(page, address(page, p));
+}
+
+// ---- painted colour, not premultiplied
+
+fn colour_page(brick: vec3<i32>) -> Page {
+    let entry = textureLoad(colour_pages, brick, 0);
+    var page = page_of(entry.r, brick, info.colour_texel);
+    page.value = unpack4x8unorm(entry.g);
+    return page;
+}
+
+fn colour_texel(page: Page, q: vec3<f32>) -> vec4<f32> {
+    return select(page.value, textureSampleLevel(colour_pool, linear_sampler, q, 0.0), page.held);
+}
+
+fn colour_at(page: Page, p: vec3<f32>) -> vec4<f32> {
+    return colour_texel(page, address(page, p));
+}
+
+// ---- labels: the voxel's own
+
+fn label_at(p: vec3<f32>) -> u32 {
+    let brick = brick_of(p);
+    let entry = textureLoad(label_pages, brick, 0);
+    let page = page_of(entry.r, brick, vec3<f32>(1.0));
+    if (!page.held) {
+        return entry.g;
+    }
+    return textureLoad(label_pool, nearest_texel(page, brick, p), 0).r;
+}
+
+// ---- empty space: 0 where a cell may show something, else the distance in cells to the next such cell (capped)
+
+fn cell_of(p: vec3<f32>) -> vec3<i32> {
+    return vec3<i32>(floor((p + 0.5) / f32(info.cell)));
+}
+
+fn skip(cell: vec3<i32>) -> u32 {
+    return textureLoad(density_skip, cell, 0).r;
+}
+
+fn skip_selection(cell: vec3<i32>) -> u32 {
+    return textureLoad(selection_skip, cell, 0).r;
+}
+
+fn skip_background(cell: vec3<i32>) -> u32 {
+    return textureLoad(background_skip, cell, 0).r;
+}

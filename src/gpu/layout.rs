@@ -1,0 +1,82 @@
+//! Structs that Rust and WGSL share, declared once.
+//!
+//! Owns the [`Shared`] trait and the `shared_struct!` macro: a `repr(C)` plain-old-data struct that can list its members as
+//! WGSL sees them. A test reflects the shaders and compares. Vectors of three must be followed by a 4-byte member, so that
+//! Rust's packing and WGSL's alignment agree.
+
+/// A scalar's kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum Kind {
+    F32,
+    U32,
+    I32,
+    /// Another shared struct.
+    Struct,
+}
+
+/// A member of a shared struct.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Member {
+    /// Name in both languages.
+    pub name: &'static str,
+    /// Bytes from the struct's start.
+    pub offset: usize,
+    /// Bytes.
+    pub size: usize,
+    /// Kind of its scalars.
+    pub kind: Kind,
+}
+
+/// A struct that shaders see under the same name.
+pub trait Shared: bytemuck::Pod {
+    /// Its name in WGSL.
+    const NAME: &'static str;
+    /// Its members in order.
+    fn members() -> Vec<Member>;
+}
+
+/// The kind of a type's scalars.
+pub trait Scalars {
+    /// Kind.
+    const KIND: Kind;
+}
+impl Scalars for f32 {
+    const KIND: Kind = Kind::F32;
+}
+impl Scalars for u32 {
+    const KIND: Kind = Kind::U32;
+}
+impl Scalars for i32 {
+    const KIND: Kind = Kind::I32;
+}
+impl<T: Scalars, const N: usize> Scalars for [T; N] {
+    const KIND: Kind = T::KIND;
+}
+
+/// Declares a struct that is shared with WGSL: `shared_struct! { /// doc  pub struct Name { pub member: type, … } }`.
+#[macro_export]
+macro_rules! shared_struct {
+    ($(#[$meta:meta])* $vis:vis struct $name:ident { $($(#[$m:meta])* $mvis:vis $member:ident : $ty:ty,)* }) => {
+        $(#[$meta])*
+        #[repr(C)]
+        #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+        $vis struct $name { $($(#[$m])* $mvis $member: $ty,)* }
+
+        impl $crate::gpu::layout::Scalars for $name {
+            const KIND: $crate::gpu::layout::Kind = $crate::gpu::layout::Kind::Struct;
+        }
+
+        impl $crate::gpu::layout::Shared for $name {
+            const NAME: &'static str = stringify!($name);
+            fn members() -> Vec<$crate::gpu::layout::Member> {
+                vec![$($crate::gpu::layout::Member {
+                    name: stringify!($member),
+                    offset: std::mem::offset_of!($name, $member),
+                    size: std::mem::size_of::<$ty>(),
+                    kind: <$ty as $crate::gpu::layout::Scalars>::KIND,
+                },)*]
+            }
+        }
+    };
+}

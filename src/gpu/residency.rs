@@ -1,0 +1,135 @@
+//! Which bricks to hold: a cut through the levels that covers every needed brick of level 0 with the slots there are.
+//!
+//! Pure: knows no device. If all needed bricks fit, all are held at level 0, whatever the camera. Otherwise the cut starts at
+//! the coarsest level, which is one brick, and the most urgent brick is refined first, so that nothing is ever missing. The
+//! cut depends on nothing but its arguments: a picture at rest is stable.
+
+use crate::volume::{BrickIndex, BrickKey, Field};
+use std::collections::{BinaryHeap, HashMap, HashSet};
+
+/// What is asked of a field.
+pub(super) struct Need<'a> {
+    pub(super) field: &'a Field,
+    /// By brick of level 0: how much it matters, 0 for not at all. Only called if not everything fits.
+    pub(super) urgency: &'a dyn Fn() -> Vec<f32>,
+    /// By brick of level 0: whether it can be seen at all.
+    pub(super) needed: &'a [bool],
+    /// Slots there are.
+    pub(super) room: usize,
+}
+
+/// The answer: bricks with more than one value to be held, and bricks of one value that take part in the cut.
+pub(super) struct Cut {
+    pub(super) held: Vec<BrickKey>,
+    pub(super) uniform: HashSet<BrickKey>,
+}
+
+/// Of equal urgency the finest level goes last and indices decide, so that the order is total.
+#[derive(PartialEq)]
+struct Candidate {
+    urgency: f32,
+    key: BrickKey,
+}
+impl Eq for Candidate {}
+impl Ord for Candidate {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.urgency.total_cmp(&other.urgency).then_with(|| other.key.cmp(&self.key).then(std::cmp::Ordering::Equal))
+    }
+}
+impl PartialOrd for Candidate {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// Chooses the cut.
+pub(super) fn choose(need: &Need<'_>) -> Cut {
+    let field = need.field;
+    let finest: Vec<BrickKey> = field
+        .brick_indices(0)
+        .into_iter()
+        .zip(need.needed)
+        .filter(|(_, needed)| **needed)
+        .map(|(index, _)| BrickKey { level: 0, index })
+        .filter(|key| field.summary(*key).uniform.is_none())
+        .collect();
+    if finest.len() <= need.room {
+        return Cut { held: finest, uniform: HashSet::new() };
+    }
+    refine(need, &finest)
+}
+
+fn refine(need: &Need<'_>, finest: &[BrickKey]) -> Cut {
+    let field = need.field;
+    let urgency = (need.urgency)();
+    let [nx, ny, _] = field.brick_dims(0).map(|b| b as usize);
+    let at = |b: BrickIndex| b.0[0] as usize + nx * (b.0[1] as usize + ny * b.0[2] as usize);
+    // For every brick above a needed one: the greatest urgency below it, and its children.
+    let mut most: HashMap<BrickKey, f32> = HashMap::new();
+    let mut children: HashMap<BrickKey, Vec<BrickKey>> = HashMap::new();
+    let mut layer: Vec<BrickKey> = finest.to_vec();
+    for key in finest {
+        most.insert(*key, urgency[at(key.index)]);
+    }
+    for level in 1..field.level_count() {
+        let mut parents = Vec::new();
+        for key in layer {
+            let parent = BrickKey { level, index: key.index.parent() };
+            let below = most[&key];
+            let family = children.entry(parent).or_insert_with(|| {
+                parents.push(parent);
+                Vec::new()
+            });
+            family.push(key);
+            let best = most.entry(parent).or_insert(below);
+            *best = best.max(below);
+        }
+        layer = parents;
+    }
+    let cost = |key: &BrickKey| usize::from(field.summary(*key).uniform.is_none());
+    let mut chosen: HashSet<BrickKey> = HashSet::new();
+    let mut waiting: HashMap<BrickKey, usize> = HashMap::new();
+    let mut queue = BinaryHeap::new();
+    let mut used = 0;
+    let enter = |key: BrickKey,
+                     chosen: &mut HashSet<BrickKey>,
+                     waiting: &mut HashMap<BrickKey, usize>,
+                     queue: &mut BinaryHeap<Candidate>| {
+        chosen.insert(key);
+        let Some(family) = children.get(&key) else { return };
+        waiting.insert(key, family.len());
+        // What is gained is the difference between the parent's voxel and the child's, in pixels.
+        let voxel = (1_u32 << key.level) as f32;
+        queue.extend(family.iter().map(|&key| Candidate { urgency: most[&key] * voxel, key }));
+    };
+    for root in &layer {
+        used += cost(root);
+        enter(*root, &mut chosen, &mut waiting, &mut queue);
+    }
+    while let Some(Candidate { key, .. }) = queue.pop() {
+        let parent = BrickKey { level: key.level + 1, index: key.index.parent() };
+        // The last of a family takes its parent's slot.
+        let last = waiting[&parent] == 1;
+        let freed = if last { cost(&parent) } else { 0 };
+        if used + cost(&key) > need.room + freed {
+            continue;
+        }
+        used = used + cost(&key) - freed;
+        if last {
+            chosen.remove(&parent);
+        }
+        waiting.entry(parent).and_modify(|n| *n -= 1);
+        enter(key, &mut chosen, &mut waiting, &mut queue);
+    }
+    let mut held: Vec<BrickKey> = Vec::with_capacity(used);
+    let mut uniform = HashSet::new();
+    for key in chosen {
+        if cost(&key) == 1 {
+            held.push(key);
+        } else {
+            uniform.insert(key);
+        }
+    }
+    held.sort_unstable();
+    Cut { held, uniform }
+}

@@ -1,0 +1,105 @@
+//! The one way from files under `shaders/` to a module: imports resolved, conditions decided, validated.
+//!
+//! Owns the list of shader files (embedded, so that the program needs none on disk) and the composer (naga_oil). Program and
+//! tests call the same [`compose`]; a pipeline is specialised by `defs` instead of branching on the GPU.
+
+use super::{Gpu, GpuError};
+use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescriptor};
+use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
+
+pub use naga_oil::compose::ShaderDefValue as Def;
+
+macro_rules! files {
+    ($($path:literal),* $(,)?) => { &[$(($path, include_str!(concat!("../../shaders/", $path)))),*] };
+}
+
+/// Modules that others import, each after those it imports itself.
+const LIBRARY: &[(&str, &str)] = files!["lib/field.wgsl"];
+
+/// Files with entry points.
+const KERNELS: &[(&str, &str)] = files![];
+
+static COMPOSER: Mutex<Option<Composer>> = Mutex::new(None);
+
+/// The files with entry points, by name under `shaders/`.
+pub fn kernels() -> impl Iterator<Item = &'static str> {
+    KERNELS.iter().map(|k| k.0)
+}
+
+/// Resolves a kernel's imports and conditions and validates the result. `defs` name what is defined (`#ifdef`), with a value
+/// for `#if`.
+///
+/// # Errors
+/// [`GpuError::Shader`] with the compiler's report.
+pub fn compose(file: &str, defs: &[(&str, Def)]) -> Result<wgpu::naga::Module, GpuError> {
+    let source = KERNELS.iter().find(|k| k.0 == file).map(|k| k.1).ok_or_else(|| GpuError::Shader {
+        file: file.to_string(),
+        reason: "not in the program's list of kernels".to_string(),
+    })?;
+    compose_source(file, source, defs)
+}
+
+/// The same for a source that is not in the list, as tests have.
+///
+/// # Errors
+/// As [`compose`].
+pub fn compose_source(file: &str, source: &str, defs: &[(&str, Def)]) -> Result<wgpu::naga::Module, GpuError> {
+    let mut guard = COMPOSER.lock().unwrap_or_else(PoisonError::into_inner);
+    let composer = match guard.take() {
+        Some(composer) => guard.insert(composer),
+        None => guard.insert(library()?),
+    };
+    let descriptor = NagaModuleDescriptor {
+        source,
+        file_path: file,
+        shader_defs: defs.iter().map(|&(name, value)| (name.to_string(), value)).collect(),
+        ..Default::default()
+    };
+    match composer.make_naga_module(descriptor) {
+        Ok(module) => Ok(module),
+        Err(error) => Err(GpuError::Shader { file: file.to_string(), reason: error.emit_to_string(composer) }),
+    }
+}
+
+fn library() -> Result<Composer, GpuError> {
+    let mut composer = Composer::default();
+    for (path, source) in LIBRARY {
+        let descriptor =
+            ComposableModuleDescriptor { source, file_path: path, shader_defs: HashMap::new(), ..Default::default() };
+        if let Err(error) = composer.add_composable_module(descriptor) {
+            return Err(GpuError::Shader { file: (*path).to_string(), reason: error.emit_to_string(&composer) });
+        }
+    }
+    Ok(composer)
+}
+
+/// [`compose`], handed to the device.
+///
+/// # Errors
+/// [`GpuError::Shader`]; the device's own refusal as [`GpuError::Refused`].
+pub fn compile(gpu: &Gpu, file: &str, defs: &[(&str, Def)]) -> Result<wgpu::ShaderModule, GpuError> {
+    module(gpu, file, compose(file, defs)?)
+}
+
+/// [`compose_source`], handed to the device.
+///
+/// # Errors
+/// As [`compile`].
+pub fn compile_source(
+    gpu: &Gpu,
+    file: &str,
+    source: &str,
+    defs: &[(&str, Def)],
+) -> Result<wgpu::ShaderModule, GpuError> {
+    module(gpu, file, compose_source(file, source, defs)?)
+}
+
+fn module(gpu: &Gpu, file: &str, module: wgpu::naga::Module) -> Result<wgpu::ShaderModule, GpuError> {
+    gpu.scoped(file, || {
+        Ok(gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(file),
+            source: wgpu::ShaderSource::Naga(std::borrow::Cow::Owned(module)),
+        }))
+    })
+}

@@ -1,0 +1,121 @@
+//! A device for tests, and a kernel that samples fields at given points through `burin::field`.
+
+use burin::gpu::{FieldPools, Gpu, shader};
+use std::sync::OnceLock;
+
+/// The device, or `None` with a printed reason where there is none: such tests end early.
+pub fn gpu() -> Option<Gpu> {
+    static GPU: OnceLock<Option<Gpu>> = OnceLock::new();
+    GPU.get_or_init(|| match Gpu::headless() {
+        Ok(gpu) => Some(gpu),
+        Err(error) => {
+            println!("skipped: {error}");
+            None
+        }
+    })
+    .clone()
+}
+
+/// What a field's texel is at a place, as the shader sees it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Sampled {
+    pub density: f32,
+    pub selection: f32,
+    pub label: u32,
+    pub level: u32,
+    pub colour: [f32; 4],
+    pub skip: [u32; 4],
+}
+
+const SAMPLER: &str = "
+#import burin::field::{brick_of, density_page, density_at, selection_page, selection_at, colour_page, colour_at, label_at,
+    cell_of, skip, skip_selection, skip_background}
+struct Sampled { density: f32, selection: f32, label: u32, level: u32, colour: vec4<f32>, skip: vec4<u32> }
+@group(0) @binding(0) var<storage, read> points: array<vec4<f32>>;
+@group(0) @binding(1) var<storage, read_write> out: array<Sampled>;
+@compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if (id.x >= arrayLength(&points)) { return; }
+    let p = points[id.x].xyz;
+    let brick = brick_of(p);
+    let page = density_page(brick);
+    let cell = cell_of(p);
+    out[id.x].density = density_at(page, p);
+    out[id.x].level = page.level;
+    out[id.x].selection = selection_at(selection_page(brick), p);
+    out[id.x].colour = colour_at(colour_page(brick), p);
+    out[id.x].label = label_at(p);
+    out[id.x].skip = vec4<u32>(skip(cell), skip_selection(cell), skip_background(cell), 0u);
+}";
+
+/// Samples all fields at places in voxels.
+pub fn sample(gpu: &Gpu, pools: &FieldPools, points: &[[f32; 3]]) -> Vec<Sampled> {
+    use wgpu::util::DeviceExt;
+    let (device, queue) = gpu.raw();
+    let module = shader::compile_source(gpu, "sampler.wgsl", SAMPLER, &pools.defs(gpu)).unwrap();
+    let padded: Vec<[f32; 4]> = points.iter().map(|p| [p[0], p[1], p[2], 0.0]).collect();
+    let input = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: None,
+        contents: bytemuck::cast_slice(&padded),
+        usage: wgpu::BufferUsages::STORAGE,
+    });
+    // A sentinel that no field holds.
+    let sentinel = vec![0xcd_u8; points.len() * size_of::<Sampled>()];
+    let output = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: None,
+        contents: &sentinel,
+        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+    });
+    let read = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: sentinel.len() as u64,
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let entry = |binding, read_only| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { read_only },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        count: None,
+    };
+    let own = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: None,
+        entries: &[entry(0, true), entry(1, false)],
+    });
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: None,
+        bind_group_layouts: &[Some(&own), Some(pools.layout())],
+        immediate_size: 0,
+    });
+    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: None,
+        layout: Some(&layout),
+        module: &module,
+        entry_point: Some("main"),
+        compilation_options: Default::default(),
+        cache: None,
+    });
+    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout: &own,
+        entries: &[
+            wgpu::BindGroupEntry { binding: 0, resource: input.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 1, resource: output.as_entire_binding() },
+        ],
+    });
+    let mut encoder = device.create_command_encoder(&Default::default());
+    {
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.set_bind_group(1, pools.group(), &[]);
+        pass.dispatch_workgroups(points.len().div_ceil(64) as u32, 1, 1);
+    }
+    encoder.copy_buffer_to_buffer(&output, 0, &read, 0, sentinel.len() as u64);
+    queue.submit([encoder.finish()]);
+    bytemuck::cast_slice(&gpu.read_buffer(&read, "samples").unwrap()).to_vec()
+}

@@ -1,0 +1,74 @@
+//! Synthetic volumes.
+
+use burin::gpu::{Body, Frame, Overlay};
+use burin::math::{Camera, DVec3};
+use burin::volume::*;
+use std::sync::Arc;
+
+/// A grid with unit spacing, voxel (0, 0, 0) at the origin.
+pub fn unit_grid(dims: [u32; 3]) -> Grid {
+    Grid::aligned(dims, DVec3::ONE, DVec3::ZERO)
+}
+
+/// A density field of `f` at every voxel, as u16 voxels mapped one to one.
+pub fn density_u16(grid: Grid, f: impl Fn([u32; 3]) -> u16) -> Field {
+    let voxels = Voxels::U16(each(grid.dims, f));
+    let source = MemorySource::new("synthetic", grid, voxels, (1.0, 0.0)).unwrap();
+    Field::from_source(Arc::new(source), DensityMap::codes(0.0, 65_535.0, Some(1.0)), &|_| true).unwrap().unwrap()
+}
+
+/// The same as 32-bit floats.
+pub fn density_f32(grid: Grid, f: impl Fn([u32; 3]) -> f32) -> Field {
+    let voxels = Voxels::F32(each(grid.dims, f));
+    let source = MemorySource::new("synthetic", grid, voxels, (1.0, 0.0)).unwrap();
+    Field::from_source(Arc::new(source), DensityMap::FLOAT, &|_| true).unwrap().unwrap()
+}
+
+/// `f` at every voxel, x fastest.
+pub fn each<T>([nx, ny, nz]: [u32; 3], f: impl Fn([u32; 3]) -> T) -> Vec<T> {
+    (0..nz)
+        .flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])))
+        .map(f)
+        .collect()
+}
+
+/// Paints a field as a whole: `f` gives the texel of every voxel.
+pub fn painted(kind: FieldKind, grid: &Grid, f: impl Fn([u32; 3]) -> [u8; 4]) -> Field {
+    let mut field = Field::blank(kind, grid);
+    let bytes = field.format().bytes();
+    let changes = field
+        .brick_indices(0)
+        .into_iter()
+        .map(|index| {
+            let o = index.origin();
+            let texels = each([BRICK; 3], |v| f(std::array::from_fn(|a| o[a] + v[a])));
+            let texels = texels.iter().flat_map(|t| t[..bytes].to_vec()).collect();
+            (index, Some(Brick::from_texels(texels, bytes)))
+        })
+        .collect();
+    field.swap(changes).unwrap();
+    field
+}
+
+/// A transfer function whose opacity rises from `from` to `to`.
+pub fn ramp(from: f64, to: f64) -> TransferFunction {
+    TransferFunction {
+        colour: vec![(from, [0.2, 0.1, 0.1]), (to, [1.0, 0.9, 0.8])],
+        opacity: vec![(from, 0.0), (to, 0.5)],
+        unit_mm: 1.0,
+    }
+}
+
+/// One body, all of the volume, seen from `direction`.
+pub fn frame(grid: &Grid, transfer: TransferFunction, direction: DVec3, size: [u32; 2]) -> Frame {
+    Frame {
+        camera: Camera::framing(&grid.world_bounds(), direction, DVec3::Z),
+        size,
+        step_mm: 1.0,
+        mode: Mode::Dvr,
+        lighting: None,
+        transfer,
+        bodies: vec![Body::whole(0)],
+        overlay: Overlay::default(),
+    }
+}
