@@ -11,9 +11,9 @@ struct FieldInfo {
     density_texel: vec3<f32>,   // 1 / texels of the pool
     value_span: f32,
     colour_texel: vec3<f32>,
-    pad_0: u32,
+    pad_a: u32,
     selection_texel: vec3<f32>,
-    pad_1: u32,
+    pad_b: u32,
 }
 
 @group(1) @binding(0) var<uniform> info: FieldInfo;
@@ -172,7 +172,7 @@ fn cell_of(p: vec3<f32>) -> vec3<i32> {
     return vec3<i32>(floor((p + 0.5) / f32(info.cell)));
 }
 
-fn skip(cell: vec3<i32>) -> u32 {
+fn skip_all(cell: vec3<i32>) -> u32 {
     return textureLoad(density_skip, cell, 0).r;
 }
 

@@ -46,7 +46,10 @@ impl Gpu {
     /// # Errors
     /// As [`headless`](Self::headless).
     pub fn headless_with(allowed: Features) -> Result<Self, GpuError> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        let mut instance = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+        // OpenGL lacks what the kernels need, and asks for a display.
+        instance.backends = wgpu::Backends::PRIMARY.with_env();
+        let instance = wgpu::Instance::new(instance);
         let options =
             wgpu::RequestAdapterOptions { power_preference: wgpu::PowerPreference::HighPerformance, ..Default::default() };
         let adapter = pollster::block_on(instance.request_adapter(&options))

@@ -53,11 +53,11 @@ shared_struct! {
         /// 1 / texels of the pool.
         pub colour_texel: [f32; 3],
         /// Unused.
-        pub pad_0: u32,
+        pub pad_a: u32,
         /// 1 / texels of the pool.
         pub selection_texel: [f32; 3],
         /// Unused.
-        pub pad_1: u32,
+        pub pad_b: u32,
     }
 }
 
@@ -418,9 +418,9 @@ impl FieldPools {
             density_texel: texel(FieldKind::Density),
             value_span: span as f32,
             colour_texel: texel(FieldKind::Colour),
-            pad_0: 0,
+            pad_a: 0,
             selection_texel: texel(FieldKind::Selection),
-            pad_1: 0,
+            pad_b: 0,
         };
         gpu.scoped("the fields' bindings", || {
             gpu.queue.write_buffer(&self.info, 0, bytemuck::bytes_of(&info));

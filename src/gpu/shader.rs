@@ -1,7 +1,8 @@
 //! The one way from files under `shaders/` to a module: imports resolved, conditions decided, validated.
 //!
 //! Owns the list of shader files (embedded, so that the program needs none on disk) and the composer (naga_oil). Program and
-//! tests call the same [`compose`]; a pipeline is specialised by `defs` instead of branching on the GPU.
+//! tests call the same [`compose`]; a pipeline is specialised by `defs` instead of branching on the GPU. Two rules of the
+//! composer: names of a library module do not end in a digit, and an imported name must not also be a member's name.
 
 use super::{Gpu, GpuError};
 use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescriptor};

@@ -30,7 +30,7 @@ pub struct Sampled {
 
 const SAMPLER: &str = "
 #import burin::field::{brick_of, density_page, density_at, selection_page, selection_at, colour_page, colour_at, label_at,
-    cell_of, skip, skip_selection, skip_background}
+    cell_of, skip_all, skip_selection, skip_background}
 struct Sampled { density: f32, selection: f32, label: u32, level: u32, colour: vec4<f32>, skip: vec4<u32> }
 @group(0) @binding(0) var<storage, read> points: array<vec4<f32>>;
 @group(0) @binding(1) var<storage, read_write> out: array<Sampled>;
@@ -45,7 +45,7 @@ struct Sampled { density: f32, selection: f32, label: u32, level: u32, colour: v
     out[id.x].selection = selection_at(selection_page(brick), p);
     out[id.x].colour = colour_at(colour_page(brick), p);
     out[id.x].label = label_at(p);
-    out[id.x].skip = vec4<u32>(skip(cell), skip_selection(cell), skip_background(cell), 0u);
+    out[id.x].skip = vec4<u32>(skip_all(cell), skip_selection(cell), skip_background(cell), 0u);
 }";
 
 /// Samples all fields at places in voxels.

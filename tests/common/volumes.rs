@@ -18,6 +18,7 @@ pub fn density_u16(grid: Grid, f: impl Fn([u32; 3]) -> u16) -> Field {
 }
 
 /// The same as 32-bit floats.
+#[allow(dead_code)]
 pub fn density_f32(grid: Grid, f: impl Fn([u32; 3]) -> f32) -> Field {
     let voxels = Voxels::F32(each(grid.dims, f));
     let source = MemorySource::new("synthetic", grid, voxels, (1.0, 0.0)).unwrap();
