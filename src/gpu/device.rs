@@ -50,8 +50,10 @@ impl Gpu {
         // OpenGL lacks what the kernels need, and asks for a display.
         instance.backends = wgpu::Backends::PRIMARY.with_env();
         let instance = wgpu::Instance::new(instance);
-        let options =
-            wgpu::RequestAdapterOptions { power_preference: wgpu::PowerPreference::HighPerformance, ..Default::default() };
+        let options = wgpu::RequestAdapterOptions {
+            power_preference: wgpu::PowerPreference::HighPerformance,
+            ..Default::default()
+        };
         let adapter = pollster::block_on(instance.request_adapter(&options))
             .map_err(|e| GpuError::NoAdapter { reason: e.to_string() })?;
         let mut descriptor = Self::device_descriptor(&adapter);
@@ -70,7 +72,10 @@ impl Gpu {
         if device.limits().max_texture_dimension_3d < 256 {
             return Err(GpuError::NoDevice {
                 adapter: info.name,
-                reason: format!("3D textures of {} texels found, 256 expected", device.limits().max_texture_dimension_3d),
+                reason: format!(
+                    "3D textures of {} texels found, 256 expected",
+                    device.limits().max_texture_dimension_3d
+                ),
             });
         }
         let health = Arc::new(Health::default());

@@ -41,7 +41,9 @@ pub enum GpuError {
         reason: String,
     },
     /// The device is gone; everything on it can be made again from the host's fields.
-    #[error("the graphics device was lost ({reason}); nothing is lost but the picture, which is made again on a new device")]
+    #[error(
+        "the graphics device was lost ({reason}); nothing is lost but the picture, which is made again on a new device"
+    )]
     Lost {
         /// The driver's words.
         reason: String,
@@ -55,7 +57,9 @@ pub enum GpuError {
         reason: String,
     },
     /// A request that the pools cannot hold.
-    #[error("{asked} bricks of {field} asked for at once, the pool holds {room}; raise the memory budget or use a smaller brush")]
+    #[error(
+        "{asked} bricks of {field} asked for at once, the pool holds {room}; raise the memory budget or use a smaller brush"
+    )]
     PoolFull {
         /// Field.
         field: &'static str,

@@ -67,7 +67,13 @@ const UNWRITTEN: Page = [u32::MAX; 2];
 
 impl Pool {
     /// An empty pool of at most `budget_bytes`; its texture is one slot until something is held.
-    pub(super) fn new(gpu: &Gpu, kind: FieldKind, host: TexelFormat, bricks: [u32; 3], budget_bytes: u64) -> Result<Self, GpuError> {
+    pub(super) fn new(
+        gpu: &Gpu,
+        kind: FieldKind,
+        host: TexelFormat,
+        bricks: [u32; 3],
+        budget_bytes: u64,
+    ) -> Result<Self, GpuError> {
         let format = match host {
             TexelFormat::R16Unorm if !gpu.has_unorm16() => TexelFormat::R32Float,
             other => other,
@@ -196,8 +202,12 @@ impl Pool {
             }
         }
         if self.free.len() < count {
-            let mut idle: Vec<_> =
-                self.held.iter().filter(|(_, h)| !h.pinned && h.used != self.clock).map(|(k, h)| (h.used, *k)).collect();
+            let mut idle: Vec<_> = self
+                .held
+                .iter()
+                .filter(|(_, h)| !h.pinned && h.used != self.clock)
+                .map(|(k, h)| (h.used, *k))
+                .collect();
             idle.sort_unstable();
             for (_, key) in idle.into_iter().take(count - self.free.len()) {
                 if let Some(held) = self.held.remove(&key) {
@@ -219,7 +229,8 @@ impl Pool {
         self.texture = gpu.scoped(&format!("a {} pool of {grid:?} slots", kind.name()), || {
             let texture = slots_texture(gpu, kind, format, grid);
             if !was_empty {
-                let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("grow pool") });
+                let mut encoder =
+                    gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("grow pool") });
                 encoder.copy_texture_to_texture(old.as_image_copy(), texture.as_image_copy(), size);
                 gpu.queue.submit([encoder.finish()]);
             }
@@ -253,7 +264,10 @@ impl Pool {
                 for ((_, slot), texels) in part.iter().zip(&texels) {
                     let [x, y, z] = slot.map(|s| s * SLOT);
                     gpu.queue.write_texture(
-                        wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x, y, z }, ..self.texture.as_image_copy() },
+                        wgpu::TexelCopyTextureInfo {
+                            origin: wgpu::Origin3d { x, y, z },
+                            ..self.texture.as_image_copy()
+                        },
                         texels,
                         wgpu::TexelCopyBufferLayout {
                             offset: 0,

@@ -7,7 +7,9 @@ use super::pool::{self, Page, Pool};
 use super::residency::{self, Need};
 use super::{Frame, Gpu, GpuError};
 use crate::shared_struct;
-use crate::volume::{BrickIndex, BrickKey, DensityMap, Field, FieldKind, Grid, Mode, Refresh, TexelFormat, TransferFunction};
+use crate::volume::{
+    BrickIndex, BrickKey, DensityMap, Field, FieldKind, Grid, Mode, Refresh, TexelFormat, TransferFunction,
+};
 use std::collections::HashSet;
 
 /// The fields of one volume; blank ones cost nothing.
@@ -113,7 +115,13 @@ impl FieldPools {
     /// Out of memory, or a lost device.
     pub fn new(gpu: &Gpu, grid: &Grid, density: &Field, budget_bytes: u64) -> Result<Self, GpuError> {
         let bricks = density.brick_dims(0);
-        let pool = Pool::new(gpu, FieldKind::Density, density.format(), bricks, budget_bytes / 8 * eighths(FieldKind::Density))?;
+        let pool = Pool::new(
+            gpu,
+            FieldKind::Density,
+            density.format(),
+            bricks,
+            budget_bytes / 8 * eighths(FieldKind::Density),
+        )?;
         gpu.scoped("the fields' bindings", || {
             let nothing = [wgpu::TextureFormat::R8Unorm, wgpu::TextureFormat::R8Uint, wgpu::TextureFormat::Rg32Uint]
                 .map(|format| nothing(gpu, format));
@@ -495,7 +503,11 @@ fn layout(gpu: &Gpu, density_filters: bool) -> wgpu::BindGroupLayout {
     let texture = |binding: u32, sample_type: wgpu::TextureSampleType| wgpu::BindGroupLayoutEntry {
         binding,
         visibility,
-        ty: wgpu::BindingType::Texture { sample_type, view_dimension: wgpu::TextureViewDimension::D3, multisampled: false },
+        ty: wgpu::BindingType::Texture {
+            sample_type,
+            view_dimension: wgpu::TextureViewDimension::D3,
+            multisampled: false,
+        },
         count: None,
     };
     let float = |filterable| wgpu::TextureSampleType::Float { filterable };
@@ -547,8 +559,9 @@ fn group(
         wgpu::BindGroupEntry { binding: 0, resource: info.as_entire_binding() },
         wgpu::BindGroupEntry { binding: 9, resource: wgpu::BindingResource::Sampler(sampler) },
     ];
-    entries.extend(
-        views.iter().map(|(binding, v)| wgpu::BindGroupEntry { binding: *binding, resource: wgpu::BindingResource::TextureView(v) }),
-    );
+    entries.extend(views.iter().map(|(binding, v)| wgpu::BindGroupEntry {
+        binding: *binding,
+        resource: wgpu::BindingResource::TextureView(v),
+    }));
     gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("fields"), layout, entries: &entries })
 }

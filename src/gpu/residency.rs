@@ -92,9 +92,9 @@ fn refine(need: &Need<'_>, finest: &[BrickKey]) -> Cut {
     let mut queue = BinaryHeap::new();
     let mut used = 0;
     let enter = |key: BrickKey,
-                     chosen: &mut HashSet<BrickKey>,
-                     waiting: &mut HashMap<BrickKey, usize>,
-                     queue: &mut BinaryHeap<Candidate>| {
+                 chosen: &mut HashSet<BrickKey>,
+                 waiting: &mut HashMap<BrickKey, usize>,
+                 queue: &mut BinaryHeap<Candidate>| {
         chosen.insert(key);
         let Some(family) = children.get(&key) else { return };
         waiting.insert(key, family.len());

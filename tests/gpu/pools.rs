@@ -54,9 +54,11 @@ fn samples_through_pages_equal_the_dense_field() {
     let Some(gpu) = gpu() else { return };
     let grid = unit_grid([70, 66, 40]);
     let density = density_u16(grid, |v| ((v[0] * 631 + v[1] * 409 + v[2] * 211 + v[0] * v[1] * 7) % 60_000) as u16);
-    let selection =
-        painted(FieldKind::Selection, &grid, |v| [if v[0] > 40 { ((v[1] * 5 + v[2] * 3) % 256) as u8 } else { 255 }, 0, 0, 0]);
-    let colour = painted(FieldKind::Colour, &grid, |v| [(v[0] * 3) as u8, (v[1] * 2) as u8, v[2] as u8, (v[0] + v[1]) as u8]);
+    let selection = painted(FieldKind::Selection, &grid, |v| {
+        [if v[0] > 40 { ((v[1] * 5 + v[2] * 3) % 256) as u8 } else { 255 }, 0, 0, 0]
+    });
+    let colour =
+        painted(FieldKind::Colour, &grid, |v| [(v[0] * 3) as u8, (v[1] * 2) as u8, v[2] as u8, (v[0] + v[1]) as u8]);
     let labels = painted(FieldKind::Labels, &grid, |v| {
         let [a, b] = ((v[0] / 3 + 7 * (v[1] / 5) + 300 * (v[2] / 11)) as u16).to_le_bytes();
         [a, b, 0, 0]
