@@ -1,7 +1,7 @@
 //! What a volume that was just opened looks like.
 
 use super::{Layer, Look, Origin, Scene, SliceView, ViewName, Views, Window};
-use crate::explode::{Explosion, Forces};
+use crate::explode::Explosion;
 use crate::math::{Camera, DVec3};
 use crate::paint::Brush;
 use crate::volume::{FieldKind, Grid, Histogram, Segments, TransferFunction};
@@ -20,7 +20,7 @@ impl Scene {
                 .to_vec(),
             segments: Segments::default(),
             brush: Brush::default(),
-            explosion: Explosion { parts: Vec::new(), degree: 0.0, forces: Forces::default(), seed: 0, next_id: 1 },
+            explosion: Explosion::whole(grid),
         }
     }
 }

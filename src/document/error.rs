@@ -1,5 +1,7 @@
 //! Why a command was refused. A command that fails has changed nothing.
 
+use crate::explode::ExplodeError;
+use crate::paint::PaintError;
 use crate::volume::SourceError;
 use std::path::PathBuf;
 
@@ -38,6 +40,12 @@ pub enum DocumentError {
         /// What happened, and what to do.
         reason: String,
     },
+    /// A brush or a stroke that cannot be painted.
+    #[error(transparent)]
+    Paint(#[from] PaintError),
+    /// A part, a splitter or forces that cannot be.
+    #[error(transparent)]
+    Explode(#[from] ExplodeError),
     /// The voxels behind the volume failed.
     #[error(transparent)]
     Source(#[from] SourceError),

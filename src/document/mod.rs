@@ -10,8 +10,10 @@ mod command;
 mod defaults;
 mod edit;
 mod error;
+mod explosion;
 mod history;
 mod packed;
+mod part;
 mod place;
 mod scene;
 mod segment;
@@ -104,6 +106,8 @@ impl Document {
             Command::Brush(command) => self.brush(command),
             Command::Segment(command) => self.segment(command, &mut edit),
             Command::Selection(command) => self.selection(command, &mut edit),
+            Command::Part(command) => self.part(command, &mut edit),
+            Command::Explosion(command) => self.explosion(command, &mut edit),
             other => Err(DocumentError::NotNow(format!("this build cannot do {other:?}"))),
         };
         let state = self.state.as_mut().ok_or(DocumentError::NothingOpen);

@@ -1,1 +1,65 @@
-//! (floor under construction)
+//! Scripts: one command a line as JSON, one answer a line.
+//!
+//! A line is a [`Command`]; blank lines and lines that start with `#` are passed over. Every command answers with one JSON
+//! object: `{"line":3,"ok":{…}}` or `{"line":3,"error":"…"}`. The first error ends the script unless it is told to go on.
+//! Nothing is saved unless a line says so. Knows no GPU and no window.
+
+use crate::document::{Command, Document};
+use serde_json::{Value, json};
+use std::io::{BufRead, Write};
+
+/// How a script went.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Outcome {
+    /// Commands that were done.
+    pub done: u64,
+    /// Commands that failed.
+    pub failed: u64,
+}
+
+/// Runs a script; answers are written as they come. With `keep_going` a failed command does not end it.
+///
+/// # Errors
+/// If the script cannot be read or an answer cannot be written.
+pub fn run(
+    document: &mut Document,
+    script: impl BufRead,
+    mut answers: impl Write,
+    keep_going: bool,
+) -> std::io::Result<Outcome> {
+    let mut outcome = Outcome::default();
+    for (number, line) in script.lines().enumerate() {
+        let line = line?;
+        let line = line.trim();
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let result = perform(document, line);
+        let answer = match &result {
+            Ok(answer) => json!({ "line": number + 1, "ok": answer }),
+            Err(error) => json!({ "line": number + 1, "error": error }),
+        };
+        writeln!(answers, "{answer}")?;
+        answers.flush()?;
+        match result {
+            Ok(_) => outcome.done += 1,
+            Err(_) => outcome.failed += 1,
+        }
+        if outcome.failed > 0 && !keep_going {
+            break;
+        }
+    }
+    Ok(outcome)
+}
+
+/// Does one line.
+fn perform(document: &mut Document, line: &str) -> Result<Value, String> {
+    let command: Command =
+        serde_json::from_str(line).map_err(|e| format!("not a command: {e}; `burin schema` lists them"))?;
+    document.apply(command).map_err(|e| e.to_string())
+}
+
+/// The JSON Schema of a line.
+pub fn schema() -> Value {
+    schemars::schema_for!(Command).to_value()
+}

@@ -3,3 +3,5 @@
 mod history;
 mod maker;
 mod nouns;
+mod parts;
+mod script;
