@@ -63,8 +63,7 @@ impl Document {
                     }
                     whole.next_id = old.next_id + 1;
                 }
-                state.scene.explosion =
-                    Explosion { degree: old.degree, forces: old.forces, seed: old.seed, ..whole };
+                state.scene.explosion = Explosion { degree: old.degree, forces: old.forces, seed: old.seed, ..whole };
                 Ok(json!({ "parts": 1 }))
             }
         }
@@ -97,9 +96,10 @@ impl Document {
                 }
                 Ok(halves)
             }
-            Splitter::Axis { .. } | Splitter::Depth { .. } => {
-                Err(DocumentError::NoGpu { what: "a splitter on the picture", reason: "this build has no caster".into() })
-            }
+            Splitter::Axis { .. } | Splitter::Depth { .. } => Err(DocumentError::NoGpu {
+                what: "a splitter on the picture",
+                reason: "this build has no caster".into(),
+            }),
         }
     }
 }

@@ -27,7 +27,10 @@ fn a_refused_command_names_field_found_and_expected() {
     let before = document.state().unwrap().scene.clone();
     for (line, text) in [
         (r#"{"brush":{"set":{"radius_mm":-1}}}"#, "brush.radius_mm is -1; expected a finite length in mm, 0 or more"),
-        (r#"{"brush":{"set":{"spacing":0.5}}}"#, "brush.spacing is 0.5; expected a share of the radius above 0 and at most 0.25"),
+        (
+            r#"{"brush":{"set":{"spacing":0.5}}}"#,
+            "brush.spacing is 0.5; expected a share of the radius above 0 and at most 0.25",
+        ),
         (r#"{"segment":{"set":{"id":0}}}"#, "id: 0 found, 1 to 65535; label 0 is unlabelled matter expected"),
         (r#"{"segment":{"remove":{"id":9}}}"#, "id: 9 found, the id of a segment, of [1, 2] expected"),
         (r#"{"view":{"window":{"level":1,"width":0}}}"#, "width: 0 found, a positive number expected"),

@@ -51,7 +51,9 @@ fn the_same_script_gives_the_same_answers() {
 #[test]
 fn the_schema_knows_every_noun() {
     let text = schema().to_string();
-    for noun in ["project", "volume", "transfer", "view", "brush", "stroke", "selection", "segment", "part", "explosion"] {
+    for noun in
+        ["project", "volume", "transfer", "view", "brush", "stroke", "selection", "segment", "part", "explosion"]
+    {
         assert!(text.contains(&format!("\"{noun}\"")), "{noun}");
     }
 }
