@@ -1,6 +1,8 @@
 //! Parts, splitters, forces, rigid bodies and the measured gain.
 
+mod forces;
 mod parts;
+mod simulation;
 mod splitters;
 
 use burin::explode::Explosion;

@@ -1,0 +1,312 @@
+//! The two min-max octrees, of density and selection, and the explosion points that a walk through both finds.
+//!
+//! Exploded Views (2006), 3.2: a node wholly visible under the transfer function and wholly selected gives one point, else the
+//! leaves of 8³ voxels that hold both do. A point weighs the selected volume of its node. Kept by the brick, only where
+//! something is selected, so that a stroke refreshes what it touched; the levels above are folded anew for every walk, which
+//! costs microseconds. Owns its minima and maxima; knows fields, not how they are painted.
+
+use crate::math::DVec3;
+use crate::volume::{BRICK, Brick, BrickIndex, BrickKey, CELL, Cells, Field, Grid, SourceError, TransferFunction};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Voxels along an edge of a leaf.
+pub const LEAF: u32 = 8;
+/// Leaves along an edge of a brick.
+const LEAVES: u32 = BRICK / LEAF;
+/// Points at most.
+pub const MAX_POINTS: usize = 512;
+/// Jitter either way, as a share of the node's edge: enough to break the lattice, too little to leave the node.
+const JITTER: f64 = 0.125;
+
+/// A point of the selection from which parts are pushed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExplosionPoint {
+    /// World mm.
+    pub position: DVec3,
+    /// Selected volume that it stands for, mm³.
+    pub weight: f64,
+}
+
+/// A node of both octrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Node {
+    density: [f32; 2],
+    /// Smallest and largest code of the selection.
+    selection: [u8; 2],
+    /// Sum of the selection's codes.
+    sum: u64,
+}
+
+impl Node {
+    const NOTHING: Self = Self { density: [f32::INFINITY, f32::NEG_INFINITY], selection: [u8::MAX, 0], sum: 0 };
+
+    fn and(self, other: Self) -> Self {
+        Self {
+            density: [self.density[0].min(other.density[0]), self.density[1].max(other.density[1])],
+            selection: [self.selection[0].min(other.selection[0]), self.selection[1].max(other.selection[1])],
+            sum: self.sum + other.sum,
+        }
+    }
+}
+
+/// Place of a node within its level, in nodes; level 0 has leaves.
+type At = [u32; 3];
+
+/// See the module's head.
+#[derive(Clone, Debug)]
+pub struct Octrees {
+    grid: Grid,
+    /// Leaves of bricks with a selection, x fastest.
+    bricks: BTreeMap<BrickIndex, Vec<Node>>,
+}
+
+impl Octrees {
+    /// Reads all bricks with a selection.
+    ///
+    /// # Errors
+    /// If a source fails.
+    pub fn new(grid: &Grid, density: &Field, selection: &Field) -> Result<Self, SourceError> {
+        let mut octrees = Self { grid: *grid, bricks: BTreeMap::new() };
+        octrees.update(density, selection, selection.brick_indices(0))?;
+        Ok(octrees)
+    }
+
+    /// Reads these bricks again: those whose density or selection changed, apron neighbours included (all of level 0 in a
+    /// `Refresh`).
+    ///
+    /// # Errors
+    /// If a source fails; nothing has then changed.
+    pub fn update(
+        &mut self,
+        density: &Field,
+        selection: &Field,
+        bricks: impl IntoIterator<Item = BrickIndex>,
+    ) -> Result<(), SourceError> {
+        let bricks: Vec<BrickIndex> = bricks.into_iter().collect();
+        let read = |&index: &BrickIndex| {
+            let nothing = selection.summary(BrickKey { level: 0, index }).max <= 0.0;
+            let brick = if nothing { None } else { Some(selection.brick(BrickKey { level: 0, index })?) };
+            Ok((index, brick.and_then(|b| leaves(density, index, &b))))
+        };
+        let read: Vec<_> = bricks.par_iter().map(read).collect::<Result<_, SourceError>>()?;
+        for (index, leaves) in read {
+            self.set(index, leaves);
+        }
+        Ok(())
+    }
+
+    /// Takes a brick of a selection that a running stroke has not yet handed over to its field.
+    pub fn paint(&mut self, density: &Field, index: BrickIndex, selection: &Brick) {
+        self.set(index, leaves(density, index, selection));
+    }
+
+    fn set(&mut self, index: BrickIndex, leaves: Option<Vec<Node>>) {
+        match leaves {
+            Some(leaves) => self.bricks.insert(index, leaves),
+            None => self.bricks.remove(&index),
+        };
+    }
+
+    /// The explosion points, at most [`MAX_POINTS`], in a fixed order. `seed` chooses their jitter, which depends on nothing
+    /// else but a node's place, so that painting here does not shake points there.
+    pub fn points(&self, transfer: &TransferFunction, seed: u64) -> Vec<ExplosionPoint> {
+        let levels = self.fold();
+        let mut found = Vec::new();
+        if let Some(top) = levels.len().checked_sub(1) {
+            for &at in levels[top].keys() {
+                walk(&levels, top, at, transfer, &mut found);
+            }
+        }
+        let (world_from_index, voxel_mm3) =
+            (self.grid.world_from_index, self.grid.world_from_index.matrix3.determinant().abs());
+        let placed = found.into_iter().map(|(level, at, sum)| {
+            let position = self.jittered(level, at, seed);
+            Heap { level, at, weight: sum as f64 / 255.0, moment: position * (sum as f64 / 255.0) }
+        });
+        let merged = merge(placed.collect());
+        let point = |h: Heap| ExplosionPoint {
+            position: world_from_index.transform_point3(h.moment / h.weight),
+            weight: h.weight * voxel_mm3,
+        };
+        merged.into_iter().map(point).collect()
+    }
+
+    /// All levels, leaves first, until one node is left.
+    fn fold(&self) -> Vec<BTreeMap<At, Node>> {
+        let mut levels = vec![BTreeMap::new()];
+        for (index, leaves) in &self.bricks {
+            for (i, leaf) in (0..).zip(leaves) {
+                let within = [i % LEAVES, i / LEAVES % LEAVES, i / (LEAVES * LEAVES)];
+                if leaf.sum > 0 {
+                    levels[0].insert(std::array::from_fn(|a| index.0[a] * LEAVES + within[a]), *leaf);
+                }
+            }
+        }
+        while levels[levels.len() - 1].len() > 1 {
+            let below = &levels[levels.len() - 1];
+            let mut above: BTreeMap<At, (Node, u32)> = BTreeMap::new();
+            for (at, node) in below {
+                let (sum, count) = above.entry(at.map(|a| a / 2)).or_insert((Node::NOTHING, 0));
+                *sum = sum.and(*node);
+                *count += 1;
+            }
+            let level = levels.len();
+            // Children without any selection are not kept; a node that misses one is not wholly selected.
+            let complete = |at: At, (node, count): (Node, u32)| {
+                let whole = count == self.children(level, at);
+                (at, if whole { node } else { Node { selection: [0, node.selection[1]], ..node } })
+            };
+            levels.push(above.into_iter().map(|(at, node)| complete(at, node)).collect());
+        }
+        levels
+    }
+
+    /// How many of a node's eight children lie in the volume.
+    fn children(&self, level: usize, at: At) -> u32 {
+        let edge = u64::from(LEAF) << (level - 1);
+        let along =
+            |a: usize| (0..2).filter(|c| (u64::from(at[a]) * 2 + c) * edge < u64::from(self.grid.dims[a])).count();
+        (along(0) * along(1) * along(2)) as u32
+    }
+
+    /// A node's centre, clipped to the volume, with jitter; index space.
+    fn jittered(&self, level: usize, at: At, seed: u64) -> DVec3 {
+        let edge = f64::from(LEAF) * f64::from(1_u32 << level);
+        let lo = DVec3::new(f64::from(at[0]), f64::from(at[1]), f64::from(at[2])) * edge;
+        let hi = (lo + edge).min(self.grid.dims_f64());
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let place = at.iter().fold(level as u64, |key, &a| key << 20 | u64::from(a & 0xf_ffff));
+        rng.set_stream(place);
+        let mut draw = || rng.random_range(-JITTER..JITTER);
+        (lo + hi) * 0.5 - 0.5 + DVec3::new(draw(), draw(), draw()) * (hi - lo)
+    }
+}
+
+/// The walk: down until a node is homogeneous, empty of one of the two, or a leaf.
+fn walk(
+    levels: &[BTreeMap<At, Node>],
+    level: usize,
+    at: At,
+    transfer: &TransferFunction,
+    found: &mut Vec<(usize, At, u64)>,
+) {
+    let Some(node) = levels[level].get(&at) else { return };
+    let [lo, hi] = node.density.map(f64::from);
+    if node.selection[1] == 0 || transfer.max_opacity_in(lo, hi) <= 0.0 {
+        return;
+    }
+    let homogeneous = node.selection[0] > 0 && least_opacity(transfer, lo, hi) > 0.0;
+    if homogeneous || level == 0 {
+        found.push((level, at, node.sum));
+        return;
+    }
+    for child in 0..8 {
+        walk(
+            levels,
+            level - 1,
+            [at[0] * 2 + (child & 1), at[1] * 2 + (child >> 1 & 1), at[2] * 2 + (child >> 2)],
+            transfer,
+            found,
+        );
+    }
+}
+
+/// The smallest opacity anywhere in `[lo, hi]`.
+fn least_opacity(transfer: &TransferFunction, lo: f64, hi: f64) -> f32 {
+    let inner = transfer.opacity.iter().filter(|(v, _)| (lo..=hi).contains(v)).map(|&(_, a)| a);
+    inner.fold(transfer.opacity_at(lo).min(transfer.opacity_at(hi)), f32::min)
+}
+
+/// A point under way: selected voxels, and their sum of positions in index space.
+#[derive(Clone, Copy, Debug)]
+struct Heap {
+    level: usize,
+    at: At,
+    weight: f64,
+    moment: DVec3,
+}
+
+/// Merges points into their parents, lightest families of the finest level first, until few enough are left.
+fn merge(mut points: Vec<Heap>) -> Vec<Heap> {
+    let mut level = 0;
+    while points.len() > MAX_POINTS && level < 32 {
+        let (fine, mut kept): (Vec<Heap>, Vec<Heap>) = points.into_iter().partition(|p| p.level == level);
+        let mut families: BTreeMap<At, Vec<Heap>> = BTreeMap::new();
+        for point in fine {
+            families.entry(point.at.map(|a| a / 2)).or_default().push(point);
+        }
+        let mut by_weight: Vec<(f64, At, Vec<Heap>)> =
+            families.into_iter().map(|(at, f)| (f.iter().map(|p| p.weight).sum(), at, f)).collect();
+        by_weight.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut count = kept.len() + by_weight.iter().map(|f| f.2.len()).sum::<usize>();
+        for (weight, at, family) in by_weight {
+            if count > MAX_POINTS {
+                count -= family.len() - 1;
+                let moment = family.iter().map(|p| p.moment).sum();
+                kept.push(Heap { level: level + 1, at, weight, moment });
+            } else {
+                kept.extend(family);
+            }
+        }
+        points = kept;
+        level += 1;
+    }
+    points.sort_by_key(|p| (p.level, p.at));
+    points
+}
+
+/// The leaves of a brick, `None` if nothing of it is selected. Selection over a leaf's own voxels; density over all taps that
+/// a sample inside it can meet.
+fn leaves(density: &Field, index: BrickIndex, selection: &Brick) -> Option<Vec<Node>> {
+    let mut leaves = vec![Node::NOTHING; (LEAVES * LEAVES * LEAVES) as usize];
+    let valid = density.valid(0, index);
+    let leaf_of = |x: u32, y: u32, z: u32| (x / LEAF + LEAVES * (y / LEAF + LEAVES * (z / LEAF))) as usize;
+    for z in 0..valid[2] {
+        for y in 0..valid[1] {
+            for x in 0..valid[0] {
+                let code = match selection {
+                    Brick::Uniform(value) => value[0],
+                    Brick::Dense(texels) => texels[(x + BRICK * (y + BRICK * z)) as usize],
+                };
+                let leaf = &mut leaves[leaf_of(x, y, z)];
+                leaf.selection = [leaf.selection[0].min(code), leaf.selection[1].max(code)];
+                leaf.sum += u64::from(code);
+            }
+        }
+    }
+    if leaves.iter().all(|l| l.sum == 0) {
+        return None;
+    }
+    let cells = density.cells(BrickKey { level: 0, index });
+    let n = BRICK / CELL;
+    for z in 0..valid[2].div_ceil(CELL) {
+        for y in 0..valid[1].div_ceil(CELL) {
+            for x in 0..valid[0].div_ceil(CELL) {
+                let [lo, hi] = match &cells {
+                    Cells::Uniform(range) => *range,
+                    Cells::Dense(cells) => cells[(x + n * (y + n * z)) as usize],
+                };
+                let leaf = &mut leaves[leaf_of(x * CELL, y * CELL, z * CELL)];
+                leaf.density = [leaf.density[0].min(lo), leaf.density[1].max(hi)];
+            }
+        }
+    }
+    Some(leaves)
+}
+
+/// [`Octrees::points`] of freshly read octrees.
+///
+/// # Errors
+/// If a source fails.
+pub fn explosion_points(
+    density: &Field,
+    selection: &Field,
+    grid: &Grid,
+    transfer: &TransferFunction,
+    seed: u64,
+) -> Result<Vec<ExplosionPoint>, SourceError> {
+    Ok(Octrees::new(grid, density, selection)?.points(transfer, seed))
+}
