@@ -8,6 +8,7 @@
 //! [`Grid`]: crate::volume::Grid
 
 mod error;
+mod export;
 mod inflate;
 mod info;
 mod layout;
@@ -19,9 +20,11 @@ mod nrrd_place;
 mod place;
 mod raw;
 mod reader;
+mod replace;
 mod statistics;
 
 pub use error::IoError;
+pub use export::{Compression, Exported, export};
 pub use info::{Info, info};
 pub use reader::{Contents, Opened, Progress, Reader, open, readers};
 pub use statistics::statistics;

@@ -1,4 +1,7 @@
 //! Readers and writers.
 
+mod axes;
+mod export;
 mod files;
+mod places;
 mod types;
