@@ -46,6 +46,9 @@ pub enum DocumentError {
     /// A part, a splitter or forces that cannot be.
     #[error(transparent)]
     Explode(#[from] ExplodeError),
+    /// Saving, journal or recovery failed.
+    #[error(transparent)]
+    Keep(#[from] super::KeepError),
     /// The voxels behind the volume failed.
     #[error(transparent)]
     Source(#[from] SourceError),

@@ -5,3 +5,5 @@ mod maker;
 mod nouns;
 mod parts;
 mod script;
+mod keep;
+mod keep_support;

@@ -1,0 +1,308 @@
+//! The journal: what was done since the last save, on disk before the answer is given.
+//!
+//! Append-only. Every step carries the content of the bricks that it touched and the parts of the scene that it changed, so
+//! that recovery lays down final content and executes nothing. Samples of a running stroke are appended as they arrive,
+//! without waiting for the disk. The file belongs to one generation and its records count up without a gap: nothing is
+//! replayed twice, and a torn tail ends the journal before it. When most of it is superseded, what is still true is gathered
+//! into a new file, so that recovery grows with the bricks touched and not with history. What could not be written stays
+//! in memory and goes first the next time.
+
+use super::journal_record::{
+    BrickEntry, Kind, RECORD_HEAD, SamplesHead, StepHead, decode, encode, encode_bricks, runs,
+};
+use super::store_files::sync_dir;
+use super::{Command, KeepError, Scene};
+use crate::paint::Sample;
+use crate::volume::{Brick, BrickIndex, DensityMap, FieldKind, TexelFormat};
+use serde_json::{Map, Value};
+use std::collections::{HashMap, VecDeque};
+use std::fs::{File, OpenOptions};
+use std::io::{Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+pub(super) const MAGIC: &[u8; 8] = b"BURINJNL";
+pub(super) const VERSION: u32 = 1;
+pub(super) const HEADER: u64 = 28;
+/// A journal below this is not worth gathering.
+const GATHER_ABOVE: u64 = 16 << 20;
+
+/// A command that is done, for [`Keeper::record`](super::Keeper::record).
+#[derive(Clone, Copy, Debug)]
+pub struct JournalStep<'a> {
+    /// What was done, its places resolved to world millimetres.
+    pub command: &'a Command,
+    /// The scene now.
+    pub scene: &'a Scene,
+    /// How density becomes texels now.
+    pub map: &'a DensityMap,
+    /// The bricks that it touched, as they are now; `None` where the edit is gone. If the map changed: every edited brick of
+    /// density, since texels of another map mean nothing.
+    pub bricks: &'a [(FieldKind, BrickIndex, Option<Brick>)],
+    /// Whether to wait for the disk. Frames of an animation or of a moving camera need not: what they lose in a power cut (not
+    /// in a crash) is the last moment of a movement.
+    pub synced: bool,
+}
+
+/// See the module's head.
+#[derive(Debug)]
+pub(super) struct Journal {
+    path: PathBuf,
+    file: File,
+    /// Where the next record goes.
+    pub(super) end: u64,
+    generation: u64,
+    pub(super) sequence: u64,
+    /// What the records so far lead to, on top of the generation.
+    pub(super) now: Now,
+    /// Where the latest content of each touched brick is: offset and length.
+    pub(super) live: HashMap<(FieldKind, BrickIndex), (u64, usize)>,
+    live_bytes: u64,
+    pub(super) stroke_runs: bool,
+    /// Records that the disk refused.
+    pending: VecDeque<Vec<u8>>,
+    gather_above: u64,
+}
+
+/// See [`Journal::now`].
+#[derive(Debug)]
+pub(super) struct Now {
+    /// The scene's fields by name.
+    scene: Map<String, Value>,
+    map: DensityMap,
+    /// What of the two differs from the generation's.
+    pub changed: Map<String, Value>,
+    pub new_map: Option<DensityMap>,
+    pub steps: u64,
+    pub last: Value,
+}
+
+impl Now {
+    pub fn new(scene: &Scene, map: &DensityMap) -> Result<Self, KeepError> {
+        let (changed, last) = (Map::new(), Value::Null);
+        Ok(Self { scene: parts(scene)?, map: *map, changed, new_map: None, steps: 0, last })
+    }
+
+    /// The map now.
+    pub fn map(&self) -> &DensityMap {
+        &self.map
+    }
+
+    /// Takes in a record's head.
+    pub fn take(&mut self, head: StepHead) {
+        self.scene.extend(head.scene.clone());
+        self.changed.extend(head.scene);
+        if let Some(map) = head.map {
+            self.map = map;
+            self.new_map = Some(map);
+        }
+        self.steps += head.steps;
+        if !head.command.is_null() {
+            self.last = head.command;
+        }
+    }
+}
+
+impl Journal {
+    /// An empty journal for a generation that has this scene and map. Replaces a file of that name.
+    pub fn create(path: &Path, generation: u64, scene: &Scene, map: &DensityMap) -> Result<Self, KeepError> {
+        let file = start(path, generation, 1)?;
+        path.parent().map_or(Ok(()), sync_dir)?;
+        Ok(Self::over(path, file, generation, 0, Now::new(scene, map)?))
+    }
+
+    /// A journal over an open file, before its first record.
+    pub(super) fn over(path: &Path, file: File, generation: u64, sequence: u64, now: Now) -> Self {
+        Self {
+            path: path.to_owned(),
+            file,
+            end: HEADER,
+            generation,
+            sequence,
+            now,
+            live: HashMap::new(),
+            live_bytes: 0,
+            stroke_runs: false,
+            pending: VecDeque::new(),
+            gather_above: GATHER_ABOVE,
+        }
+    }
+
+    /// Writes a step.
+    pub fn step(&mut self, step: &JournalStep<'_>) -> Result<(), KeepError> {
+        let scene = parts(step.scene)?;
+        let known = &self.now.scene;
+        let changed: Map<String, Value> =
+            scene.iter().filter(|(k, v)| known.get(*k) != Some(v)).map(|(k, v)| (k.clone(), v.clone())).collect();
+        if !changed.is_empty() {
+            // A number that JSON has no word for would make all that follows unreadable: better refused now.
+            let back: Result<Scene, _> = serde_json::from_value(Value::Object(scene));
+            back.map_err(|e| KeepError::Scene { reason: e.to_string() })?;
+        }
+        let map = (*step.map != self.now.map).then_some(*step.map);
+        let command = serde_json::to_value(step.command).map_err(|e| KeepError::Scene { reason: e.to_string() })?;
+        let head = StepHead { command, steps: 1, scene: changed, map };
+        let bytes = head_bytes(&head)?;
+        if map.is_some() {
+            self.forget_density();
+        }
+        self.now.take(head);
+        if matches!(step.command, Command::Stroke(_)) {
+            self.stroke_runs = false;
+        }
+        let bricks = encode_bricks(step.bricks);
+        let ends = runs(bricks.iter().map(Vec::len));
+        let (mut from, last) = (0, ends.len() - 1);
+        for (i, to) in ends.into_iter().enumerate() {
+            let (kind, head) = if i == last { (Kind::Step, &bytes[..]) } else { (Kind::Part, &b"{}"[..]) };
+            self.push(kind, head, &bricks[from..to]);
+            from = to;
+        }
+        self.flush(step.synced)?;
+        if !self.stroke_runs && self.end > self.gather_above.saturating_add(4 * self.live_bytes) {
+            // All is safe as it is; a gathering that fails only has to be tried later.
+            if let Err(error) = self.gather() {
+                tracing::warn!("{error}");
+                self.gather_above = self.end.saturating_mul(2);
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes samples of a running stroke; does not wait for the disk.
+    pub fn samples(&mut self, samples: &[Sample]) -> Result<(), KeepError> {
+        self.stroke_runs = true;
+        let head = head_bytes(&SamplesHead { samples: samples.to_vec() })?;
+        self.push(Kind::Samples, &head, &[]);
+        self.flush(false)
+    }
+
+    /// Notes that the running stroke was taken back or changed nothing.
+    pub fn no_stroke(&mut self) -> Result<(), KeepError> {
+        if !std::mem::take(&mut self.stroke_runs) {
+            return Ok(());
+        }
+        self.push(Kind::NoStroke, b"{}", &[]);
+        self.flush(false)
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    fn push(&mut self, kind: Kind, head: &[u8], bricks: &[Vec<u8>]) {
+        self.sequence += 1;
+        self.pending.push_back(encode(self.sequence, kind, head, bricks));
+    }
+
+    fn flush(&mut self, synced: bool) -> Result<(), KeepError> {
+        while let Some(record) = self.pending.front() {
+            // Always at the known end: what a failed write left there is overwritten, or ends the journal as a torn tail.
+            let written = self.file.seek(SeekFrom::Start(self.end)).and_then(|_| self.file.write_all(record));
+            written.map_err(KeepError::io("write", &self.path))?;
+            let Some(record) = self.pending.pop_front() else { break };
+            let entries = decode(&record[RECORD_HEAD..]).map(|r| r.bricks).unwrap_or_default();
+            self.note(&entries, self.end + RECORD_HEAD as u64);
+            self.end += record.len() as u64;
+        }
+        if synced {
+            self.file.sync_data().map_err(KeepError::io("sync", &self.path))?;
+        }
+        Ok(())
+    }
+
+    /// Notes where bricks are now; their body begins at `body_at`.
+    pub(super) fn note(&mut self, entries: &[BrickEntry], body_at: u64) {
+        for entry in entries {
+            let (offset, length) = entry.at;
+            self.live_bytes += length as u64;
+            if let Some((_, old)) = self.live.insert((entry.kind, entry.index), (body_at + offset as u64, length)) {
+                self.live_bytes -= old as u64;
+            }
+        }
+    }
+
+    /// Texels of another map mean nothing.
+    pub(super) fn forget_density(&mut self) {
+        self.live.retain(|(kind, _), _| *kind != FieldKind::Density);
+        self.live_bytes = self.live.values().map(|(_, length)| *length as u64).sum();
+    }
+
+    /// Gathers what is still true into a new file and puts it in this one's place.
+    fn gather(&mut self) -> Result<(), KeepError> {
+        let beside = self.path.with_extension("gathered");
+        let doing = |e| KeepError::io("gather", &beside)(e);
+        let mut file = start(&beside, self.generation, self.sequence + 1)?;
+        let now = &self.now;
+        let head =
+            StepHead { command: now.last.clone(), steps: now.steps, scene: now.changed.clone(), map: now.new_map };
+        let mut places: Vec<_> = self.live.values().copied().collect();
+        places.sort_unstable();
+        let ends = runs(places.iter().map(|(_, length)| *length));
+        let (mut end, mut sequence, mut from) = (HEADER, self.sequence, 0);
+        let mut noted = Vec::new();
+        for (i, &to) in ends.iter().enumerate() {
+            let mut bricks = Vec::new();
+            for &(at, length) in &places[from..to] {
+                let mut bytes = vec![0; length];
+                let read = self.file.seek(SeekFrom::Start(at)).and_then(|_| self.file.read_exact(&mut bytes));
+                read.map_err(doing)?;
+                bricks.push(bytes);
+            }
+            from = to;
+            sequence += 1;
+            let is_last = i + 1 == ends.len();
+            let (kind, head) =
+                if is_last { (Kind::Checkpoint, head_bytes(&head)?) } else { (Kind::Part, b"{}".to_vec()) };
+            let record = encode(sequence, kind, &head, &bricks);
+            file.write_all(&record).map_err(doing)?;
+            let entries = decode(&record[RECORD_HEAD..]).map(|r| r.bricks).unwrap_or_default();
+            noted.push((entries, end + RECORD_HEAD as u64));
+            end += record.len() as u64;
+        }
+        file.sync_all().map_err(doing)?;
+        std::fs::rename(&beside, &self.path).map_err(doing)?;
+        // From here on the path names the new file.
+        (self.file, self.end, self.sequence) = (file, end, sequence);
+        noted.iter().for_each(|(entries, body_at)| self.note(entries, *body_at));
+        self.path.parent().map_or(Ok(()), sync_dir)
+    }
+}
+
+/// Format of a field's texels under a density map.
+pub(super) fn texel_format(kind: FieldKind, map: &DensityMap) -> TexelFormat {
+    match kind {
+        FieldKind::Density => map.format,
+        FieldKind::Colour => TexelFormat::Rgba8Unorm,
+        FieldKind::Selection => TexelFormat::R8Unorm,
+        FieldKind::Labels => TexelFormat::R16Uint,
+    }
+}
+
+fn head_bytes(head: &impl serde::Serialize) -> Result<Vec<u8>, KeepError> {
+    serde_json::to_vec(head).map_err(|e| KeepError::Scene { reason: e.to_string() })
+}
+
+/// The scene's fields by name.
+fn parts(scene: &Scene) -> Result<Map<String, Value>, KeepError> {
+    match serde_json::to_value(scene) {
+        Ok(Value::Object(parts)) => Ok(parts),
+        Ok(_) => Err(KeepError::Scene { reason: "it is no object".into() }),
+        Err(error) => Err(KeepError::Scene { reason: error.to_string() }),
+    }
+}
+
+/// A new file with its header, synced.
+fn start(path: &Path, generation: u64, first_sequence: u64) -> Result<File, KeepError> {
+    let mut header = MAGIC.to_vec();
+    header.extend(VERSION.to_le_bytes());
+    header.extend(generation.to_le_bytes());
+    header.extend(first_sequence.to_le_bytes());
+    let write = || {
+        let mut file = OpenOptions::new().read(true).write(true).create(true).truncate(true).open(path)?;
+        file.write_all(&header)?;
+        file.sync_all()?;
+        Ok(file)
+    };
+    write().map_err(KeepError::io("write", path))
+}

@@ -1,0 +1,236 @@
+//! Keeping an open document: each step into a journal, each save into a project, whatever is lost brought back.
+//!
+//! Owns the place where the document is kept: a project folder, or a recovery folder before the first save. Is told what was
+//! done and never looks for itself. Dropping it leaves everything to be found at the next start, as a crash would.
+
+use super::journal::{Journal, JournalStep};
+use super::journal_replay::Replay;
+use super::recovery;
+use super::store::{DensityKeeping, Saved, Store};
+use super::store_files::remove_dir;
+use super::store_lock::Lock;
+use super::store_manifest::{Kept, Link, Manifest};
+use super::{KeepError, KeptDocument, State};
+use crate::paint::Sample;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// See the module's head.
+#[derive(Debug)]
+pub struct Keeper {
+    journal: Journal,
+    place: Place,
+}
+
+#[derive(Debug)]
+enum Place {
+    Unsaved { dir: PathBuf, lock: Lock },
+    Project(Box<Store>),
+}
+
+impl Keeper {
+    /// Keeps a document that was never saved, from its present state on, below `state_dir`
+    /// ([`recovery::state_dir`](super::recovery::state_dir)); the fields' edits so far are not kept.
+    ///
+    /// # Errors
+    /// If the recovery folder or the file that was opened cannot be had.
+    pub fn unsaved(state_dir: &Path, state: &State) -> Result<Self, KeepError> {
+        let link = Link::to_unchanged(&state.scene.origin.path)?;
+        let (dir, lock) = recovery::create(state_dir)?;
+        let start = || {
+            let manifest = Manifest::of(0, state, Kept::Linked(link), BTreeMap::new());
+            super::store_files::write_new(&dir.join(super::store::MANIFEST), &manifest.json()?)?;
+            Journal::create(&dir.join(recovery::JOURNAL), 0, &state.scene, state.density.map())
+        };
+        match start() {
+            Ok(journal) => Ok(Self { journal, place: Place::Unsaved { dir, lock } }),
+            Err(error) => {
+                remove_dir(&dir).unwrap_or_else(|e| tracing::warn!("{e}"));
+                Err(error)
+            }
+        }
+    }
+
+    /// Opens a project as it was last kept: its current generation, and what the journal holds beyond it.
+    ///
+    /// # Errors
+    /// If it is open elsewhere, or damaged. A damaged journal is set aside and told in
+    /// [`Recovered`](super::Recovered); the generation opens without it.
+    pub fn open(dir: &Path) -> Result<(Self, KeptDocument), KeepError> {
+        let (store, loaded) = Store::open(dir)?;
+        let path = dir.join(journal_name(store.generation()));
+        remove_other_journals(dir, &path);
+        let (scene, map) = (&loaded.manifest.scene, &loaded.manifest.volume.map);
+        let mut set_aside = None;
+        let resumed = match Journal::resume(&path, store.generation(), scene, map) {
+            Err(error @ KeepError::Malformed { .. }) => {
+                let aside = path.with_extension("damaged");
+                std::fs::rename(&path, &aside).map_err(KeepError::io("set aside", &path))?;
+                set_aside = Some((aside, error.to_string()));
+                None
+            }
+            other => other?,
+        };
+        let (journal, replay) = match resumed {
+            Some(resumed) => resumed,
+            None => (Journal::create(&path, store.generation(), scene, map)?, Replay::default()),
+        };
+        let mut document = KeptDocument::new(loaded, replay, &path)?;
+        if set_aside.is_some() {
+            document.recovered.set_aside = set_aside;
+        }
+        Ok((Self { journal, place: Place::Project(Box::new(store)) }, document))
+    }
+
+    /// Brings back a document of [`recovery::list`](super::recovery::list) and goes on keeping it where it was.
+    ///
+    /// # Errors
+    /// If it is gone or open elsewhere, or the file that it was opened from is not as it was.
+    pub fn recover(state_dir: &Path, id: &str) -> Result<(Self, KeptDocument), KeepError> {
+        let dir = recovery::folder(state_dir, id)?;
+        let lock = Lock::take(&dir)?;
+        let loaded = super::store::read_unsaved(&dir)?;
+        let path = dir.join(recovery::JOURNAL);
+        let resumed = Journal::resume(&path, 0, &loaded.manifest.scene, &loaded.manifest.volume.map)?;
+        let (journal, replay) =
+            resumed.ok_or_else(|| KeepError::io("open", &path)(std::io::ErrorKind::NotFound.into()))?;
+        let document = KeptDocument::new(loaded, replay, &path)?;
+        Ok((Self { journal, place: Place::Unsaved { dir, lock } }, document))
+    }
+
+    /// Notes a step. When it returns, a `synced` step survives a power cut. On failure the step stays in memory and is written
+    /// before the next one.
+    ///
+    /// # Errors
+    /// If the disk refuses, or the scene holds a number that JSON cannot say.
+    pub fn record(&mut self, step: &JournalStep<'_>) -> Result<(), KeepError> {
+        self.journal.step(step)
+    }
+
+    /// Notes samples of the running stroke, without waiting for the disk.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn samples(&mut self, samples: &[Sample]) -> Result<(), KeepError> {
+        self.journal.samples(samples)
+    }
+
+    /// Notes that the running stroke was taken back, or ended and changed nothing.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn no_stroke(&mut self) -> Result<(), KeepError> {
+        self.journal.no_stroke()
+    }
+
+    /// Saves: the next generation of the project, or a new project in `path`, which is the document's from then on. Not while a
+    /// stroke runs. `progress` gets the share done and answers whether to go on.
+    ///
+    /// # Errors
+    /// If the disk refuses, `path` is taken, or none is given for the first save. The project is then as it was before.
+    pub fn save(
+        &mut self,
+        path: Option<&Path>,
+        state: &State,
+        density: DensityKeeping,
+        progress: &(dyn Fn(f32) -> bool + Sync),
+    ) -> Result<Saved, KeepError> {
+        let elsewhere = path.filter(|p| !self.project_dir().is_some_and(|dir| same_folder(p, dir)));
+        match (&mut self.place, elsewhere) {
+            (Place::Project(store), None) => {
+                let (journal, saved) = save_into(store, state, density, progress)?;
+                self.journal = journal;
+                Ok(saved)
+            }
+            (Place::Unsaved { .. }, None) => Err(KeepError::NoPath),
+            (_, Some(path)) => {
+                let mut store = Store::create(path)?;
+                let (journal, saved) = save_into(&mut store, state, density, progress)?;
+                let next = Self { journal, place: Place::Project(Box::new(store)) };
+                // What the old place holds beyond its last save is in the new one.
+                std::mem::replace(self, next).discard().unwrap_or_else(|e| tracing::warn!("{e}"));
+                Ok(saved)
+            }
+        }
+    }
+
+    /// The project's folder, `None` before the first save.
+    pub fn project_dir(&self) -> Option<&Path> {
+        match &self.place {
+            Place::Project(store) => Some(store.dir()),
+            Place::Unsaved { .. } => None,
+        }
+    }
+
+    /// Throws away what was done since the last save; an unsaved document is gone.
+    ///
+    /// # Errors
+    /// If the system refuses.
+    pub fn discard(self) -> Result<(), KeepError> {
+        match self.place {
+            Place::Project(_store) => {
+                let path = self.journal.path();
+                std::fs::remove_file(path).map_err(KeepError::io("remove", path))
+            }
+            Place::Unsaved { dir, lock } => {
+                let removed = remove_dir(&dir);
+                drop(lock);
+                removed
+            }
+        }
+    }
+}
+
+/// Saves and starts the journal of the new generation.
+fn save_into(
+    store: &mut Store,
+    state: &State,
+    density: DensityKeeping,
+    progress: &(dyn Fn(f32) -> bool + Sync),
+) -> Result<(Journal, Saved), KeepError> {
+    let dir = store.dir().to_owned();
+    let mut fresh = None;
+    // Before the rename, so that there is no moment at which a generation is current and nothing can be noted.
+    let start = |generation| {
+        let path = dir.join(journal_name(generation));
+        fresh = Some(Journal::create(&path, generation, &state.scene, state.density.map())?);
+        Ok(())
+    };
+    let saved = store.save(state, density, start, progress);
+    match (saved, fresh) {
+        (Ok(saved), Some(journal)) => {
+            remove_other_journals(&dir, journal.path());
+            Ok((journal, saved))
+        }
+        (Err(error), fresh) => {
+            if let Some(journal) = fresh {
+                std::fs::remove_file(journal.path()).unwrap_or_else(|e| tracing::warn!("{e}"));
+            }
+            Err(error)
+        }
+        (Ok(saved), None) => {
+            let path = dir.join(journal_name(saved.generation));
+            Ok((Journal::create(&path, saved.generation, &state.scene, state.density.map())?, saved))
+        }
+    }
+}
+
+fn journal_name(generation: u64) -> String {
+    format!("journal-{generation:06}")
+}
+
+/// Journals of other generations are superseded by the current one; damaged ones that were set aside stay.
+fn remove_other_journals(dir: &Path, current: &Path) {
+    let Ok(entries) = std::fs::read_dir(dir) else { return };
+    for path in entries.flatten().map(|e| e.path()) {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let set_aside = path.extension().is_some_and(|e| e == "damaged");
+        if name.starts_with("journal-") && path != current && !set_aside {
+            std::fs::remove_file(&path).unwrap_or_else(|e| tracing::warn!("{}: {e}", path.display()));
+        }
+    }
+}
+
+fn same_folder(a: &Path, b: &Path) -> bool {
+    matches!((std::fs::canonicalize(a), std::fs::canonicalize(b)), (Ok(a), Ok(b)) if a == b)
+}

@@ -1,0 +1,103 @@
+//! Documents that were never saved: their journals, in a folder of the user's own.
+//!
+//! Each has a folder with a lock, a `generation.json` that links the opened file, and a journal. A process that ends well
+//! removes its folder; what a crash leaves is offered at the next start. Whoever calls names the place; for programs it is
+//! [`state_dir`].
+
+use super::KeepError;
+use super::journal::HEADER;
+use super::store::MANIFEST;
+use super::store_files::remove_dir;
+use super::store_lock::Lock;
+use super::store_manifest::Manifest;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+/// The journal's name in a recovery folder.
+pub(super) const JOURNAL: &str = "journal";
+const FOLDER: &str = "recovery";
+
+/// A document that a crash left behind.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Lost {
+    /// Names it for `Keeper::recover` and [`discard`].
+    pub id: String,
+    /// The file that was open.
+    pub origin: PathBuf,
+    /// When it was last changed.
+    pub changed: SystemTime,
+    /// Bytes of its journal.
+    pub bytes: u64,
+}
+
+/// What crashes left behind, the latest first. Documents that are open in some process are not lost. What cannot be read is
+/// left out, and told by `tracing`.
+///
+/// # Errors
+/// If the folder is there and cannot be read.
+pub fn list(state_dir: &Path) -> Result<Vec<Lost>, KeepError> {
+    let dir = state_dir.join(FOLDER);
+    let entries = match std::fs::read_dir(&dir) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+        entries => entries.map_err(KeepError::io("read", &dir))?,
+    };
+    let mut lost: Vec<Lost> = entries.flatten().filter_map(|e| look(&e.path())).collect();
+    lost.sort_by(|a, b| b.changed.cmp(&a.changed).then_with(|| a.id.cmp(&b.id)));
+    Ok(lost)
+}
+
+/// Throws a lost document away.
+///
+/// # Errors
+/// If it is open, or the system refuses.
+pub fn discard(state_dir: &Path, id: &str) -> Result<(), KeepError> {
+    let dir = folder(state_dir, id)?;
+    let _lock = Lock::take(&dir)?;
+    remove_dir(&dir)
+}
+
+fn look(dir: &Path) -> Option<Lost> {
+    let id = dir.file_name()?.to_str()?.to_owned();
+    let _lock = Lock::take(dir).ok()?;
+    let about = std::fs::metadata(dir.join(JOURNAL)).ok()?;
+    let manifest = Manifest::read(&dir.join(MANIFEST)).map_err(|e| tracing::warn!("{e}")).ok()?;
+    // A crash before the first command lost nothing.
+    if about.len() <= HEADER {
+        remove_dir(dir).map_err(|e| tracing::warn!("{e}")).ok()?;
+        return None;
+    }
+    let changed = about.modified().unwrap_or(SystemTime::UNIX_EPOCH);
+    Some(Lost { id, origin: manifest.scene.origin.path, changed, bytes: about.len() })
+}
+
+/// A new folder for a document, locked.
+pub(super) fn create(state_dir: &Path) -> Result<(PathBuf, Lock), KeepError> {
+    let all = state_dir.join(FOLDER);
+    std::fs::create_dir_all(&all).map_err(KeepError::io("create", &all))?;
+    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).map_or(0, |d| d.as_nanos());
+    let dir = all.join(format!("{now:x}-{:x}", std::process::id()));
+    std::fs::create_dir(&dir).map_err(KeepError::io("create", &dir))?;
+    let lock = Lock::take(&dir)?;
+    Ok((dir, lock))
+}
+
+/// The folder of a lost document.
+pub(super) fn folder(state_dir: &Path, id: &str) -> Result<PathBuf, KeepError> {
+    let plain = !id.is_empty() && id.bytes().all(|b| b.is_ascii_hexdigit() || b == b'-');
+    let dir = state_dir.join(FOLDER).join(id);
+    if plain && dir.is_dir() { Ok(dir) } else { Err(KeepError::NothingLost { id: id.to_owned() }) }
+}
+
+/// Where programs keep unsaved documents: `$BURIN_STATE_DIR`, else `$XDG_STATE_HOME/burin`, else `~/.local/state/burin`
+/// (`%LOCALAPPDATA%\burin` on Windows).
+///
+/// # Errors
+/// If none of the variables is set.
+pub fn state_dir() -> Result<PathBuf, KeepError> {
+    let set = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+    set("BURIN_STATE_DIR")
+        .or_else(|| set("XDG_STATE_HOME").map(|d| d.join("burin")))
+        .or_else(|| if cfg!(windows) { set("LOCALAPPDATA").map(|d| d.join("burin")) } else { None })
+        .or_else(|| set("HOME").map(|d| d.join(".local/state/burin")))
+        .ok_or(KeepError::NoStateDir)
+}

@@ -1,0 +1,314 @@
+//! A project on disk: a folder of generations, of which one JSON names the current one.
+//!
+//! A save writes generation N+1 beside N (shards that did not change are hard links), syncs it, and then replaces
+//! `project.json` by rename: a crash at any moment leaves N or N+1, whole. The generation before the current one is kept;
+//! older ones go. A generation is a Zarr group of OME-Zarr 0.5 images:
+//!   density        the source's own type and numbers, written once and linked ever after (absent if linked to its file)
+//!   density_edits  texels of edited bricks, and `edited`, the map of which these are
+//!   colour, selection, labels
+//! and `generation.json`: the scene, the grid with its full orientation, the density map, and the hashes of all shards.
+//! Owns the folder and its lock; knows nothing of the journal but the generation that it belongs to.
+
+use super::store_arrays::{SHARD, group_json, ome_attributes};
+use super::store_fields::{Edits, array_name, read_edited, read_field, write_edited, write_field};
+use super::store_files::{Writer, remove_dir, replace, sync_dir};
+use super::store_lock::Lock;
+use super::store_manifest::{Kept, Link, Manifest, VERSION, project_json, read_project};
+use super::store_source::{ZarrSource, density_layout};
+use super::{KeepError, State};
+use crate::volume::{BrickSource, FieldKind, Grid};
+use rayon::prelude::*;
+use serde_json::json;
+use std::collections::BTreeMap;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Names the current generation.
+pub(super) const PROJECT: &str = "project.json";
+/// A generation's own description.
+pub(super) const MANIFEST: &str = "generation.json";
+
+/// What a save did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Saved {
+    /// The generation that is now current.
+    pub generation: u64,
+    /// Bytes written, metadata included.
+    pub bytes_written: u64,
+    /// Files of the generation before that did not change.
+    pub files_linked: u64,
+}
+
+/// Whether a project holds its density or only says where it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum DensityKeeping {
+    /// All voxels are in the project.
+    #[default]
+    Whole,
+    /// The source file is named by path, length and hash, and has to stay where it is.
+    Linked,
+}
+
+/// Where a loaded document's unedited density is.
+#[derive(Clone, Debug)]
+pub enum LoadedDensity {
+    /// In the project.
+    Whole(Arc<ZarrSource>),
+    /// In the file that the scene's origin names; its identity was checked.
+    Linked(PathBuf),
+}
+
+/// A generation as it is on disk.
+#[derive(Debug)]
+pub(super) struct Loaded {
+    pub manifest: Manifest,
+    pub density: LoadedDensity,
+    pub edits: BTreeMap<FieldKind, Edits>,
+}
+
+/// An open project folder; nobody else can open it meanwhile.
+#[derive(Debug)]
+pub(super) struct Store {
+    dir: PathBuf,
+    generation: u64,
+    /// The current generation's; `None` before the first save.
+    manifest: Option<Manifest>,
+    source: Option<Arc<ZarrSource>>,
+    _lock: Lock,
+}
+
+impl Store {
+    /// A new project in a folder that is empty or not there yet. Nothing is a project before the first save.
+    pub fn create(dir: &Path) -> Result<Self, KeepError> {
+        std::fs::create_dir_all(dir).map_err(KeepError::io("create", dir))?;
+        let lock = Lock::take(dir)?;
+        for entry in std::fs::read_dir(dir).map_err(KeepError::io("read", dir))? {
+            let name = entry.map_err(KeepError::io("read", dir))?.file_name().to_string_lossy().into_owned();
+            // A first save that a crash cut short leaves these.
+            if name != "lock" && !is_generation(&name) && !name.starts_with("journal-") && name != "project.new" {
+                return Err(KeepError::NotEmpty { path: dir.to_owned(), found: name });
+            }
+        }
+        Ok(Self { dir: dir.to_owned(), generation: 0, manifest: None, source: None, _lock: lock })
+    }
+
+    /// Opens a project and reads its current generation.
+    pub fn open(dir: &Path) -> Result<(Self, Loaded), KeepError> {
+        let project = dir.join(PROJECT);
+        match std::fs::metadata(&project) {
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                return Err(KeepError::NotAProject { path: dir.to_owned() });
+            }
+            Err(error) => return Err(KeepError::io("read", &project)(error)),
+            Ok(_) => {}
+        }
+        let lock = Lock::take(dir)?;
+        let generation = read_project(&project)?;
+        let at = dir.join(generation_name(generation));
+        let manifest = Manifest::read(&at.join(MANIFEST))?;
+        let grid = manifest.grid();
+        let density = match &manifest.volume.kept {
+            Kept::Whole => {
+                let v = &manifest.volume;
+                let scaling = (v.scaling[0], v.scaling[1]);
+                LoadedDensity::Whole(Arc::new(ZarrSource::open(&at, v.name.clone(), grid, v.voxel_type, scaling)?))
+            }
+            Kept::Linked(link) => {
+                link.check()?;
+                LoadedDensity::Linked(link.path.clone())
+            }
+        };
+        let edited = read_edited(&at, grid.dims, manifest.shards_of(super::store_fields::EDITED))?;
+        let mut edits = BTreeMap::new();
+        for kind in FieldKind::ALL {
+            let shards = manifest.shards_of(array_name(kind));
+            let only = (kind == FieldKind::Density).then_some(&edited[..]);
+            edits.insert(kind, read_field(&at, kind, manifest.texel_format(kind), grid.dims, shards, only)?);
+        }
+        let source = match &density {
+            LoadedDensity::Whole(source) => Some(source.clone()),
+            LoadedDensity::Linked(_) => None,
+        };
+        let store = Self { dir: dir.to_owned(), generation, manifest: Some(manifest.clone()), source, _lock: lock };
+        Ok((store, Loaded { manifest, density, edits }))
+    }
+
+    /// The project's folder.
+    pub fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    /// The current generation, 0 before the first save.
+    pub fn generation(&self) -> u64 {
+        self.generation
+    }
+
+    /// Writes the next generation and makes it the current one. `before` is called with its number when everything is on
+    /// disk and only the rename is left. `progress` gets the share done and answers whether to go on.
+    pub fn save(
+        &mut self,
+        state: &State,
+        keeping: DensityKeeping,
+        before: impl FnOnce(u64) -> Result<(), KeepError>,
+        progress: &(dyn Fn(f32) -> bool + Sync),
+    ) -> Result<Saved, KeepError> {
+        let generation = self.generation + 1;
+        let previous = self.manifest.as_ref().map(|_| self.dir.join(generation_name(self.generation)));
+        let at = self.dir.join(generation_name(generation));
+        let written = Writer::new(at.clone(), previous).and_then(|writer| {
+            let manifest = self.write(&writer, generation, state, keeping, progress)?;
+            writer.sync()?;
+            sync_dir(&self.dir)?;
+            before(generation)?;
+            replace(&self.dir.join(PROJECT), &project_json(generation)?)?;
+            Ok((writer, manifest))
+        });
+        let (writer, manifest) = match written {
+            Ok(done) => done,
+            Err(error) => {
+                // project.json may name it already, if all but the last sync went well; then it is whole and stays.
+                if read_project(&self.dir.join(PROJECT)).ok() != Some(generation) {
+                    remove_dir(&at).unwrap_or_else(|e| tracing::warn!("{e}"));
+                }
+                return Err(error);
+            }
+        };
+        if let Some(source) = &self.source {
+            source.move_to(&at)?;
+        }
+        self.generation = generation;
+        self.manifest = Some(manifest);
+        self.prune();
+        progress(1.0);
+        Ok(Saved { generation, bytes_written: writer.bytes_written(), files_linked: writer.files_linked() })
+    }
+
+    fn write(
+        &self,
+        writer: &Writer,
+        generation: u64,
+        state: &State,
+        keeping: DensityKeeping,
+        progress: &(dyn Fn(f32) -> bool + Sync),
+    ) -> Result<Manifest, KeepError> {
+        let grid = *state.grid();
+        let total = grid.dims.iter().map(|d| d.div_ceil(SHARD) as usize).product::<usize>();
+        let painted: usize = FieldKind::ALL.iter().map(|&k| state.field(k).edits().len().div_ceil(64)).sum();
+        let done = AtomicUsize::new(0);
+        let tick = || {
+            let share = done.fetch_add(1, Ordering::Relaxed) as f32 / (total + painted + 1) as f32;
+            if progress(share.min(0.99)) { Ok(()) } else { Err(KeepError::Stopped) }
+        };
+        writer.write_or_link("zarr.json", &group_json(serde_json::Map::new())?)?;
+        let old = self.manifest.as_ref();
+        let kept = match (keeping, old.map(|m| &m.volume.kept)) {
+            (DensityKeeping::Whole, Some(Kept::Whole)) => {
+                link_density(writer, &grid, state.source.as_ref())?;
+                Kept::Whole
+            }
+            (DensityKeeping::Whole, _) => {
+                write_density(writer, &grid, state.source.as_ref(), &tick)?;
+                Kept::Whole
+            }
+            (DensityKeeping::Linked, Some(Kept::Linked(link))) if link.path == state.scene.origin.path => {
+                Kept::Linked(link.clone())
+            }
+            (DensityKeeping::Linked, _) => Kept::Linked(Link::to(&state.scene.origin.path)?),
+        };
+        let mut shards = BTreeMap::new();
+        let none = BTreeMap::new();
+        let before = |name: &str| old.map_or(&none, |m| m.shards_of(name));
+        for kind in FieldKind::ALL {
+            let name = array_name(kind);
+            shards.insert(name.to_owned(), write_field(writer, state.field(kind), &grid, before(name), &tick)?);
+        }
+        let edited = super::store_fields::EDITED;
+        shards.insert(edited.to_owned(), write_edited(writer, &state.density, &grid, before(edited))?);
+        let manifest = Manifest::of(generation, state, kept, shards);
+        writer.write(MANIFEST, &manifest.json()?)?;
+        Ok(manifest)
+    }
+
+    /// Removes what neither the current generation nor the one before it needs. A failure costs room and no data.
+    fn prune(&self) {
+        let Ok(entries) = std::fs::read_dir(&self.dir) else { return };
+        for entry in entries.flatten() {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            let kept = [self.generation, self.generation.saturating_sub(1)].map(generation_name);
+            if is_generation(&name) && !kept.contains(&name) {
+                remove_dir(&entry.path()).unwrap_or_else(|e| tracing::warn!("{e}"));
+            }
+        }
+    }
+}
+
+/// Reads the description of a document that was never saved; its fields are blank but for the journal's bricks.
+pub(super) fn read_unsaved(dir: &Path) -> Result<Loaded, KeepError> {
+    let path = dir.join(MANIFEST);
+    let manifest = Manifest::read(&path)?;
+    let Kept::Linked(link) = &manifest.volume.kept else {
+        return Err(KeepError::malformed(&path, "volume.kept", "whole", "a link to the file that was opened"));
+    };
+    link.check()?;
+    let density = LoadedDensity::Linked(link.path.clone());
+    Ok(Loaded { manifest, density, edits: BTreeMap::new() })
+}
+
+/// The folder of a generation.
+pub(super) fn generation_name(generation: u64) -> String {
+    format!("generation-{generation:06}")
+}
+
+fn is_generation(name: &str) -> bool {
+    name.strip_prefix("generation-").is_some_and(|n| n.bytes().all(|b| b.is_ascii_digit()))
+}
+
+fn density_metadata(writer: &Writer, grid: &Grid, source: &dyn BrickSource) -> Result<(), KeepError> {
+    let (slope, intercept) = source.scaling();
+    let numbers = json!({ "value": "slope * number + intercept", "slope": slope, "intercept": intercept });
+    let attributes = ome_attributes("density", grid, 1, numbers);
+    writer.write_or_link("density/zarr.json", &group_json(attributes)?)?;
+    let layout = density_layout(source.voxel_type(), grid.dims);
+    writer.write_or_link(&format!("{}/zarr.json", layout.path), &layout.array_json()?)
+}
+
+fn link_density(writer: &Writer, grid: &Grid, source: &dyn BrickSource) -> Result<(), KeepError> {
+    density_metadata(writer, grid, source)?;
+    let layout = density_layout(source.voxel_type(), grid.dims);
+    layout.files().try_for_each(|file| writer.link(&layout.file_name(file)))
+}
+
+/// Writes the whole density, a shard at a time on each thread.
+fn write_density(
+    writer: &Writer,
+    grid: &Grid,
+    source: &dyn BrickSource,
+    tick: &(dyn Fn() -> Result<(), KeepError> + Sync),
+) -> Result<(), KeepError> {
+    density_metadata(writer, grid, source)?;
+    let layout = density_layout(source.voxel_type(), grid.dims);
+    let array = layout.open(&writer.dir)?;
+    let bytes = source.voxel_type().bytes();
+    let files: Vec<_> = layout.files().collect();
+    files.into_par_iter().try_for_each(|file| {
+        tick()?;
+        let lo = file.map(|f| f * SHARD);
+        let size: [u32; 3] = std::array::from_fn(|a| SHARD.min(grid.dims[a] - lo[a]));
+        let voxels = source.read(lo, size)?;
+        let mut numbers = vec![0; layout.file_bytes()];
+        let row = size[0] as usize * bytes;
+        for (i, from) in voxels.as_bytes().chunks_exact(row).enumerate() {
+            let (y, z) = (i % size[1] as usize, i / size[1] as usize);
+            let start = SHARD as usize * (y + SHARD as usize * z) * bytes;
+            numbers[start..start + row].copy_from_slice(from);
+        }
+        drop(voxels);
+        // Also where all is 0, so that a missing shard is known for damage.
+        writer.write(&layout.file_name(file), &layout.encode(&array, numbers)?)
+    })
+}
+
+const _: () = assert!(VERSION == 1, "the module's head describes version 1");

@@ -1,0 +1,133 @@
+//! Files that survive a crash: written beside the old ones, synced, and made true by one rename.
+//!
+//! Owns nothing but the habit: no file of a generation is ever changed once it is there, so that a hard link to it is a copy.
+//! Knows no format.
+
+use super::KeepError;
+use std::fs::{File, OpenOptions};
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// A generation that is being written beside the previous one.
+#[derive(Debug)]
+pub(super) struct Writer {
+    /// The new generation's folder.
+    pub dir: PathBuf,
+    /// The folder of the generation before it.
+    pub previous: Option<PathBuf>,
+    written: AtomicU64,
+    linked: AtomicU64,
+}
+
+impl Writer {
+    /// Starts in an empty folder; what a crash left there goes.
+    pub fn new(dir: PathBuf, previous: Option<PathBuf>) -> Result<Self, KeepError> {
+        remove_dir(&dir)?;
+        std::fs::create_dir_all(&dir).map_err(KeepError::io("create", &dir))?;
+        Ok(Self { dir, previous, written: AtomicU64::new(0), linked: AtomicU64::new(0) })
+    }
+
+    /// Writes and syncs a new file. `name` is relative to the folder, with slashes.
+    pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), KeepError> {
+        let path = self.place(name)?;
+        write_new(&path, bytes)?;
+        self.written.fetch_add(bytes.len() as u64, Ordering::Relaxed);
+        Ok(())
+    }
+
+    /// Links the previous generation's file of that name; a file system without links gets a copy.
+    pub fn link(&self, name: &str) -> Result<(), KeepError> {
+        let path = self.place(name)?;
+        let Some(previous) = &self.previous else {
+            let missing = std::io::Error::from(ErrorKind::NotFound);
+            return Err(KeepError::Io { doing: "link", path, source: missing });
+        };
+        let from = previous.join(name);
+        if std::fs::hard_link(&from, &path).is_ok() {
+            self.linked.fetch_add(1, Ordering::Relaxed);
+            return Ok(());
+        }
+        let bytes = std::fs::copy(&from, &path).map_err(KeepError::io("copy", &from))?;
+        File::open(&path).and_then(|f| f.sync_all()).map_err(KeepError::io("sync", &path))?;
+        self.written.fetch_add(bytes, Ordering::Relaxed);
+        Ok(())
+    }
+
+    /// Links if the previous generation has exactly these bytes, writes otherwise.
+    pub fn write_or_link(&self, name: &str, bytes: &[u8]) -> Result<(), KeepError> {
+        let same = |dir: &PathBuf| std::fs::read(dir.join(name)).is_ok_and(|old| old == bytes);
+        if self.previous.as_ref().is_some_and(same) { self.link(name) } else { self.write(name, bytes) }
+    }
+
+    /// Syncs every folder of the generation, so that names are as safe as contents.
+    pub fn sync(&self) -> Result<(), KeepError> {
+        fn walk(dir: &Path) -> Result<(), KeepError> {
+            for entry in std::fs::read_dir(dir).map_err(KeepError::io("read", dir))? {
+                let entry = entry.map_err(KeepError::io("read", dir))?;
+                if entry.file_type().is_ok_and(|t| t.is_dir()) {
+                    walk(&entry.path())?;
+                }
+            }
+            sync_dir(dir)
+        }
+        walk(&self.dir)
+    }
+
+    /// Bytes written so far; linked files count for nothing.
+    pub fn bytes_written(&self) -> u64 {
+        self.written.load(Ordering::Relaxed)
+    }
+
+    /// Files linked so far.
+    pub fn files_linked(&self) -> u64 {
+        self.linked.load(Ordering::Relaxed)
+    }
+
+    fn place(&self, name: &str) -> Result<PathBuf, KeepError> {
+        let path = self.dir.join(name);
+        if let Some(parent) = path.parent() {
+            std::fs::create_dir_all(parent).map_err(KeepError::io("create", parent))?;
+        }
+        Ok(path)
+    }
+}
+
+/// Writes a file that is not there yet, and syncs it.
+pub(super) fn write_new(path: &Path, bytes: &[u8]) -> Result<(), KeepError> {
+    let write = || {
+        let mut file = OpenOptions::new().write(true).create_new(true).open(path)?;
+        file.write_all(bytes)?;
+        file.sync_all()
+    };
+    write().map_err(KeepError::io("write", path))
+}
+
+/// Makes `path` hold `bytes`: whoever looks finds the old file or the new one, also after a crash.
+pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), KeepError> {
+    let beside = path.with_extension("new");
+    match std::fs::remove_file(&beside) {
+        Err(error) if error.kind() != ErrorKind::NotFound => return Err(KeepError::io("replace", &beside)(error)),
+        _ => {}
+    }
+    write_new(&beside, bytes)?;
+    std::fs::rename(&beside, path).map_err(KeepError::io("replace", path))?;
+    path.parent().map_or(Ok(()), sync_dir)
+}
+
+/// Makes the names in a folder survive a power cut.
+pub(super) fn sync_dir(dir: &Path) -> Result<(), KeepError> {
+    // Only Unix opens a folder as a file.
+    if cfg!(unix) {
+        File::open(dir).and_then(|f| f.sync_all()).map_err(KeepError::io("sync", dir))?;
+    }
+    Ok(())
+}
+
+/// Removes a folder with all that is in it, if it is there.
+pub(super) fn remove_dir(dir: &Path) -> Result<(), KeepError> {
+    match std::fs::remove_dir_all(dir) {
+        Err(error) if error.kind() != ErrorKind::NotFound => Err(KeepError::io("remove", dir)(error)),
+        _ => Ok(()),
+    }
+}

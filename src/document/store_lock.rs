@@ -1,0 +1,46 @@
+//! One process per project. The lock is the system's own, so a process that dies leaves none behind.
+
+use super::KeepError;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{Read, Seek, SeekFrom, Write};
+use std::path::Path;
+
+/// Held as long as it lives.
+#[derive(Debug)]
+pub(super) struct Lock(#[allow(dead_code, reason = "dropping the file gives the lock back")] File);
+
+impl Lock {
+    /// Takes the lock of a folder.
+    ///
+    /// # Errors
+    /// `Locked` with the holder's process id, or the system's refusal.
+    pub fn take(dir: &Path) -> Result<Self, KeepError> {
+        let path = dir.join("lock");
+        let mut file = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(&path)
+            .map_err(KeepError::io("open", &path))?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                let mut holder = String::new();
+                let read = file.read_to_string(&mut holder);
+                let named = read.is_ok() && !holder.trim().is_empty();
+                let holder = if named { holder.trim().to_owned() } else { "an unknown process".to_owned() };
+                return Err(KeepError::Locked { path: dir.to_owned(), holder });
+            }
+            Err(TryLockError::Error(error)) => return Err(KeepError::io("lock", &path)(error)),
+        }
+        // The name is for people; the lock holds without it, also on a full disk.
+        let name = format!("process {}\n", std::process::id());
+        let written =
+            file.set_len(0).and_then(|()| file.seek(SeekFrom::Start(0))).and_then(|_| file.write_all(name.as_bytes()));
+        if let Err(error) = written {
+            tracing::debug!("{}: holder's name not written: {error}", path.display());
+        }
+        Ok(Self(file))
+    }
+}

@@ -1,0 +1,279 @@
+//! The two JSON files of a project: which generation is current, and what a generation is beside its arrays.
+
+use super::store_arrays::rows;
+use super::store_fields::Shards;
+use super::{KeepError, Scene, State};
+use crate::math::{DAffine3, DMat3, DVec3};
+use crate::volume::{DensityMap, FieldKind, Grid, Histogram, Statistics, TexelFormat, VoxelType};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+/// Version of the folder's layout.
+pub(super) const VERSION: u64 = 1;
+const PROJECT_FORMAT: &str = "burin project";
+const GENERATION_FORMAT: &str = "burin generation";
+
+/// What both files begin with.
+#[derive(Serialize, Deserialize)]
+struct Head {
+    format: String,
+    version: u64,
+    generation: u64,
+}
+
+/// A generation beside its arrays.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Manifest {
+    pub format: String,
+    pub version: u64,
+    pub generation: u64,
+    pub volume: VolumeRecord,
+    /// By array, the hash of each file that is there.
+    pub shards: BTreeMap<String, Shards>,
+    pub scene: Scene,
+}
+
+/// The density.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct VolumeRecord {
+    pub name: String,
+    /// Voxels along i, j, k.
+    pub dims: [u32; 3],
+    /// Rows of index to RAS+ mm.
+    pub world_from_index: [[f64; 4]; 3],
+    pub voxel_type: VoxelType,
+    /// Slope and intercept.
+    pub scaling: [f64; 2],
+    pub map: DensityMap,
+    pub kept: Kept,
+    pub statistics: StatisticsRecord,
+    pub histogram: HistogramRecord,
+}
+
+/// Where the density is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Kept {
+    Whole,
+    Linked(Link),
+}
+
+/// JSON has no NaN: `null` stands for it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct StatisticsRecord {
+    min: Option<f64>,
+    max: Option<f64>,
+    sum: Option<f64>,
+    nan_count: u64,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct HistogramRecord {
+    min: Option<f64>,
+    max: Option<f64>,
+    bins: Vec<u64>,
+}
+
+/// A file that must be the same when it is read again.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Link {
+    /// Absolute.
+    pub path: PathBuf,
+    bytes: u64,
+    /// Nanoseconds since 1970; for a link that lives only until the next start.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    modified_ns: Option<u64>,
+    /// Of the whole file; for a link that lasts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    blake3: Option<String>,
+}
+
+impl Link {
+    /// A link that lasts: reads the whole file once for its hash.
+    pub fn to(path: &Path) -> Result<Self, KeepError> {
+        let link = Self { blake3: Some(hash_file(path)?), ..Self::to_unchanged(path)? };
+        Ok(Self { modified_ns: None, ..link })
+    }
+
+    /// A link for the next start: the file as it is now, by length and time.
+    pub fn to_unchanged(path: &Path) -> Result<Self, KeepError> {
+        let path = std::fs::canonicalize(path).map_err(KeepError::io("read", path))?;
+        let (bytes, modified_ns) = identity(&path)?;
+        Ok(Self { path, bytes, modified_ns, blake3: None })
+    }
+
+    /// Fails unless the file is the one that was linked.
+    pub fn check(&self) -> Result<(), KeepError> {
+        let (bytes, modified_ns) = identity(&self.path)?;
+        let changed = |field, found: String, expected: String| {
+            Err(KeepError::SourceChanged { path: self.path.clone(), field, found, expected })
+        };
+        if bytes != self.bytes {
+            return changed("bytes", bytes.to_string(), self.bytes.to_string());
+        }
+        if let (Some(expected), Some(found)) = (self.modified_ns, modified_ns)
+            && expected != found
+        {
+            return changed("modified_ns", found.to_string(), expected.to_string());
+        }
+        match &self.blake3 {
+            Some(expected) => {
+                let found = hash_file(&self.path)?;
+                if found == *expected { Ok(()) } else { changed("blake3", found, expected.clone()) }
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+fn identity(path: &Path) -> Result<(u64, Option<u64>), KeepError> {
+    let about = std::fs::metadata(path).map_err(KeepError::io("read", path))?;
+    let time = about.modified().ok().and_then(|t| t.duration_since(std::time::UNIX_EPOCH).ok());
+    Ok((about.len(), time.map(|t| t.as_nanos() as u64)))
+}
+
+fn hash_file(path: &Path) -> Result<String, KeepError> {
+    let mut hasher = blake3::Hasher::new();
+    let mut file = File::open(path).map_err(KeepError::io("read", path))?;
+    std::io::copy(&mut file, &mut hasher).map_err(KeepError::io("read", path))?;
+    Ok(hasher.finalize().to_hex().to_string())
+}
+
+impl Manifest {
+    /// What is to be said of a state.
+    pub fn of(generation: u64, state: &State, kept: Kept, shards: BTreeMap<String, Shards>) -> Self {
+        let grid = state.grid();
+        let number = |v: f64| v.is_finite().then_some(v);
+        let Statistics { min, max, sum, nan_count } = state.statistics;
+        let histogram = &state.histogram;
+        let (slope, intercept) = state.source.scaling();
+        Self {
+            format: GENERATION_FORMAT.into(),
+            version: VERSION,
+            generation,
+            volume: VolumeRecord {
+                name: state.source.name().to_owned(),
+                dims: grid.dims,
+                world_from_index: rows(grid),
+                voxel_type: state.source.voxel_type(),
+                scaling: [slope, intercept],
+                map: *state.density.map(),
+                kept,
+                statistics: StatisticsRecord { min: number(min), max: number(max), sum: number(sum), nan_count },
+                histogram: HistogramRecord {
+                    min: number(histogram.min),
+                    max: number(histogram.max),
+                    bins: histogram.bins.clone(),
+                },
+            },
+            shards,
+            scene: state.scene.clone(),
+        }
+    }
+
+    /// The file's bytes, checked to come back as what they were.
+    pub fn json(&self) -> Result<Vec<u8>, KeepError> {
+        let refused = |e: serde_json::Error| KeepError::Scene { reason: e.to_string() };
+        let bytes = serde_json::to_vec_pretty(self).map_err(refused)?;
+        // A number that JSON has no word for is written as null and cannot be read: better to know now.
+        let again: Self = serde_json::from_slice(&bytes).map_err(refused)?;
+        if again == *self {
+            Ok(bytes)
+        } else {
+            Err(KeepError::Scene { reason: "it does not read back as it was".into() })
+        }
+    }
+
+    /// Reads and checks a generation's file.
+    pub fn read(path: &Path) -> Result<Self, KeepError> {
+        let bytes = std::fs::read(path).map_err(KeepError::io("read", path))?;
+        check_head(path, &bytes, GENERATION_FORMAT)?;
+        let manifest: Self = parse(path, &bytes, "a generation as Burin writes it")?;
+        let grid = manifest.grid();
+        let bad = |field: &str, found: String, expected: &str| Err(KeepError::malformed(path, field, found, expected));
+        if grid.dims.contains(&0) || grid.dims.iter().any(|&d| d > 1 << 20) {
+            return bad("volume.dims", format!("{:?}", grid.dims), "1 to 1048576 voxels per axis");
+        }
+        if !(grid.world_from_index.matrix3.determinant().abs() > 0.0 && grid.world_from_index.is_finite()) {
+            return bad("volume.world_from_index", format!("{:?}", rows(&grid)), "an invertible matrix");
+        }
+        let map = manifest.volume.map;
+        if !(map.lo.is_finite() && map.codes_per_unit.is_finite() && map.codes_per_unit > 0.0)
+            || !matches!(map.format, TexelFormat::R16Unorm | TexelFormat::R32Float)
+        {
+            return bad("volume.map", format!("{map:?}"), "r16_unorm or r32_float, finite, codes_per_unit above 0");
+        }
+        Ok(manifest)
+    }
+
+    /// The grid.
+    pub fn grid(&self) -> Grid {
+        let w = self.volume.world_from_index;
+        let column = |c: usize| DVec3::new(w[0][c], w[1][c], w[2][c]);
+        let matrix3 = DMat3::from_cols(column(0), column(1), column(2));
+        Grid { dims: self.volume.dims, world_from_index: DAffine3 { matrix3, translation: column(3) } }
+    }
+
+    /// Of all of the source's values.
+    pub fn statistics(&self) -> Statistics {
+        let StatisticsRecord { min, max, sum, nan_count } = self.volume.statistics;
+        Statistics {
+            min: min.unwrap_or(f64::NAN),
+            max: max.unwrap_or(f64::NAN),
+            sum: sum.unwrap_or(f64::NAN),
+            nan_count,
+        }
+    }
+
+    /// Of the source's values.
+    pub fn histogram(&self) -> Histogram {
+        let HistogramRecord { min, max, bins } = self.volume.histogram.clone();
+        Histogram { min: min.unwrap_or(f64::NAN), max: max.unwrap_or(f64::NAN), bins }
+    }
+
+    /// The hashes of an array's files.
+    pub fn shards_of(&self, array: &str) -> &Shards {
+        static NONE: Shards = Shards::new();
+        self.shards.get(array).unwrap_or(&NONE)
+    }
+
+    /// Format of a field's texels.
+    pub fn texel_format(&self, kind: FieldKind) -> TexelFormat {
+        match kind {
+            FieldKind::Density => self.volume.map.format,
+            FieldKind::Colour => TexelFormat::Rgba8Unorm,
+            FieldKind::Selection => TexelFormat::R8Unorm,
+            FieldKind::Labels => TexelFormat::R16Uint,
+        }
+    }
+}
+
+/// The bytes of `project.json`.
+pub(super) fn project_json(generation: u64) -> Result<Vec<u8>, KeepError> {
+    let head = Head { format: PROJECT_FORMAT.into(), version: VERSION, generation };
+    serde_json::to_vec_pretty(&head).map_err(|e| KeepError::Scene { reason: e.to_string() })
+}
+
+/// The current generation that `project.json` names.
+pub(super) fn read_project(path: &Path) -> Result<u64, KeepError> {
+    let bytes = std::fs::read(path).map_err(KeepError::io("read", path))?;
+    check_head(path, &bytes, PROJECT_FORMAT)
+}
+
+/// Format before version before the rest, so that another version is told as such and not as a missing field.
+fn check_head(path: &Path, bytes: &[u8], format: &str) -> Result<u64, KeepError> {
+    let head: Head = parse(path, bytes, "JSON with format, version and generation")?;
+    if head.format != format {
+        return Err(KeepError::malformed(path, "format", format!("{:?}", head.format), format!("{format:?}")));
+    }
+    if head.version != VERSION {
+        return Err(KeepError::Version { path: path.to_owned(), found: head.version, expected: VERSION });
+    }
+    Ok(head.generation)
+}
+
+fn parse<T: for<'a> Deserialize<'a>>(path: &Path, bytes: &[u8], expected: &str) -> Result<T, KeepError> {
+    serde_json::from_slice(bytes).map_err(|e| KeepError::malformed(path, "JSON", e, expected))
+}

@@ -1,0 +1,232 @@
+//! Projects on disk: what is saved comes back, and a save writes what changed.
+
+use super::keep_support::*;
+use burin::document::{DensityKeeping, KeepError, Keeper, KeptDocument, LoadedDensity, State};
+use burin::math::DVec3;
+use burin::volume::*;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+fn reopened(dir: &Path) -> (Keeper, State) {
+    let (keeper, kept) = Keeper::open(dir).unwrap();
+    (keeper, state_of(kept))
+}
+
+fn state_of(kept: KeptDocument) -> State {
+    kept.into_state(|_| panic!("the density is in the project"), &|_| true).unwrap()
+}
+
+fn save(keeper: &mut Keeper, path: Option<&Path>, state: &State) -> burin::document::Saved {
+    keeper.save(path, state, DensityKeeping::Whole, &|_| true).unwrap()
+}
+
+/// A saved project in `dir/project`, with a private recovery folder.
+fn saved(dir: &Path, state: &State) -> Keeper {
+    let mut keeper = Keeper::unsaved(dir, state).unwrap();
+    save(&mut keeper, Some(&dir.join("project")), state);
+    keeper
+}
+
+fn files(dir: &Path) -> BTreeMap<String, Vec<u8>> {
+    fn walk(root: &Path, dir: &Path, into: &mut BTreeMap<String, Vec<u8>>) {
+        for entry in std::fs::read_dir(dir).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                walk(root, &path, into);
+            } else {
+                let name = path.strip_prefix(root).unwrap().to_str().unwrap().to_owned();
+                into.insert(name, std::fs::read(&path).unwrap());
+            }
+        }
+    }
+    let mut all = BTreeMap::new();
+    walk(dir, dir, &mut all);
+    all
+}
+
+#[test]
+fn a_saved_document_opens_as_it_was() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(DIMS, dir.path());
+    paint_all(&mut state);
+    state.scene.views.crosshair = DVec3::new(0.1, -1.0 / 3.0, 1e-300);
+    state.scene.segments.ensure(3);
+    drop(saved(dir.path(), &state));
+    let (_keeper, again) = reopened(&dir.path().join("project"));
+    assert_same(&state, &again, "reopened");
+    // Nothing of the original is needed any more.
+    assert_eq!(again.source.name(), "test volume");
+    assert_eq!(again.statistics, state.statistics);
+    assert_eq!(again.histogram, state.histogram);
+    let dims = state.grid().dims;
+    assert_eq!(again.source.read([0; 3], dims).unwrap(), state.source.read([0; 3], dims).unwrap());
+}
+
+#[test]
+fn every_voxel_type_comes_back_bit_for_bit() {
+    let dims = [37, 33, 35];
+    for ty in [
+        VoxelType::U8,
+        VoxelType::I8,
+        VoxelType::U16,
+        VoxelType::I16,
+        VoxelType::U32,
+        VoxelType::I32,
+        VoxelType::U64,
+        VoxelType::I64,
+        VoxelType::F32,
+        VoxelType::F64,
+    ] {
+        let dir = tempfile::tempdir().unwrap();
+        // Random bits: NaN with payloads, infinities and −0 among the floats.
+        let voxels = random_voxels(ty, dims, 3);
+        let state = state_over(source(dims, voxels, (0.5, -3.0)), [-10.0, 10.0], 1, dir.path());
+        drop(saved(dir.path(), &state));
+        let (_keeper, again) = reopened(&dir.path().join("project"));
+        let (a, b) = (state.source.read([0; 3], dims).unwrap(), again.source.read([0; 3], dims).unwrap());
+        assert_eq!((a.voxel_type(), a.as_bytes() == b.as_bytes()), (b.voxel_type(), true), "{ty:?}");
+        assert_eq!(again.source.scaling(), (0.5, -3.0));
+    }
+}
+
+#[test]
+fn a_box_read_from_a_project_is_the_box_of_its_source() {
+    let dir = tempfile::tempdir().unwrap();
+    let state = state(DIMS, dir.path());
+    drop(saved(dir.path(), &state));
+    let (_keeper, again) = reopened(&dir.path().join("project"));
+    for (lo, size) in
+        [([0; 3], [1; 3]), ([31, 31, 31], [2, 2, 2]), ([127, 0, 60], [23, 40, 10]), ([149, 39, 69], [1; 3])]
+    {
+        assert_eq!(again.source.read(lo, size).unwrap(), state.source.read(lo, size).unwrap(), "{lo:?} {size:?}");
+    }
+    let beyond = again.source.read([149, 39, 69], [2, 1, 1]).unwrap_err();
+    assert!(matches!(beyond, SourceError::OutOfBounds { .. }));
+}
+
+#[test]
+fn a_save_writes_the_shards_that_changed_and_links_the_others() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(DIMS, dir.path());
+    paint_all(&mut state);
+    let mut keeper = saved(dir.path(), &state);
+    let project = dir.path().join("project");
+    let first = files(&project.join("generation-000001"));
+    paint(&mut state, FieldKind::Selection, [0, 0, 1], 99);
+    let second = save(&mut keeper, None, &state);
+    assert_eq!(second.generation, 2);
+    let all = files(&project.join("generation-000002"));
+    assert_eq!(first.keys().collect::<Vec<_>>(), all.keys().collect::<Vec<_>>());
+    let changed: Vec<_> =
+        all.iter().filter(|(name, bytes)| first[*name] != **bytes).map(|(name, _)| &name[..]).collect();
+    assert_eq!(changed, ["generation.json", "selection/0/c/0/0/0"]);
+    // Only these two were written, every other file is the same file.
+    let written: usize = changed.iter().map(|name| all[*name].len()).sum();
+    assert_eq!(second.bytes_written, written as u64);
+    assert_eq!(second.files_linked as usize, all.len() - 2);
+    #[cfg(unix)]
+    for name in all.keys().filter(|n| !changed.contains(&&n[..])) {
+        use std::os::unix::fs::MetadataExt;
+        let inode = |g: &str| std::fs::metadata(project.join(g).join(name)).unwrap().ino();
+        assert_eq!(inode("generation-000001"), inode("generation-000002"), "{name}");
+    }
+    // A save after an undo back to what was saved writes no shard at all.
+    let before = state.selection.edits().len();
+    let third = save(&mut keeper, None, &state);
+    assert_eq!(
+        (third.bytes_written as usize, before),
+        (files(&project.join("generation-000003"))["generation.json"].len(), 4 + 2)
+    );
+    // The generation before the current one is kept, older ones go.
+    assert!(!project.join("generation-000001").exists() && project.join("generation-000002").exists());
+    assert_same(
+        &state,
+        &{
+            drop(keeper);
+            reopened(&project)
+        }
+        .1,
+        "third",
+    );
+}
+
+#[test]
+fn a_brick_that_is_empty_again_takes_its_shard_away() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(DIMS, dir.path());
+    paint(&mut state, FieldKind::Labels, [4, 0, 0], 1);
+    let mut keeper = saved(dir.path(), &state);
+    let project = dir.path().join("project");
+    assert!(project.join("generation-000001/labels/0/c/0/0/1").exists());
+    state.labels.swap(vec![(BrickIndex([4, 0, 0]), None)]).unwrap();
+    save(&mut keeper, None, &state);
+    assert!(!project.join("generation-000002/labels/0/c/0/0/1").exists());
+    drop(keeper);
+    assert_same(&state, &reopened(&project).1, "emptied");
+}
+
+#[test]
+fn a_source_goes_on_reading_after_its_generation_is_gone() {
+    let dir = tempfile::tempdir().unwrap();
+    drop(saved(dir.path(), &state(DIMS, dir.path())));
+    let (mut keeper, state) = reopened(&dir.path().join("project"));
+    let before = state.source.read([0; 3], DIMS).unwrap();
+    for _ in 0..3 {
+        save(&mut keeper, None, &state);
+    }
+    assert!(!dir.path().join("project/generation-000001").exists());
+    assert_eq!(state.source.read([0; 3], DIMS).unwrap(), before);
+}
+
+#[test]
+fn density_may_stay_in_its_file_as_long_as_that_is_the_same() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(DIMS, dir.path());
+    paint_all(&mut state);
+    let project = dir.path().join("project");
+    let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
+    keeper.save(Some(&project), &state, DensityKeeping::Linked, &|_| true).unwrap();
+    assert!(!project.join("generation-000001/density").exists());
+    drop(keeper);
+    let (mut keeper, kept) = Keeper::open(&project).unwrap();
+    let LoadedDensity::Linked(path) = &kept.density else { panic!("linked") };
+    assert_eq!(*path, std::fs::canonicalize(&state.scene.origin.path).unwrap());
+    let source = state.source.clone();
+    let again = kept.into_state(|_| Ok(source), &|_| true).unwrap();
+    assert_same(&state, &again, "linked");
+    // Linked may become whole.
+    save(&mut keeper, None, &again);
+    drop(keeper);
+    assert_same(&state, &reopened(&project).1, "whole");
+
+    let other = dir.path().join("other");
+    let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
+    keeper.save(Some(&other), &state, DensityKeeping::Linked, &|_| true).unwrap();
+    drop(keeper);
+    std::fs::write(&state.scene.origin.path, b"the file that was opeNed").unwrap();
+    let message = Keeper::open(&other).unwrap_err().to_string();
+    assert!(message.contains("origin.bin: blake3: ") && message.contains(" found, "), "{message}");
+}
+
+#[test]
+fn one_project_is_open_once() {
+    let dir = tempfile::tempdir().unwrap();
+    let keeper = saved(dir.path(), &state(DIMS, dir.path()));
+    let project = dir.path().join("project");
+    let message = Keeper::open(&project).unwrap_err().to_string();
+    assert!(message.contains(&format!("process {}", std::process::id())), "{message}");
+    assert!(message.contains("is open in another window or script"), "{message}");
+    drop(keeper);
+    Keeper::open(&project).unwrap();
+}
+
+#[test]
+fn a_new_project_takes_no_folder_with_something_in_it() {
+    let dir = tempfile::tempdir().unwrap();
+    let state = state(DIMS, dir.path());
+    let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
+    let refused = keeper.save(Some(dir.path()), &state, DensityKeeping::Whole, &|_| true).unwrap_err();
+    assert!(matches!(&refused, KeepError::NotEmpty { found, .. } if found == "origin.bin"), "{refused}");
+    assert!(matches!(keeper.save(None, &state, DensityKeeping::Whole, &|_| true), Err(KeepError::NoPath)));
+    keeper.discard().unwrap();
+}

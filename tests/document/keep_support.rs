@@ -1,0 +1,99 @@
+//! Small documents for the tests of keeping, and the comparison of all that is kept.
+
+use burin::document::{Origin, State};
+use burin::math::{DAffine3, DMat3, DVec3};
+use burin::volume::*;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Not a multiple of bricks, more than one shard along x, oblique and anisotropic.
+pub const DIMS: [u32; 3] = [150, 40, 70];
+
+pub fn grid(dims: [u32; 3]) -> Grid {
+    let turn = DMat3::from_rotation_z(0.3) * DMat3::from_rotation_x(-0.2);
+    let matrix3 = turn * DMat3::from_diagonal(DVec3::new(0.7, 1.1, -2.5));
+    Grid { dims, world_from_index: DAffine3 { matrix3, translation: DVec3::new(-31.25, 17.5, 1e-3) } }
+}
+
+pub fn source(dims: [u32; 3], voxels: Voxels, scaling: (f64, f64)) -> Arc<MemorySource> {
+    Arc::new(MemorySource::new("test volume", grid(dims), voxels, scaling).unwrap())
+}
+
+pub fn random_voxels(ty: VoxelType, dims: [u32; 3], seed: u64) -> Voxels {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let count = dims.iter().map(|&d| d as usize).product();
+    let mut voxels = Voxels::try_zeroed(ty, count).unwrap();
+    rng.fill(voxels.as_bytes_mut());
+    voxels
+}
+
+/// A document over a source; its origin is a file in `dir`.
+pub fn state_over(source: Arc<dyn BrickSource>, range: [f64; 2], nan_count: u64, dir: &Path) -> State {
+    let path = dir.join("origin.bin");
+    std::fs::write(&path, b"the file that was opened").unwrap();
+    let statistics = Statistics { min: range[0], max: range[1], sum: 1.5, nan_count };
+    let histogram = Histogram { min: range[0], max: range[1], bins: vec![3, 0, 9, 1] };
+    let origin = Origin { path, component: 0, frame: 0 };
+    State::new(source, origin, statistics, histogram, None, &|_| true).unwrap()
+}
+
+/// A document of u16 with a random volume.
+pub fn state(dims: [u32; 3], dir: &Path) -> State {
+    let voxels = random_voxels(VoxelType::U16, dims, 7);
+    state_over(source(dims, voxels, (1.0, 0.0)), [0.0, 65_535.0], 0, dir)
+}
+
+/// A brick of random texels, or of one value for some seeds.
+pub fn random_brick(kind: FieldKind, format: TexelFormat, seed: u64) -> Brick {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut texels = vec![0_u8; BRICK_VOXELS * format.bytes()];
+    match (seed % 5, kind) {
+        (0, _) => texels.chunks_exact_mut(format.bytes()).for_each(|t| t[0] = 9),
+        (_, FieldKind::Labels) => texels.chunks_exact_mut(2).for_each(|t| t[0] = rng.random_range(0..4)),
+        // NaN would make texels that differ from themselves in no bit but compare unequal as numbers; bytes are compared here.
+        _ => rng.fill(&mut texels[..]),
+    }
+    Brick::from_texels(texels, format.bytes())
+}
+
+/// Paints a brick of a field.
+pub fn paint(state: &mut State, kind: FieldKind, index: [u32; 3], seed: u64) -> (FieldKind, BrickIndex, Option<Brick>) {
+    let brick = random_brick(kind, state.field(kind).format(), seed);
+    let index = BrickIndex(index);
+    state.field_mut(kind).swap(vec![(index, Some(brick))]).unwrap();
+    (kind, index, state.field(kind).edit(index).cloned())
+}
+
+/// Every kind of field painted, at the volume's corners and in between.
+pub fn paint_all(state: &mut State) {
+    let last = state.density.brick_dims(0).map(|d| d - 1);
+    for (i, kind) in FieldKind::ALL.into_iter().enumerate() {
+        for (j, index) in [[0; 3], last, [last[0], 0, 0], [last[0] / 2, 0, last[2]]].into_iter().enumerate() {
+            paint(state, kind, index, (10 * i + j) as u64);
+        }
+    }
+    // An edit to 0 is an edit of density, and none of what was never painted.
+    let zero = || vec![(BrickIndex([1, 0, 0]), Some(Brick::Uniform([0; 4])))];
+    for kind in FieldKind::ALL {
+        state.field_mut(kind).swap(zero()).unwrap();
+    }
+}
+
+/// All level-0 texels and edits of two documents are the same, and all else but the source behind them.
+pub fn assert_same(a: &State, b: &State, what: &str) {
+    assert_eq!(a.scene, b.scene, "{what}");
+    assert_eq!(a.grid(), b.grid(), "{what}");
+    assert_eq!(a.density.map(), b.density.map(), "{what}");
+    for kind in FieldKind::ALL {
+        let painted = |s: &State| {
+            let edits = s.field(kind).edits().into_iter().map(|(i, b)| (i, b.clone()));
+            edits.filter(|(_, b)| kind == FieldKind::Density || *b != Brick::Uniform([0; 4])).collect::<Vec<_>>()
+        };
+        assert!(painted(a) == painted(b), "{what}: edits of {}", kind.name());
+        let dims = a.field(kind).dims(0);
+        let (x, y) = (a.field(kind).read(0, [0; 3], dims).unwrap(), b.field(kind).read(0, [0; 3], dims).unwrap());
+        assert!(x == y, "{what}: texels of {}", kind.name());
+    }
+}
