@@ -7,15 +7,14 @@
 //! into a new file, so that recovery grows with the bricks touched and not with history. What could not be written stays
 //! in memory and goes first the next time.
 
-use super::journal_record::{
-    BrickEntry, Kind, RECORD_HEAD, SamplesHead, StepHead, decode, encode, encode_bricks, runs,
-};
+use super::journal_record::{BrickEntry, Kind, RECORD_HEAD, SamplesHead, StepHead, decode, encode, encode_brick, runs};
 use super::store_files::sync_dir;
-use super::{Command, KeepError, Scene};
+use super::{Command, KeepError, Scene, State};
 use crate::paint::Sample;
-use crate::volume::{Brick, BrickIndex, DensityMap, FieldKind, TexelFormat};
+use crate::volume::{BrickIndex, DensityMap, FieldKind, TexelFormat};
+use rayon::prelude::*;
 use serde_json::{Map, Value};
-use std::collections::{HashMap, VecDeque};
+use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -25,23 +24,6 @@ pub(super) const VERSION: u32 = 1;
 pub(super) const HEADER: u64 = 28;
 /// A journal below this is not worth gathering.
 const GATHER_ABOVE: u64 = 16 << 20;
-
-/// A command that is done, for [`Keeper::record`](super::Keeper::record).
-#[derive(Clone, Copy, Debug)]
-pub struct JournalStep<'a> {
-    /// What was done, its places resolved to world millimetres.
-    pub command: &'a Command,
-    /// The scene now.
-    pub scene: &'a Scene,
-    /// How density becomes texels now.
-    pub map: &'a DensityMap,
-    /// The bricks that it touched, as they are now; `None` where the edit is gone. If the map changed: every edited brick of
-    /// density, since texels of another map mean nothing.
-    pub bricks: &'a [(FieldKind, BrickIndex, Option<Brick>)],
-    /// Whether to wait for the disk. Frames of an animation or of a moving camera need not: what they lose in a power cut (not
-    /// in a crash) is the last moment of a movement.
-    pub synced: bool,
-}
 
 /// See the module's head.
 #[derive(Debug)]
@@ -127,9 +109,16 @@ impl Journal {
         }
     }
 
-    /// Writes a step.
-    pub fn step(&mut self, step: &JournalStep<'_>) -> Result<(), KeepError> {
-        let scene = parts(step.scene)?;
+    /// Writes a step: the command, what it changed in the scene, and what the bricks that it touched hold now. After a change
+    /// of map all edited density is written, since texels of another map mean nothing.
+    pub fn step(
+        &mut self,
+        command: &Command,
+        state: &State,
+        touched: &[(FieldKind, BrickIndex)],
+        synced: bool,
+    ) -> Result<(), KeepError> {
+        let scene = parts(&state.scene)?;
         let known = &self.now.scene;
         let changed: Map<String, Value> =
             scene.iter().filter(|(k, v)| known.get(*k) != Some(v)).map(|(k, v)| (k.clone(), v.clone())).collect();
@@ -138,18 +127,23 @@ impl Journal {
             let back: Result<Scene, _> = serde_json::from_value(Value::Object(scene));
             back.map_err(|e| KeepError::Scene { reason: e.to_string() })?;
         }
-        let map = (*step.map != self.now.map).then_some(*step.map);
-        let command = serde_json::to_value(step.command).map_err(|e| KeepError::Scene { reason: e.to_string() })?;
+        let map = Some(*state.density.map()).filter(|map| *map != self.now.map);
+        let ends_stroke = matches!(command, Command::Stroke(_));
+        let command = serde_json::to_value(command).map_err(|e| KeepError::Scene { reason: e.to_string() })?;
         let head = StepHead { command, steps: 1, scene: changed, map };
         let bytes = head_bytes(&head)?;
+        let mut places: BTreeSet<(FieldKind, BrickIndex)> = touched.iter().copied().collect();
         if map.is_some() {
             self.forget_density();
+            places.extend(state.density.edits().into_keys().map(|index| (FieldKind::Density, index)));
         }
         self.now.take(head);
-        if matches!(step.command, Command::Stroke(_)) {
+        if ends_stroke {
             self.stroke_runs = false;
         }
-        let bricks = encode_bricks(step.bricks);
+        let places: Vec<_> = places.into_iter().collect();
+        let encode = |&(kind, index)| encode_brick(kind, index, state.field(kind).edit(index));
+        let bricks: Vec<Vec<u8>> = places.par_iter().map(encode).collect();
         let ends = runs(bricks.iter().map(Vec::len));
         let (mut from, last) = (0, ends.len() - 1);
         for (i, to) in ends.into_iter().enumerate() {
@@ -157,7 +151,7 @@ impl Journal {
             self.push(kind, head, &bricks[from..to]);
             from = to;
         }
-        self.flush(step.synced)?;
+        self.flush(synced)?;
         if !self.stroke_runs && self.end > self.gather_above.saturating_add(4 * self.live_bytes) {
             // All is safe as it is; a gathering that fails only has to be tried later.
             if let Err(error) = self.gather() {

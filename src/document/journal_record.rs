@@ -6,7 +6,6 @@
 
 use crate::paint::Sample;
 use crate::volume::{BRICK_VOXELS, Brick, BrickIndex, DensityMap, FieldKind, TexelFormat};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
@@ -104,11 +103,6 @@ pub(super) fn decode_brick(bytes: &[u8], format: TexelFormat) -> Result<Option<B
             }
         }
     }
-}
-
-/// The bytes of bricks, compressed on all threads.
-pub(super) fn encode_bricks(bricks: &[(FieldKind, BrickIndex, Option<Brick>)]) -> Vec<Vec<u8>> {
-    bricks.par_iter().map(|(kind, index, brick)| encode_brick(*kind, *index, brick.as_ref())).collect()
 }
 
 /// Ends of the runs of bricks that go into one record each.

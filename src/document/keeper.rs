@@ -3,15 +3,16 @@
 //! Owns the place where the document is kept: a project folder, or a recovery folder before the first save. Is told what was
 //! done and never looks for itself. Dropping it leaves everything to be found at the next start, as a crash would.
 
-use super::journal::{Journal, JournalStep};
+use super::journal::Journal;
 use super::journal_replay::Replay;
 use super::recovery;
 use super::store::{DensityKeeping, Saved, Store};
 use super::store_files::remove_dir;
 use super::store_lock::Lock;
 use super::store_manifest::{Kept, Link, Manifest};
-use super::{KeepError, KeptDocument, State};
+use super::{Command, KeepError, KeptDocument, State};
 use crate::paint::Sample;
+use crate::volume::{BrickIndex, FieldKind};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -98,13 +99,20 @@ impl Keeper {
         Ok((Self { journal, place: Place::Unsaved { dir, lock } }, document))
     }
 
-    /// Notes a step. When it returns, a `synced` step survives a power cut. On failure the step stays in memory and is written
-    /// before the next one.
+    /// Notes a command that is done. `command` has its places resolved to world millimetres; `touched` are the bricks whose texels
+    /// it changed, an undo's as well. When it returns, a `synced` step survives a power cut; frames of an animation need not be
+    /// (a crash of the program loses none of either). On failure the step stays in memory and is written before the next one.
     ///
     /// # Errors
     /// If the disk refuses, or the scene holds a number that JSON cannot say.
-    pub fn record(&mut self, step: &JournalStep<'_>) -> Result<(), KeepError> {
-        self.journal.step(step)
+    pub fn record(
+        &mut self,
+        command: &Command,
+        state: &State,
+        touched: &[(FieldKind, BrickIndex)],
+        synced: bool,
+    ) -> Result<(), KeepError> {
+        self.journal.step(command, state, touched, synced)
     }
 
     /// Notes samples of the running stroke, without waiting for the disk.

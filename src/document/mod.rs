@@ -43,7 +43,6 @@ mod view_history;
 pub use command::*;
 pub use error::DocumentError;
 pub use history::{DEFAULT_BUDGET_BYTES, History};
-pub use journal::JournalStep;
 pub use keep_error::KeepError;
 pub use keeper::Keeper;
 pub use kept::{KeptDocument, Recovered};

@@ -1,9 +1,9 @@
 //! Commands, history, journal, projects.
 
 mod history;
+mod keep;
+mod keep_support;
 mod maker;
 mod nouns;
 mod parts;
 mod script;
-mod keep;
-mod keep_support;
