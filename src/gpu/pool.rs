@@ -19,8 +19,8 @@ const UPLOAD_BYTES: u64 = 32 << 20;
 pub(super) type Page = [u32; 2];
 
 /// A page of one value; `bits` is the texel as the shader decodes it.
-pub(super) fn uniform_page(bits: u32) -> Page {
-    [0, bits]
+pub(super) fn uniform_page(level: u8, bits: u32) -> Page {
+    [u32::from(level) << 1, bits]
 }
 
 fn held_page(level: u8, slot: [u32; 3]) -> Page {
@@ -329,7 +329,7 @@ impl Pool {
     /// The level that each brick of level 0 is drawn from.
     pub(super) fn level_of(&self, brick: usize) -> u8 {
         let [entry, _] = self.pages[brick];
-        if entry & 1 == 1 { (entry >> 1 & 31) as u8 } else { 0 }
+        if entry == u32::MAX { 0 } else { (entry >> 1 & 31) as u8 }
     }
 }
 

@@ -26,7 +26,7 @@ pub fn density_f32(grid: Grid, f: impl Fn([u32; 3]) -> f32) -> Field {
 }
 
 /// `f` at every voxel, x fastest.
-pub fn each<T>([nx, ny, nz]: [u32; 3], f: impl Fn([u32; 3]) -> T) -> Vec<T> {
+pub fn each<T>([nx, ny, nz]: [u32; 3], f: impl FnMut([u32; 3]) -> T) -> Vec<T> {
     (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z]))).map(f).collect()
 }
 

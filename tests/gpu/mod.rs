@@ -1,3 +1,4 @@
 //! Kernels and the ray caster against plain references.
 
+mod occupancy;
 mod pools;

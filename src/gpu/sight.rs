@@ -1,0 +1,131 @@
+//! How much each brick matters to a picture: pixels of its voxels on the screen, less what hides it.
+//!
+//! Pure: knows no device. An estimate that orders bricks when not all fit; what is drawn does not depend on it otherwise.
+
+use super::Body;
+use crate::math::{Aabb, Camera, DVec3, Projection};
+use crate::volume::{BRICK, BrickIndex, BrickKey, Cells, Field, Grid, TransferFunction};
+use rayon::prelude::*;
+
+/// What remains of a brick's weight where it lies outside the picture: it is next when the camera turns.
+const OUTSIDE: f32 = 0.02;
+/// What remains where it is wholly hidden: estimates err.
+const HIDDEN: f32 = 0.05;
+
+/// Camera, picture and bodies of a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Sight {
+    pub(super) camera: Camera,
+    pub(super) size: [u32; 2],
+    pub(super) bodies: Vec<Body>,
+}
+
+/// Extinction of every brick of level 0 along its edge, estimated from its cells' middle values.
+pub(super) fn extinctions(density: &Field, grid: &Grid, transfer: &TransferFunction) -> Vec<f32> {
+    let edge = f64::from(BRICK) * grid.voxel_mm() / transfer.unit_mm;
+    let tau = |[lo, hi]: [f32; 2]| {
+        if lo > hi {
+            return 0.0;
+        }
+        let opacity = transfer.opacity_at(f64::from(lo + hi) * 0.5).min(0.999);
+        -f64::from(1.0 - opacity).ln() * edge
+    };
+    density
+        .brick_indices(0)
+        .into_par_iter()
+        .map(|index| match density.cells(BrickKey { level: 0, index }) {
+            Cells::Uniform(range) => tau(range) as f32,
+            Cells::Dense(cells) => (cells.iter().map(|&c| tau(c)).sum::<f64>() / cells.len() as f64) as f32,
+        })
+        .collect()
+}
+
+/// By brick of level 0: pixels along a voxel's edge where a body shows it nearest, weighted by what reaches the eye.
+pub(super) fn urgency(sight: &Sight, grid: &Grid, bricks: [u32; 3], extinction: &[f32]) -> Vec<f32> {
+    let [nx, ny, _] = bricks;
+    let voxel = grid.voxel_mm();
+    let index_from_world = grid.index_from_world();
+    (0..extinction.len() as u32)
+        .into_par_iter()
+        .map(|i| {
+            let at = [i % nx, i / nx % ny, i / (nx * ny)];
+            let corners = corners(grid, BrickIndex(at));
+            let mut best = 0.0_f32;
+            for body in &sight.bodies {
+                if body.region.iter().any(|plane| corners.iter().all(|&c| plane.distance(c) > 0.0)) {
+                    continue;
+                }
+                let posed = corners.map(|c| body.pose.apply(c));
+                let (inside, distance) = seen(&sight.camera, sight.size, &posed);
+                let pixels = (voxel / sight.camera.mm_per_pixel(distance, sight.size[1])) as f32;
+                let eye = body.pose.unapply(toward(&sight.camera, &posed));
+                let clear = transmittance(
+                    index_from_world.transform_point3(eye),
+                    DVec3::new(f64::from(at[0]), f64::from(at[1]), f64::from(at[2])),
+                    bricks,
+                    extinction,
+                );
+                let weight = (HIDDEN + (1.0 - HIDDEN) * clear) * if inside { 1.0 } else { OUTSIDE };
+                best = best.max(pixels * weight);
+            }
+            best
+        })
+        .collect()
+}
+
+/// World corners of a brick, a voxel of apron included.
+fn corners(grid: &Grid, brick: BrickIndex) -> [DVec3; 8] {
+    let lo = DVec3::from_array(brick.origin().map(f64::from)) - 1.0;
+    Aabb { min: lo, max: lo + f64::from(BRICK) + 1.0 }.corners().map(|c| grid.world_from_index.transform_point3(c))
+}
+
+/// Whether any of a posed brick may be in the picture, and how near it comes along the direction of sight, in mm.
+fn seen(camera: &Camera, size: [u32; 2], corners: &[DVec3; 8]) -> (bool, f64) {
+    let view = camera.view_from_world();
+    let points = corners.map(|c| view.transform_point3(c));
+    let nearest = points.iter().map(|p| -p.z).fold(f64::INFINITY, f64::min);
+    let perspective = matches!(camera.projection, Projection::Perspective { .. });
+    let half_y = camera.half_height();
+    let half_x = half_y * f64::from(size[0]) / f64::from(size[1].max(1));
+    let limit = |half: f64, z: f64| if perspective { half * -z } else { half };
+    // Outside if all corners are beyond one side, or behind the eye.
+    let outside = points.iter().all(|p| p.z > 0.0)
+        || points.iter().all(|p| p.x > limit(half_x, p.z))
+        || points.iter().all(|p| -p.x > limit(half_x, p.z))
+        || points.iter().all(|p| p.y > limit(half_y, p.z))
+        || points.iter().all(|p| -p.y > limit(half_y, p.z));
+    (!outside, nearest.max(1e-3))
+}
+
+/// A point towards which the brick is seen: the eye, or its place before the brick in orthographic projection.
+fn toward(camera: &Camera, corners: &[DVec3; 8]) -> DVec3 {
+    match camera.projection {
+        Projection::Perspective { .. } => camera.eye,
+        Projection::Orthographic { .. } => {
+            let centre = (corners[0] + corners[7]) * 0.5;
+            centre - camera.forward() * (centre - camera.eye).dot(camera.forward())
+        }
+    }
+}
+
+/// What light of a brick's centre passes the bricks between it and the eye (index space), in steps of half a brick.
+fn transmittance(eye: DVec3, brick: DVec3, bricks: [u32; 3], extinction: &[f32]) -> f32 {
+    let centre = brick + 0.5;
+    let to_eye = (eye + 0.5) / f64::from(BRICK) - centre;
+    let steps = (to_eye.length() * 2.0).floor().min(512.0) as u32;
+    let step = to_eye.normalize_or_zero() * 0.5;
+    let most = DVec3::from_array(bricks.map(f64::from));
+    let mut tau = 0.0;
+    for k in 1..steps {
+        let p = centre + step * f64::from(k);
+        if p.cmplt(DVec3::ZERO).any() || p.cmpge(most).any() || tau > 8.0 {
+            break;
+        }
+        if p.floor() == brick {
+            continue;
+        }
+        let i = p.x as usize + bricks[0] as usize * (p.y as usize + bricks[1] as usize * p.z as usize);
+        tau += extinction[i] * 0.5;
+    }
+    (-tau).exp()
+}
