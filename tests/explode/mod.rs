@@ -1,7 +1,10 @@
 //! Parts, splitters, forces, rigid bodies and the measured gain.
 
 mod forces;
+mod gain;
+mod octree;
 mod parts;
+mod picture;
 mod simulation;
 mod splitters;
 

@@ -1,0 +1,217 @@
+//! The measured gain: what is visible, from where, in how many rounds, and independent of what came before.
+
+use super::picture::{directions, measure};
+use super::{cube, octants, unit};
+use burin::explode::*;
+use burin::math::{Camera, DQuat, DVec3, Pose};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+const RADIUS: f64 = 18.0;
+const PX: u32 = 96;
+
+/// A ball in a cube of 60 mm, off the middle, in eight octants; everything else is dense.
+fn setup() -> (Explosion, Vec<ExplosionPoint>) {
+    let mut explosion = octants(&cube(60));
+    explosion.degree = 1.0;
+    let mut rng = ChaCha8Rng::seed_from_u64(21);
+    let points = (0..40).map(|_| ExplosionPoint {
+        position: centre() + unit(&mut rng) * RADIUS * rng.random::<f64>().cbrt(),
+        weight: 1.0,
+    });
+    (explosion, points.collect())
+}
+
+fn centre() -> DVec3 {
+    DVec3::new(2.0, -3.0, 1.0)
+}
+
+fn matter(p: DVec3) -> (f64, f64) {
+    let inside = p.distance(centre()) < RADIUS;
+    // Corners of the cube are air, as about a head.
+    let head = p.length() < 40.0;
+    if inside { (0.5, 0.0) } else { (0.0, if head { 0.5 } else { 0.0 }) }
+}
+
+fn camera(direction: DVec3) -> Camera {
+    let up = if direction.x == 0.0 && direction.y == 0.0 { DVec3::Y } else { DVec3::Z };
+    Camera::framing(&cube(60).world_bounds(), direction, up).zoomed(1.5)
+}
+
+fn settle(explosion: &Explosion, points: &[ExplosionPoint], camera: &Camera) -> Settled {
+    settle_with_gain::<ExplodeError>(explosion, points, camera, &mut |poses| {
+        Ok(measure(explosion, poses, camera, PX, 1.5, &matter))
+    })
+    .unwrap()
+}
+
+#[test]
+fn the_picture_of_these_tests_sees_what_it_should() {
+    let (explosion, _) = setup();
+    let rest = vec![Pose::IDENTITY; 8];
+    let view = camera(DVec3::NEG_Y);
+    let at_rest = measure(&explosion, &rest, &view, PX, 1.5, &matter);
+    assert_eq!(at_rest.visible, 0.0, "the ball is inside");
+    assert!(at_rest.hidden.iter().sum::<f64>() >= 1.0);
+    let mut away = rest.clone();
+    for (pose, part) in away.iter_mut().zip(&explosion.parts).filter(|(_, p)| p.centre().y < 0.0) {
+        pose.translation = part.centre() * DVec3::new(9.0, 0.0, 9.0);
+    }
+    let open = measure(&explosion, &away, &view, PX, 1.5, &matter);
+    assert_eq!((open.visible, open.hidden.iter().sum::<f64>()), (1.0, 0.0));
+    // One quadrant of the front closed again hides the share of the ball that is seen there.
+    let (front, _) = explosion.parts.iter().enumerate().find(|(_, p)| p.centre().cmplt(DVec3::ZERO).all()).unwrap();
+    away[front] = Pose::IDENTITY;
+    let quarter = measure(&explosion, &away, &view, PX, 1.5, &matter);
+    assert!((0.1..0.4).contains(&quarter.hidden[front]), "{quarter:?}");
+    assert!((quarter.visible + quarter.hidden[front] - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn ninety_nine_percent_are_visible_from_26_directions_and_less_is_moved_than_plainly() {
+    let (explosion, points) = setup();
+    let unit_mm = explosion.diagonal_mm() * 0.5;
+    let shift = |poses: &[Pose]| {
+        let moved = poses.iter().zip(&explosion.parts).map(|(q, p)| q.apply(p.centre()).distance(p.centre()));
+        moved.sum::<f64>() / 8.0 / unit_mm
+    };
+    let mut plain = explosion.clone();
+    plain.forces.measured_gain = false;
+    let (mut with_gain, mut without) = (0.0, 0.0);
+    for direction in directions() {
+        let view = camera(direction);
+        let settled = settle(&explosion, &points, &view);
+        assert!(settled.at_rest && settled.rounds <= MAX_ROUNDS && settled.steps <= MAX_STEPS, "{settled:?}");
+        // Looked at more closely than it was measured.
+        let seen = measure(&explosion, &settled.poses, &view, 2 * PX - 3, 1.0, &matter);
+        assert!(seen.visible >= 0.99, "{direction}: {} {settled:?}", seen.visible);
+        with_gain += shift(&settled.poses) / 26.0;
+        let all = settle(&plain, &points, &view);
+        assert_eq!((all.rounds, all.visible, all.gains), (0, None, vec![1.0; 8]));
+        without += shift(&all.poses) / 26.0;
+    }
+    assert!(with_gain < 0.6 * without, "{with_gain} {without}");
+}
+
+#[test]
+fn without_the_viewing_force_the_ball_stays_hidden() {
+    let (mut explosion, points) = setup();
+    explosion.forces.viewing = false;
+    let view = camera(DVec3::new(1.0, -1.0, 1.0));
+    let settled = settle(&explosion, &points, &view);
+    assert_eq!(settled.rounds, 0);
+    assert!(measure(&explosion, &settled.poses, &view, PX, 1.5, &matter).visible < 0.5);
+}
+
+#[test]
+fn the_same_camera_gives_the_same_poses_whatever_came_before() {
+    let (explosion, points) = setup();
+    let view = camera(DVec3::new(1.0, -1.0, 0.0));
+    let first = settle(&explosion, &points, &view);
+    let mut later = explosion.clone();
+    for direction in [DVec3::Z, DVec3::X] {
+        let settled = settle(&later, &points, &camera(direction));
+        later.set_poses(&settled.poses);
+    }
+    assert_ne!(later.poses(), first.poses);
+    assert_eq!(settle(&later, &points, &view), first);
+    // In slices, as a window does it.
+    let mut search = Search::new(&later, &points, &view).unwrap();
+    let mut slices = 0;
+    let sliced = loop {
+        slices += 1;
+        match search.advance(7) {
+            Progress::Moving => {}
+            Progress::Measure(poses) => search.measured(&measure(&later, &poses, &view, PX, 1.5, &matter)),
+            Progress::Done => break search.settled(),
+        }
+    };
+    assert!(slices > 20);
+    assert_eq!(sliced, first);
+}
+
+#[test]
+fn the_gain_is_measured_at_degree_one_and_then_scaled() {
+    let (explosion, points) = setup();
+    let view = camera(DVec3::new(1.0, -1.0, 0.0));
+    let full = settle(&explosion, &points, &view);
+    let distance = |a: &[Pose], b: &[Pose]| {
+        let apart = explosion
+            .parts
+            .iter()
+            .zip(a.iter().zip(b))
+            .map(|(p, (a, b))| a.apply(p.centre()).distance(b.apply(p.centre())));
+        apart.fold(0.0, f64::max)
+    };
+    let rest = vec![Pose::IDENTITY; 8];
+    let mut last = distance(&full.poses, &rest);
+    let at = |degree: f64| settle(&Explosion { degree, ..explosion.clone() }, &points, &view);
+    let near = at(0.999);
+    assert_eq!(near.gains, full.gains);
+    for degree in [0.75, 0.5, 0.25, 0.05] {
+        let settled = at(degree);
+        assert_eq!(settled.gains, full.gains);
+        assert!(settled.at_rest && settled.steps <= MAX_STEPS);
+        let reach = distance(&settled.poses, &rest);
+        assert!(reach < last, "degree {degree}: {reach} after {last}");
+        last = reach;
+    }
+    let zero = at(0.0);
+    assert_eq!((zero.poses, zero.rounds), (rest, 0));
+    // A small step of the slider is a small step of the parts.
+    assert!(distance(&near.poses, &full.poses) < 0.5);
+}
+
+#[test]
+fn parts_that_hide_nothing_get_no_gain_and_those_in_the_way_no_more_than_needed() {
+    let (explosion, points) = setup();
+    let settled = settle(&explosion, &points, &camera(DVec3::NEG_Y));
+    for (part, gain) in explosion.parts.iter().zip(&settled.gains) {
+        if part.centre().y > 0.0 {
+            assert_eq!(*gain, 0.0, "behind the ball");
+        } else {
+            assert!((0.25..3.0).contains(gain));
+            // 0.25 times a whole power of 1.5.
+            let power = (gain / 0.25).ln() / 1.5_f64.ln();
+            assert!((power - power.round()).abs() < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_uncovered_ends_after_twelve_rounds() {
+    let (explosion, points) = setup();
+    let view = camera(DVec3::NEG_Y);
+    let mut calls = 0;
+    let settled = settle_with_gain::<ExplodeError>(&explosion, &points, &view, &mut |_| {
+        calls += 1;
+        Ok(Measured { visible: 0.3, hidden: vec![0.1; 8] })
+    })
+    .unwrap();
+    assert!(settled.rounds <= MAX_ROUNDS && settled.steps <= MAX_STEPS && calls == settled.rounds, "{settled:?}");
+    assert!(settled.poses.iter().all(|p| p.translation.is_finite()));
+    let failed = settle_with_gain(&explosion, &points, &view, &mut |_| {
+        Err(ExplodeError::NoPlane { splitter: "none", reason: "the picture failed" })
+    });
+    assert!(failed.is_err());
+    // A measurement of fewer parts, or of nothing that is a number, is no reason to panic.
+    for odd in [Measured::default(), Measured { visible: f64::NAN, hidden: vec![f64::NAN; 3] }] {
+        settle_with_gain::<ExplodeError>(&explosion, &points, &view, &mut |_| Ok(odd.clone())).unwrap();
+    }
+}
+
+#[test]
+fn pinned_parts_keep_the_hands_pose_while_others_make_way() {
+    let (mut explosion, points) = setup();
+    let view = camera(DVec3::NEG_Y);
+    let hand = Pose { rotation: DQuat::from_rotation_z(0.2), translation: DVec3::new(50.0, -10.0, 3.0) };
+    let id = explosion.parts[4].id;
+    explosion.place(id, hand).unwrap();
+    let settled = settle(&explosion, &points, &view);
+    assert_eq!(settled.poses[4], explosion.parts[4].pose);
+    assert!(settled.poses.iter().enumerate().all(|(i, p)| i == 4 || *p != Pose::IDENTITY));
+    explosion.degree = 0.0;
+    let zero = settle(&explosion, &points, &view);
+    assert_eq!(zero.poses[4], explosion.parts[4].pose);
+    assert!(zero.poses.iter().enumerate().all(|(i, p)| i == 4 || *p == Pose::IDENTITY));
+}
