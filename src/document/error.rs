@@ -1,6 +1,7 @@
 //! Why a command was refused. A command that fails has changed nothing.
 
 use crate::explode::ExplodeError;
+use crate::io::IoError;
 use crate::paint::PaintError;
 use crate::volume::SourceError;
 use std::path::PathBuf;
@@ -49,6 +50,9 @@ pub enum DocumentError {
     /// Saving, journal or recovery failed.
     #[error(transparent)]
     Keep(#[from] super::KeepError),
+    /// A volume file that cannot be read or written.
+    #[error(transparent)]
+    Io(IoError),
     /// The voxels behind the volume failed.
     #[error(transparent)]
     Source(#[from] SourceError),

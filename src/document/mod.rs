@@ -18,6 +18,7 @@ mod journal_replay;
 mod keep_error;
 mod keeper;
 mod kept;
+mod open;
 mod packed;
 mod part;
 mod place;
@@ -25,6 +26,7 @@ pub mod recovery;
 mod scene;
 mod segment;
 mod selection;
+mod selection_import;
 mod slice_plane;
 mod state;
 mod step;
@@ -39,6 +41,7 @@ mod transfer;
 mod undo;
 mod view;
 mod view_history;
+mod volume;
 
 pub use command::*;
 pub use error::DocumentError;
@@ -107,6 +110,7 @@ impl Document {
     pub fn apply(&mut self, command: Command) -> Result<Value, DocumentError> {
         let answer = match command {
             Command::History(command) => self.travel(command)?,
+            Command::Volume(command) => self.volume(command)?,
             Command::Ask(question) => return self.ask(question),
             command => self.record(command)?,
         };

@@ -1,10 +1,15 @@
 //! Commands on the selection as a whole.
 
 use super::edit::Edit;
+use super::selection_import::import;
+use super::view::finite;
 use super::{Document, DocumentError, SelectionCommand, State};
 use crate::volume::{Brick, BrickIndex, Changes, FieldKind};
 use rayon::prelude::*;
 use serde_json::{Value, json};
+
+/// The widest soft border, in voxels: blocks and what is around them have to fit into memory.
+const MAX_SOFTEN_VOXELS: f64 = 128.0;
 
 impl Document {
     pub(super) fn selection(&mut self, command: SelectionCommand, edit: &mut Edit) -> Result<Value, DocumentError> {
@@ -18,7 +23,15 @@ impl Document {
                 edit.name("Clear selection");
                 Changes::new()
             }
-            SelectionCommand::Import { .. } => return Err(DocumentError::NotNow("this build cannot import".into())),
+            SelectionCommand::Import { path, threshold, soften_mm } => {
+                edit.name("Import selection");
+                finite("threshold", threshold)?;
+                let most = (state.grid().spacing() * MAX_SOFTEN_VOXELS).min_element();
+                if !(0.0..=most).contains(&soften_mm) {
+                    return Err(DocumentError::invalid("soften_mm", soften_mm, format!("0 to {most} mm")));
+                }
+                import(state, super::open::read_beside(&path)?.as_ref(), threshold, soften_mm)?
+            }
         };
         replace(state, edit, changes)?;
         Ok(json!({ "selected_bricks": state.selection.edits().len() }))

@@ -72,3 +72,27 @@ pub fn bytes(document: &Document) -> (Vec<Vec<u8>>, String) {
     scene.brush = burin::paint::Brush::default();
     (all, serde_json::to_string(&scene).unwrap())
 }
+
+/// Writes 32-bit floats to an attached, raw NRRD.
+pub fn write_nrrd(path: &std::path::Path, grid: &Grid, value: impl Fn([u32; 3]) -> f32) {
+    let m = grid.world_from_index;
+    let row = |v: DVec3| format!("({:?},{:?},{:?})", v.x, v.y, v.z);
+    let [nx, ny, nz] = grid.dims;
+    let mut bytes = format!(
+        "NRRD0004\ntype: float\ndimension: 3\nspace: right-anterior-superior\nsizes: {nx} {ny} {nz}\n\
+         space directions: {} {} {}\nspace origin: {}\nendian: little\nencoding: raw\n\n",
+        row(m.matrix3.x_axis),
+        row(m.matrix3.y_axis),
+        row(m.matrix3.z_axis),
+        row(m.translation)
+    )
+    .into_bytes();
+    for z in 0..nz {
+        for y in 0..ny {
+            for x in 0..nx {
+                bytes.extend_from_slice(&value([x, y, z]).to_le_bytes());
+            }
+        }
+    }
+    std::fs::write(path, bytes).unwrap();
+}

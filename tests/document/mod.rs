@@ -7,3 +7,5 @@ mod maker;
 mod nouns;
 mod parts;
 mod script;
+mod selection;
+mod volumes;

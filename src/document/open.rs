@@ -1,0 +1,119 @@
+//! From a volume file to a document, in three passes over the voxels: statistics, histogram, levels.
+
+use super::state::unit;
+use super::{Document, DocumentError, Origin, State};
+use crate::io;
+use crate::volume::{BrickSource, Histogram, Statistics, Value};
+use crate::with_voxels;
+use rayon::prelude::*;
+use serde_json::{Value as Json, json};
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Most bins of a histogram.
+const BINS: u64 = 1024;
+/// Voxels read at once.
+const SLAB_VOXELS: u64 = 1 << 20;
+
+impl State {
+    /// Opens a volume file as a new document's state. `progress` gets the share done and answers whether to go on; it is asked
+    /// from several threads.
+    ///
+    /// # Errors
+    /// Whatever keeps the file from being read, a range that is none, or [`DocumentError::Stopped`].
+    pub fn open(
+        origin: Origin,
+        range: Option<[f64; 2]>,
+        progress: &(dyn Fn(f32) -> bool + Sync),
+    ) -> Result<Self, DocumentError> {
+        let path = std::path::absolute(&origin.path).unwrap_or_else(|_| origin.path.clone());
+        let opened = io::open(&path)?;
+        let source = opened.source(origin.component, origin.frame, &|x| progress(x * 0.2))?;
+        let statistics = io::statistics(source.as_ref(), &|x| progress(0.2 + x * 0.2))?;
+        let histogram = histogram(source.as_ref(), &statistics, &|x| progress(0.4 + x * 0.2))?;
+        Self::new(source, Origin { path, ..origin }, statistics, histogram, range, &|x| progress(0.6 + x * 0.4))
+    }
+}
+
+impl Document {
+    /// Opens a volume file in place of what was open.
+    pub(super) fn open_volume(&mut self, origin: Origin, range: Option<[f64; 2]>) -> Result<Json, DocumentError> {
+        let warnings = io::open(&origin.path)?.warnings;
+        let state = State::open(origin, range, &|_| true)?;
+        self.adopt(state);
+        let mut answer = self.ask(super::Question::Volume {})?;
+        answer["warnings"] = json!(warnings);
+        Ok(answer)
+    }
+}
+
+/// Counts of all finite values. Integer values lie in the middle of bins of equally many values each, so that no bin stands out
+/// for its width.
+///
+/// # Errors
+/// If the source fails or `progress` said no.
+pub(super) fn histogram(
+    source: &dyn BrickSource,
+    statistics: &Statistics,
+    progress: &(dyn Fn(f32) -> bool + Sync),
+) -> Result<Histogram, DocumentError> {
+    let (min, max) = (statistics.min, statistics.max);
+    if !(min.is_finite() && max.is_finite()) {
+        return Ok(Histogram { min: 0.0, max: 1.0, bins: vec![0] });
+    }
+    let (lo, width, bins) = match unit(source) {
+        Some(unit) => {
+            let values = ((max - min) / unit).round() as u64 + 1;
+            let per_bin = values.div_ceil(BINS);
+            (min - unit * 0.5, unit * per_bin as f64, values.div_ceil(per_bin))
+        }
+        None if max > min => (min, (max - min) / BINS as f64, BINS),
+        None => (min, 1.0, 1),
+    };
+    let [nx, ny, nz] = source.grid().dims;
+    let thick = (SLAB_VOXELS / (u64::from(nx) * u64::from(ny)).max(1)).clamp(1, u64::from(nz)) as u32;
+    let slabs: Vec<u32> = (0..nz).step_by(thick as usize).collect();
+    let done = AtomicUsize::new(0);
+    let (slope, intercept) = source.scaling();
+    let counts = slabs
+        .par_iter()
+        .map(|&z| {
+            if !progress(done.fetch_add(1, Ordering::Relaxed) as f32 / slabs.len() as f32) {
+                return Err(DocumentError::Stopped);
+            }
+            fn count<T: Value>(voxels: &[T], bin_of: impl Fn(f64) -> Option<usize>, counts: &mut [u64]) {
+                voxels.iter().filter_map(|v| bin_of(v.to_f64())).for_each(|bin| counts[bin] += 1);
+            }
+            let (scale, shift, last) = (slope / width, (intercept - lo) / width, bins as usize - 1);
+            let bin_of = |stored: f64| {
+                let at = stored * scale + shift;
+                at.is_finite().then(|| (at.max(0.0) as usize).min(last))
+            };
+            let mut counts = vec![0; bins as usize];
+            let voxels = source.read([0, 0, z], [nx, ny, thick.min(nz - z)])?;
+            with_voxels!(&voxels, v => count(v, bin_of, &mut counts));
+            Ok(counts)
+        })
+        .try_reduce(
+            || vec![0; bins as usize],
+            |mut a, b| {
+                a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+                Ok(a)
+            },
+        )?;
+    Ok(Histogram { min: lo, max: lo + width * bins as f64, bins: counts })
+}
+
+/// A volume on the same grid, for what is read beside the one that is open.
+pub(super) fn read_beside(path: &Path) -> Result<std::sync::Arc<dyn BrickSource>, DocumentError> {
+    Ok(io::open(path)?.source(0, 0, &|_| true)?)
+}
+
+impl From<io::IoError> for DocumentError {
+    fn from(error: io::IoError) -> Self {
+        match error {
+            io::IoError::Cancelled { .. } => Self::Stopped,
+            other => Self::Io(other),
+        }
+    }
+}
