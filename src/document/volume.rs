@@ -1,7 +1,8 @@
 //! Commands on the volume as a whole.
 
 use super::{Document, DocumentError, Origin, VolumeCommand};
-use serde_json::Value;
+use crate::io::{Compression, export};
+use serde_json::{Value, json};
 
 impl Document {
     pub(super) fn volume(&mut self, command: VolumeCommand) -> Result<Value, DocumentError> {
@@ -10,8 +11,16 @@ impl Document {
                 self.open_volume(Origin { path, component, frame }, range)
             }
             VolumeCommand::Export { field, path } => {
-                self.open()?;
-                Err(DocumentError::NotNow(format!("this build cannot export {} to {}", field.name(), path.display())))
+                let state = self.open()?;
+                let exported = export(
+                    path,
+                    state.field(field),
+                    state.grid(),
+                    &state.scene.segments,
+                    Compression::default(),
+                    &|_| true,
+                )?;
+                Ok(json!({ "exported": exported }))
             }
         }
     }
