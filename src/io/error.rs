@@ -110,7 +110,10 @@ impl IoError {
 
 /// A found text, short and printable: headers may hold anything.
 pub(super) fn shown(text: &str) -> String {
-    let mut out: String = text.chars().take(80).flat_map(char::escape_debug).collect();
+    let mut out = String::new();
+    for c in text.chars().take(80) {
+        if c.is_control() { out.extend(c.escape_debug()) } else { out.push(c) }
+    }
     if text.chars().nth(80).is_some() {
         out.push('…');
     }

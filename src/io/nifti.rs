@@ -47,7 +47,7 @@ impl Reader for Nifti {
             [b'n', b'i', b'1', 0] => (image(&header_path)?, 0),
             found => {
                 let expected = "\"n+1\" or \"ni1\"; if it is Analyze 7.5, convert it to NIfTI-1";
-                return Err(header.wrong("magic", format!("\"{}\"", found.escape_ascii()), expected));
+                return Err(header.wrong("magic", format!("\"{}\"", String::from_utf8_lossy(&found)), expected));
             }
         };
         let (dims, frames, parts) = header.dims(&mut warnings)?;

@@ -145,6 +145,8 @@ pub fn reference_box(all: &Voxels, dims: [u32; 3], lo: [u32; 3], size: [u32; 3])
 /// Writes bytes as a file of a folder.
 pub fn keep(folder: &tempfile::TempDir, name: &str, bytes: &[u8]) -> std::path::PathBuf {
     let path = folder.path().join(name);
+    // Some file systems wait for the disk when a file is cut and written anew, but not when it is new.
+    let _ = std::fs::remove_file(&path);
     std::fs::write(&path, bytes).unwrap();
     path
 }

@@ -3,5 +3,9 @@
 mod axes;
 mod export;
 mod files;
+mod hostile;
+mod nifti;
+mod nrrd;
 mod places;
+mod statistics;
 mod types;

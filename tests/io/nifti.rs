@@ -1,0 +1,161 @@
+//! Fields of NIfTI-1 headers: what is taken, what is refused, and in which words.
+
+use super::files::*;
+use burin::io;
+use burin::volume::{VoxelType, Voxels};
+
+fn voxels() -> Voxels {
+    noise(VoxelType::I16, 60, 1)
+}
+
+fn header() -> Nifti {
+    let mut header = Nifti::new(VoxelType::I16, &[3, 4, 5], false);
+    header.i16(252, 1);
+    header
+}
+
+/// The error's text, which must name the file and the field, what was found and what was expected.
+fn refused(folder: &tempfile::TempDir, bytes: &[u8], field: &str, found: &str) -> String {
+    let text = io::open(keep(folder, "bad.nii", bytes)).unwrap_err().to_string();
+    for part in ["bad.nii", field, &format!("found {found}"), "expected"] {
+        assert!(text.contains(part), "no {part} in: {text}");
+    }
+    text
+}
+
+#[test]
+fn headers_that_cannot_be_are_refused_by_field() {
+    let folder = tempfile::tempdir().unwrap();
+    let bad = |at: usize, x: i16, field: &str, found: &str| {
+        let mut h = header();
+        h.i16(at, x);
+        refused(&folder, &h.with(&voxels()), field, found);
+    };
+    bad(40, 0, "dim[0]", "0");
+    bad(40, 8, "dim[0]", "8");
+    bad(40, -3, "dim[0]", "-3");
+    bad(42, 0, "dim[1]", "0");
+    bad(44, -4, "dim[2]", "-4");
+    bad(46, i16::MIN, "dim[3]", "-32768");
+    bad(70, 0, "datatype", "0");
+    bad(70, 1, "datatype", "1 (binary)");
+    bad(70, 1536, "datatype", "1536 (128-bit float)");
+    bad(70, 2048, "datatype", "2048 (256-bit complex)");
+    bad(70, -7, "datatype", "-7");
+    let mut h = header();
+    h.i16(40, 6).i16(52, 2);
+    refused(&folder, &h.with(&voxels()), "dim[6]", "2");
+    let mut h = header();
+    h.i16(40, 4).i16(48, -1);
+    refused(&folder, &h.with(&voxels()), "dim[4]", "-1");
+    for (offset, found) in [(-1.0, "-1"), (352.5, "352.5"), (f32::NAN, "NaN"), (f32::INFINITY, "inf")] {
+        let mut h = header();
+        h.f32(108, offset);
+        refused(&folder, &h.with(&voxels()), "vox_offset", found);
+    }
+    let mut h = header();
+    h.i32(0, 347);
+    refused(&folder, &h.with(&voxels()), "sizeof_hdr", "347");
+    h.i32(0, 540);
+    assert!(refused(&folder, &h.with(&voxels()), "sizeof_hdr", "540").contains("NIfTI-2"));
+    let mut h = header();
+    h.bytes[344..348].copy_from_slice(b"\0\0\0\0");
+    assert!(refused(&folder, &h.with(&voxels()), "magic", "\"\\0\\0\\0\\0\"").contains("Analyze"));
+    h.bytes[344..348].copy_from_slice(b"ni1\0");
+    refused(&folder, &h.with(&voxels()), "magic", "\"ni1\"");
+}
+
+#[test]
+fn oddities_that_do_no_harm_are_taken_with_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let open = |h: &Nifti| {
+        let opened = io::open(keep(&folder, "odd.nii", &h.with(&voxels()))).unwrap();
+        assert_eq!(opened.source(0, 0, &|_| true).unwrap().read([0; 3], [3, 4, 5]).unwrap(), voxels());
+        (opened.warnings, opened.scaling)
+    };
+    assert_eq!(open(&header()), (vec![], (1.0, 0.0)));
+    let mut h = header();
+    h.i16(40, 5);
+    h.i16(48, 0).i16(50, 0);
+    assert_eq!(open(&h).0.len(), 2);
+    let mut h = header();
+    h.i16(72, 8);
+    assert!(open(&h).0[0].starts_with("bitpix"));
+    // Inside the header the voxels cannot be; 0 is what many writers leave there.
+    let mut h = header();
+    h.f32(108, 0.0);
+    assert!(open(&h).0.is_empty());
+    h.f32(108, 348.0);
+    assert!(open(&h).0[0].starts_with("vox_offset"));
+    // Extensions between header and voxels are passed over.
+    let mut h = header();
+    h.f32(108, 368.0);
+    h.bytes.extend_from_slice(&[9; 16]);
+    assert!(open(&h).0.is_empty());
+    for (slope, inter, expected, warnings) in [
+        (0.0, 5.0, (1.0, 0.0), 0),
+        (f32::NAN, 5.0, (1.0, 0.0), 0),
+        (f32::INFINITY, 5.0, (1.0, 0.0), 0),
+        (2.0, f32::NAN, (2.0, 0.0), 1),
+        (-0.5, 7.0, (-0.5, 7.0), 0),
+        (1.0, -1024.0, (1.0, -1024.0), 0),
+    ] {
+        let mut h = header();
+        h.f32s(112, &[slope, inter]);
+        let (found, scaling) = open(&h);
+        assert_eq!((found.len(), scaling), (warnings, expected), "{slope} {inter}");
+    }
+}
+
+#[test]
+fn a_header_and_its_image_may_be_two_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut h = header();
+    h.bytes[344..348].copy_from_slice(b"ni1\0");
+    h.f32(108, 16.0);
+    h.bytes.truncate(348);
+    let data = [vec![1; 16], bytes_of(&voxels(), false)].concat();
+    let header_path = keep(&folder, "a.hdr", &h.bytes);
+    assert!(io::open(&header_path).unwrap_err().to_string().contains(".img"));
+    let image_path = keep(&folder, "a.img", &data);
+    for path in [&header_path, &image_path] {
+        let source = io::open(path).unwrap().source(0, 0, &|_| true).unwrap();
+        assert_eq!(source.read([0; 3], [3, 4, 5]).unwrap(), voxels());
+    }
+    std::fs::remove_file(&image_path).unwrap();
+    std::fs::remove_file(&header_path).unwrap();
+    keep(&folder, "a.img.gz", &gzip(&data));
+    let source = io::open(keep(&folder, "a.hdr.gz", &gzip(&h.bytes))).unwrap().source(0, 0, &|_| true).unwrap();
+    assert_eq!(source.read([0; 3], [3, 4, 5]).unwrap(), voxels());
+}
+
+#[test]
+fn a_format_is_known_by_its_bytes_and_not_by_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(io::open(keep(&folder, "a.dat", &header().with(&voxels()))).is_ok());
+    assert!(io::open(keep(&folder, "b", &gzip(&header().with(&voxels())))).is_ok());
+    assert!(io::open(keep(&folder, "c.nrrd", &header().with(&voxels()))).is_ok());
+    let error = |name: &str, bytes: &[u8]| io::open(keep(&folder, name, bytes)).unwrap_err().to_string();
+    let text = error("d.stl", b"solid");
+    assert!(text.contains("solid") && text.contains("NIfTI-1") && text.contains("NRRD"), "{text}");
+    assert!(error("empty.nii", b"").contains("0 bytes"));
+    assert!(error("short.nii.gz", &gzip(&[0; 100])).contains("100 bytes"));
+    assert!(error("empty.xyz", b"").contains("first bytes \"\""));
+    assert!(io::open(folder.path()).unwrap_err().to_string().contains("a folder"));
+    let missing = io::open(folder.path().join("missing.nii")).unwrap_err().to_string();
+    assert!(missing.contains("missing.nii") && missing.contains("open"), "{missing}");
+}
+
+#[test]
+fn the_head_that_the_demo_shows_is_what_it_is() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/ch2.nii.gz");
+    if !path.exists() {
+        eprintln!("skipped: {} is absent", path.display());
+        return;
+    }
+    let info = io::info(&path, &|_| true).unwrap();
+    assert_eq!((info.dims, info.voxel_type), ([181, 217, 181], "u8"));
+    assert_eq!(info.world_from_index, [[1.0, 0.0, 0.0, -90.0], [0.0, 1.0, 0.0, -125.0], [0.0, 0.0, 1.0, -71.0]]);
+    // As nibabel and numpy have them.
+    assert_eq!((info.min, info.max, info.sum), (Some(0.0), Some(254.0), 317_151_210.0));
+}
