@@ -36,6 +36,26 @@ pub trait Shared: bytemuck::Pod {
     fn members() -> Vec<Member>;
 }
 
+/// A shared struct, described.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Declared {
+    /// Name in both languages.
+    pub name: &'static str,
+    /// Bytes.
+    pub size: usize,
+    /// Members in order.
+    pub members: Vec<Member>,
+}
+
+fn declared<T: Shared>() -> Declared {
+    Declared { name: T::NAME, size: size_of::<T>(), members: T::members() }
+}
+
+/// Every struct that a shader's buffers hold. A shader with another one fails a test.
+pub fn all() -> Vec<Declared> {
+    vec![declared::<super::FieldInfo>(), declared::<super::slice::Slice>()]
+}
+
 /// The kind of a type's scalars.
 pub trait Scalars {
     /// Kind.

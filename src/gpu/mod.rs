@@ -14,6 +14,7 @@ mod pools;
 mod residency;
 pub mod shader;
 mod sight;
+mod slice;
 
 pub use bindings::FieldInfo;
 pub use body::{Body, Frame, Mask, Overlay};
@@ -21,3 +22,4 @@ pub use device::Gpu;
 pub use error::GpuError;
 pub use occupancy::{Shows, distances};
 pub use pools::{FieldPools, Fields};
+pub use slice::{SliceCaster, SliceFrame};

@@ -19,13 +19,33 @@ macro_rules! files {
 const LIBRARY: &[(&str, &str)] = files!["lib/field.wgsl"];
 
 /// Files with entry points.
-const KERNELS: &[(&str, &str)] = files![];
+const KERNELS: &[(&str, &str)] = files!["slice.wgsl"];
 
 static COMPOSER: Mutex<Option<Composer>> = Mutex::new(None);
 
 /// The files with entry points, by name under `shaders/`.
 pub fn kernels() -> impl Iterator<Item = &'static str> {
     KERNELS.iter().map(|k| k.0)
+}
+
+/// The conditions (`#ifdef`) that a kernel and what it imports ask for, in order.
+pub fn conditions(file: &str) -> Vec<&'static str> {
+    let mut sources: Vec<&'static str> = KERNELS.iter().filter(|k| k.0 == file).map(|k| k.1).collect();
+    let mut found = std::collections::BTreeSet::new();
+    let mut seen = std::collections::BTreeSet::new();
+    while let Some(source) = sources.pop() {
+        for line in source.lines().map(str::trim) {
+            found.extend(line.strip_prefix("#ifdef ").or_else(|| line.strip_prefix("#ifndef ")).map(str::trim));
+            if let Some(import) = line.strip_prefix("#import burin::") {
+                let module = import.split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap_or_default();
+                let path = format!("lib/{module}.wgsl");
+                if seen.insert(path.clone()) {
+                    sources.extend(LIBRARY.iter().filter(|l| l.0 == path).map(|l| l.1));
+                }
+            }
+        }
+    }
+    found.into_iter().collect()
 }
 
 /// Resolves a kernel's imports and conditions and validates the result. `defs` name what is defined (`#ifdef`), with a value

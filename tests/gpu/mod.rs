@@ -2,3 +2,5 @@
 
 mod occupancy;
 mod pools;
+mod shader;
+mod slice;

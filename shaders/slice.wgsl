@@ -1,0 +1,67 @@
+// A slice: grey window, then painted colour, labels and selection over it. Linear in the plane, one voxel deep.
+
+#import burin::field::{info, brick_of, density_page, density_at, is_nan, colour_page, colour_at, selection_page,
+    selection_at, label_at}
+
+struct Slice {
+    top_left: vec3<f32>,        // the picture's corner in voxels, on the slice
+    black: f32,                 // density that is black
+    per_x: vec3<f32>,           // voxels per pixel to the right
+    white: f32,
+    per_y: vec3<f32>,           // voxels per pixel down
+    colour_opacity: f32,
+    selection_colour: vec3<f32>,
+    selection_opacity: f32,
+    background: vec4<f32>,      // where there is no voxel; multiplied by alpha
+    label_opacity: f32,
+    pad_a: u32,
+    pad_b: u32,
+    pad_c: u32,
+}
+
+@group(0) @binding(0) var<uniform> slice: Slice;
+@group(0) @binding(1) var segment_colours: texture_2d<f32>;
+
+@vertex
+fn cover(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
+    return vec4<f32>(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+}
+
+fn shown(at: vec2<f32>) -> vec4<f32> {
+    let p = slice.top_left + slice.per_x * at.x + slice.per_y * at.y;
+    if (any(p < vec3<f32>(-0.5)) || any(p >= vec3<f32>(info.dims) - 0.5)) {
+        return slice.background;
+    }
+    let brick = brick_of(p);
+    let density = density_at(density_page(brick), p);
+#ifdef FLOAT_DENSITY
+    if (is_nan(density)) {
+        return slice.background;
+    }
+#endif
+    var c = vec3<f32>(clamp((density - slice.black) / (slice.white - slice.black), 0.0, 1.0));
+#ifdef COLOUR
+    let paint = colour_at(colour_page(brick), p);
+    c = mix(c, paint.rgb, paint.a * slice.colour_opacity);
+#endif
+#ifdef LABELS
+    let label = label_at(p);
+    let segment = textureLoad(segment_colours, vec2<i32>(i32(label & 255u), i32(label >> 8u)), 0);
+    c = mix(c, segment.rgb, segment.a * slice.label_opacity);
+#endif
+#ifdef SELECTION
+    let s = selection_at(selection_page(brick), p);
+    c = mix(c, slice.selection_colour, s * slice.selection_opacity);
+#endif
+    return vec4<f32>(c, 1.0);
+}
+
+@fragment
+fn draw(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+    var c = shown(at.xy);
+#ifdef LINEAR_TARGET
+    let rgb = select(c.rgb / 12.92, pow((c.rgb + 0.055) / 1.055, vec3<f32>(2.4)), c.rgb > vec3<f32>(0.04045));
+    c = vec4<f32>(rgb, c.a);
+#endif
+    return c;
+}

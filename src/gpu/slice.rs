@@ -1,0 +1,357 @@
+//! Slices: one voxel deep, along a voxel axis, linear in the plane, through the same pools as the 3D picture.
+//!
+//! Owns [`SliceFrame`] (what is drawn) and [`SliceCaster`] (its pipelines). Where a slice's pixels lie in the world is the
+//! caller's: a frame takes any affine map from pixels to the slice. Knows no window.
+
+use super::shader::{self, Def};
+use super::{FieldPools, Fields, Gpu, GpuError, Overlay};
+use crate::math::{DVec2, DVec3};
+use crate::shared_struct;
+use crate::volume::{FieldKind, Grid, Segments};
+use std::collections::HashMap;
+
+/// One slice picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SliceFrame {
+    /// The voxel axis (0 i, 1 j, 2 k) that the slice is normal to.
+    pub axis: usize,
+    /// The slice's voxel along that axis.
+    pub index: u32,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// The picture's top-left corner in voxels.
+    pub top_left: DVec3,
+    /// Voxels per pixel to the right.
+    pub per_x: DVec3,
+    /// Voxels per pixel down.
+    pub per_y: DVec3,
+    /// Density shown as black and as white.
+    pub window: [f64; 2],
+    /// Painted fields.
+    pub overlay: Overlay,
+}
+
+impl SliceFrame {
+    /// The slice whose pixels lie where `world` says (mm, pixel (0, 0) at the top left, an affine map onto the slice).
+    /// `level` and `width` are those of the grey window, in the density's unit.
+    pub fn new(
+        grid: &Grid,
+        (axis, index): (usize, u32),
+        size: [u32; 2],
+        world: impl Fn(DVec2) -> DVec3,
+        (level, width): (f64, f64),
+        overlay: Overlay,
+    ) -> Self {
+        let to_index = grid.index_from_world();
+        let at = |x: f64, y: f64| to_index.transform_point3(world(DVec2::new(x, y)));
+        let (w, h) = (f64::from(size[0].max(1)), f64::from(size[1].max(1)));
+        let mut top_left = at(0.0, 0.0);
+        let mut per_x = (at(w, 0.0) - top_left) / w;
+        let mut per_y = (at(0.0, h) - top_left) / h;
+        // Exactly on the voxels' centres, whatever rounding left.
+        top_left[axis] = f64::from(index.min(grid.dims[axis].saturating_sub(1)));
+        per_x[axis] = 0.0;
+        per_y[axis] = 0.0;
+        let half = 0.5 * width.max(f64::MIN_POSITIVE);
+        Self { axis, index, size, top_left, per_x, per_y, window: [level - half, level + half], overlay }
+    }
+}
+
+shared_struct! {
+    /// See shaders/slice.wgsl.
+    pub struct Slice {
+        /// The picture's corner in voxels.
+        pub top_left: [f32; 3],
+        /// Density that is black.
+        pub black: f32,
+        /// Voxels per pixel to the right.
+        pub per_x: [f32; 3],
+        /// Density that is white.
+        pub white: f32,
+        /// Voxels per pixel down.
+        pub per_y: [f32; 3],
+        /// 0..1.
+        pub colour_opacity: f32,
+        /// Display-referred.
+        pub selection_colour: [f32; 3],
+        /// 0..1.
+        pub selection_opacity: f32,
+        /// Where there is no voxel; multiplied by alpha.
+        pub background: [f32; 4],
+        /// 0..1.
+        pub label_opacity: f32,
+        /// Unused.
+        pub pad_a: u32,
+        /// Unused.
+        pub pad_b: u32,
+        /// Unused.
+        pub pad_c: u32,
+    }
+}
+
+/// What a pipeline is specialised by.
+type Key = (wgpu::TextureFormat, Vec<&'static str>);
+
+/// See the module's head.
+#[derive(Debug)]
+pub struct SliceCaster {
+    layout: wgpu::BindGroupLayout,
+    uniform: wgpu::Buffer,
+    colours: wgpu::Texture,
+    segments: Option<Segments>,
+    pipelines: HashMap<Key, wgpu::RenderPipeline>,
+}
+
+impl SliceCaster {
+    /// Makes what all slices share.
+    ///
+    /// # Errors
+    /// Out of memory, or a lost device.
+    pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
+        gpu.scoped("slices", || {
+            let stage = wgpu::ShaderStages::FRAGMENT;
+            let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some("slice"),
+                entries: &[
+                    wgpu::BindGroupLayoutEntry {
+                        binding: 0,
+                        visibility: stage,
+                        ty: wgpu::BindingType::Buffer {
+                            ty: wgpu::BufferBindingType::Uniform,
+                            has_dynamic_offset: false,
+                            min_binding_size: wgpu::BufferSize::new(size_of::<Slice>() as u64),
+                        },
+                        count: None,
+                    },
+                    wgpu::BindGroupLayoutEntry {
+                        binding: 1,
+                        visibility: stage,
+                        ty: wgpu::BindingType::Texture {
+                            sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                            view_dimension: wgpu::TextureViewDimension::D2,
+                            multisampled: false,
+                        },
+                        count: None,
+                    },
+                ],
+            });
+            let uniform = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("slice"),
+                size: size_of::<Slice>() as u64,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            });
+            let colours = gpu.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("segment colours"),
+                size: wgpu::Extent3d { width: 256, height: 256, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Rgba8Unorm,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+                view_formats: &[],
+            });
+            Ok(Self { layout, uniform, colours, segments: None, pipelines: HashMap::new() })
+        })
+    }
+
+    /// Draws a slice over all of a target of the frame's size; `background` (display-referred, multiplied by alpha) where
+    /// there is no voxel.
+    ///
+    /// # Errors
+    /// Out of memory, a lost device, or a source that fails.
+    pub fn draw(
+        &mut self,
+        gpu: &Gpu,
+        pools: &mut FieldPools,
+        fields: &Fields<'_>,
+        frame: &SliceFrame,
+        background: [f32; 4],
+        (target, format): (&wgpu::TextureView, wgpu::TextureFormat),
+    ) -> Result<(), GpuError> {
+        pools.make_slice_resident(gpu, fields, frame.axis, frame.index)?;
+        let key = (format, self.defs(gpu, pools, frame, format));
+        if !self.pipelines.contains_key(&key) {
+            let pipeline = self.pipeline(gpu, pools, &key)?;
+            self.pipelines.insert(key.clone(), pipeline);
+        }
+        let Some(pipeline) = self.pipelines.get(&key) else { return Ok(()) };
+        gpu.scoped("a slice", || {
+            if self.segments.as_ref() != Some(&frame.overlay.segments) {
+                write_colours(gpu, &self.colours, &frame.overlay.segments);
+                self.segments = Some(frame.overlay.segments.clone());
+            }
+            gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform(frame, background)));
+            let colours = self.colours.create_view(&wgpu::TextureViewDescriptor::default());
+            let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("slice"),
+                layout: &self.layout,
+                entries: &[
+                    wgpu::BindGroupEntry { binding: 0, resource: self.uniform.as_entire_binding() },
+                    wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(&colours) },
+                ],
+            });
+            let mut encoder =
+                gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("slice") });
+            {
+                let ops = wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store };
+                let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                    label: Some("slice"),
+                    color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                        view: target,
+                        depth_slice: None,
+                        resolve_target: None,
+                        ops,
+                    })],
+                    ..Default::default()
+                });
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(0, &group, &[]);
+                pass.set_bind_group(1, pools.group(), &[]);
+                pass.draw(0..3, 0..1);
+            }
+            gpu.queue.submit([encoder.finish()]);
+            Ok(())
+        })
+    }
+
+    /// A slice as display-referred red, green, blue, multiplied by alpha, and alpha (0 where there is no voxel), row by row
+    /// from the top.
+    ///
+    /// # Errors
+    /// As [`draw`](Self::draw).
+    pub fn pixels(
+        &mut self,
+        gpu: &Gpu,
+        pools: &mut FieldPools,
+        fields: &Fields<'_>,
+        frame: &SliceFrame,
+    ) -> Result<Vec<[f32; 4]>, GpuError> {
+        if frame.size.contains(&0) {
+            return Ok(Vec::new());
+        }
+        let [width, height] = frame.size;
+        let format = wgpu::TextureFormat::Rgba32Float;
+        // Rows of copies are padded to 256 bytes.
+        let pitch = (width * 16).next_multiple_of(256);
+        let (target, buffer) = gpu.scoped("a slice's picture", || {
+            let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("slice picture"),
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+                view_formats: &[],
+            });
+            let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("slice picture"),
+                size: u64::from(pitch) * u64::from(height),
+                usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+                mapped_at_creation: false,
+            });
+            Ok((target, buffer))
+        })?;
+        let view = target.create_view(&wgpu::TextureViewDescriptor::default());
+        self.draw(gpu, pools, fields, frame, [0.0; 4], (&view, format))?;
+        let bytes = gpu.scoped("a slice's picture", || {
+            let mut encoder =
+                gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("slice picture") });
+            let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(pitch), rows_per_image: None };
+            encoder.copy_texture_to_buffer(
+                target.as_image_copy(),
+                wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
+                target.size(),
+            );
+            gpu.queue.submit([encoder.finish()]);
+            gpu.read_buffer(&buffer, "a slice's picture")
+        })?;
+        let row = |y: u32| &bytes[(y * pitch) as usize..(y * pitch + width * 16) as usize];
+        Ok((0..height).flat_map(|y| row(y).chunks_exact(16).map(bytemuck::pod_read_unaligned)).collect())
+    }
+
+    fn defs(
+        &self,
+        gpu: &Gpu,
+        pools: &FieldPools,
+        frame: &SliceFrame,
+        format: wgpu::TextureFormat,
+    ) -> Vec<&'static str> {
+        let mut defs: Vec<_> = pools.defs(gpu).into_iter().map(|d| d.0).collect();
+        let layers = [
+            ("COLOUR", FieldKind::Colour, frame.overlay.colour),
+            ("LABELS", FieldKind::Labels, frame.overlay.labels),
+            ("SELECTION", FieldKind::Selection, frame.overlay.selection),
+        ];
+        let drawn = layers.iter().filter(|(_, kind, opacity)| *opacity > 0.0 && pools.texture(*kind).is_some());
+        defs.extend(drawn.map(|l| l.0));
+        if format.is_srgb() {
+            defs.push("LINEAR_TARGET");
+        }
+        defs
+    }
+
+    fn pipeline(&self, gpu: &Gpu, pools: &FieldPools, key: &Key) -> Result<wgpu::RenderPipeline, GpuError> {
+        let defs: Vec<_> = key.1.iter().map(|&name| (name, Def::Bool(true))).collect();
+        let module = shader::compile(gpu, "slice.wgsl", &defs)?;
+        gpu.scoped("the slices' pipeline", || {
+            let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some("slice"),
+                bind_group_layouts: &[Some(&self.layout), Some(pools.layout())],
+                immediate_size: 0,
+            });
+            Ok(gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some("slice"),
+                layout: Some(&layout),
+                vertex: wgpu::VertexState {
+                    module: &module,
+                    entry_point: Some("cover"),
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    buffers: &[],
+                },
+                primitive: wgpu::PrimitiveState::default(),
+                depth_stencil: None,
+                multisample: wgpu::MultisampleState::default(),
+                fragment: Some(wgpu::FragmentState {
+                    module: &module,
+                    entry_point: Some("draw"),
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    targets: &[Some(key.0.into())],
+                }),
+                multiview_mask: None,
+                cache: None,
+            }))
+        })
+    }
+}
+
+fn uniform(frame: &SliceFrame, background: [f32; 4]) -> Slice {
+    let narrow = |v: DVec3| v.as_vec3().to_array();
+    Slice {
+        top_left: narrow(frame.top_left),
+        black: frame.window[0] as f32,
+        per_x: narrow(frame.per_x),
+        white: frame.window[1] as f32,
+        per_y: narrow(frame.per_y),
+        colour_opacity: frame.overlay.colour,
+        selection_colour: frame.overlay.selection_colour,
+        selection_opacity: frame.overlay.selection,
+        background,
+        label_opacity: frame.overlay.labels,
+        pad_a: 0,
+        pad_b: 0,
+        pad_c: 0,
+    }
+}
+
+/// A texel for each label: the visible segment's colour, or nothing.
+fn write_colours(gpu: &Gpu, texture: &wgpu::Texture, segments: &Segments) {
+    let mut texels = vec![[0_u8; 4]; 1 << 16];
+    for segment in segments.0.iter().filter(|s| s.visible && s.id != 0) {
+        let [r, g, b] = segment.colour.map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8);
+        texels[usize::from(segment.id)] = [r, g, b, 255];
+    }
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(1024), rows_per_image: Some(256) };
+    gpu.queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(&texels), layout, texture.size());
+}

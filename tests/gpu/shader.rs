@@ -1,0 +1,107 @@
+//! Every shader under every condition: it composes, validates, and its buffers hold what Rust declares.
+
+use burin::gpu::layout::{Declared, Kind, all};
+use burin::gpu::shader::{Def, compose, conditions, kernels};
+use wgpu::naga;
+
+/// All subsets of few conditions; of many: none, all, each alone, each left out.
+fn variants(conditions: &[&'static str]) -> Vec<Vec<(&'static str, Def)>> {
+    let n = conditions.len();
+    let pick = |keep: &dyn Fn(usize) -> bool| {
+        (0..n).filter(|&i| keep(i)).map(|i| (conditions[i], Def::Bool(true))).collect::<Vec<_>>()
+    };
+    if n <= 4 {
+        return (0..1_usize << n).map(|set| pick(&|i| set >> i & 1 == 1)).collect();
+    }
+    let mut out = vec![pick(&|_| false), pick(&|_| true)];
+    for one in 0..n {
+        out.push(pick(&|i| i == one));
+        out.push(pick(&|i| i != one));
+    }
+    out
+}
+
+/// The name without the composer's decoration.
+fn plain(name: &str) -> &str {
+    name.split("X_naga_oil_mod_X").next().unwrap()
+}
+
+fn scalar(module: &naga::Module, ty: naga::Handle<naga::Type>) -> Option<Kind> {
+    let kind = |s: naga::Scalar| match (s.kind, s.width) {
+        (naga::ScalarKind::Float, 4) => Kind::F32,
+        (naga::ScalarKind::Uint, 4) => Kind::U32,
+        (naga::ScalarKind::Sint, 4) => Kind::I32,
+        other => panic!("scalar {other:?} in a buffer"),
+    };
+    match &module.types[ty].inner {
+        naga::TypeInner::Scalar(s) | naga::TypeInner::Atomic(s) => Some(kind(*s)),
+        naga::TypeInner::Vector { scalar, .. } | naga::TypeInner::Matrix { scalar, .. } => Some(kind(*scalar)),
+        naga::TypeInner::Array { base, .. } => scalar(module, *base),
+        naga::TypeInner::Struct { .. } => Some(Kind::Struct),
+        _ => None,
+    }
+}
+
+/// Compares a struct of a shader, and those inside it, with its declaration.
+fn check(module: &naga::Module, ty: naga::Handle<naga::Type>, declared: &[Declared], place: &str) {
+    match &module.types[ty].inner {
+        naga::TypeInner::Array { base, .. } => check(module, *base, declared, place),
+        naga::TypeInner::Struct { members, span } => {
+            let name = plain(module.types[ty].name.as_deref().unwrap());
+            let rust = declared.iter().find(|d| d.name == name);
+            let rust = rust.unwrap_or_else(|| panic!("{place}: struct {name} is not declared in Rust"));
+            assert_eq!(rust.size, *span as usize, "{place}: span of {name}");
+            assert_eq!(rust.members.len(), members.len(), "{place}: members of {name}");
+            for (r, w) in rust.members.iter().zip(members) {
+                let at = format!("{place}: {name}.{}", r.name);
+                assert_eq!(Some(r.name), w.name.as_deref(), "{at}");
+                assert_eq!(r.offset, w.offset as usize, "{at}");
+                let size = module.types[w.ty].inner.size(module.to_ctx());
+                assert_eq!(r.size, size as usize, "{at}");
+                assert_eq!(Some(r.kind), scalar(module, w.ty), "{at}");
+                check(module, w.ty, declared, place);
+            }
+        }
+        _ => {}
+    }
+}
+
+#[test]
+fn every_shader_composes_validates_and_shares_its_structs_with_rust() {
+    let declared = all();
+    let mut seen = std::collections::BTreeSet::new();
+    for file in kernels() {
+        for defs in variants(&conditions(file)) {
+            let names: Vec<_> = defs.iter().map(|d| d.0).collect();
+            let module = compose(file, &defs).unwrap_or_else(|e| panic!("{file} {names:?}: {e}"));
+            let flags = naga::valid::ValidationFlags::all();
+            let mut validator = naga::valid::Validator::new(flags, naga::valid::Capabilities::default());
+            validator.validate(&module).unwrap_or_else(|e| panic!("{file} {names:?}: {e:?}"));
+            assert!(!module.entry_points.is_empty(), "{file} has an entry point");
+            for (_, global) in module.global_variables.iter() {
+                if matches!(global.space, naga::AddressSpace::Uniform | naga::AddressSpace::Storage { .. }) {
+                    check(&module, global.ty, &declared, file);
+                    if let Some(name) = &module.types[global.ty].name {
+                        seen.insert(plain(name).to_string());
+                    }
+                }
+            }
+            for entry in module.entry_points.iter().filter(|e| e.stage == naga::ShaderStage::Compute) {
+                // Narrower in x is slower; more than 256 in all is not everywhere.
+                let [x, y, z] = entry.workgroup_size;
+                assert!(x % 8 == 0 && x * y * z <= 256, "{file} {}: {:?}", entry.name, entry.workgroup_size);
+            }
+        }
+    }
+    assert!(seen.contains("FieldInfo") && seen.contains("Slice"), "{seen:?}");
+}
+
+#[test]
+fn a_shader_that_does_not_compose_says_which_and_why() {
+    let error =
+        burin::gpu::shader::compose_source("broken.wgsl", "fn f() -> u32 { return nothing; }", &[]).unwrap_err();
+    let text = error.to_string();
+    assert!(text.contains("broken.wgsl") && text.contains("nothing"), "{text}");
+    let text = compose("missing.wgsl", &[]).unwrap_err().to_string();
+    assert!(text.contains("missing.wgsl"), "{text}");
+}

@@ -1,0 +1,173 @@
+//! Slices against a plain reference.
+
+use crate::common::gpu::gpu;
+use crate::common::volumes::*;
+use burin::gpu::{FieldPools, Fields, Overlay, SliceCaster, SliceFrame};
+use burin::math::{DAffine3, DMat3, DVec2, DVec3};
+use burin::volume::*;
+
+/// Linear in the plane, the voxel itself across it, borders repeated.
+fn bilinear(field: &Field, p: DVec3, value: impl Fn([u8; 4]) -> f64) -> f64 {
+    let dims = field.dims(0);
+    let mut sum = 0.0;
+    for corner in 0..8 {
+        let mut weight = 1.0;
+        let voxel = std::array::from_fn(|a| {
+            let (lo, t) = (p[a].floor(), p[a] - p[a].floor());
+            weight *= if corner >> a & 1 == 1 { t } else { 1.0 - t };
+            (lo as i64 + (corner >> a & 1)).clamp(0, i64::from(dims[a]) - 1) as u32
+        });
+        if weight > 0.0 {
+            sum += weight * value(field.texel(voxel).unwrap());
+        }
+    }
+    sum
+}
+
+struct Painted {
+    grid: Grid,
+    density: Field,
+    colour: Field,
+    selection: Field,
+    labels: Field,
+}
+
+impl Painted {
+    /// Smooth enough that the sampler's 8-bit weights cost less than half a grey level.
+    fn new(world_from_index: DAffine3) -> Self {
+        let grid = Grid { dims: [45, 38, 36], world_from_index };
+        Self {
+            density: density_u16(grid, |v| (v[0] * 40 + v[1] * 30 + v[2] * 20) as u16),
+            colour: painted(FieldKind::Colour, &grid, |v| [200, 40, (v[0] * 3) as u8, if v[1] > 20 { 180 } else { 0 }]),
+            selection: painted(FieldKind::Selection, &grid, |v| [(v[2] * 6) as u8, 0, 0, 0]),
+            labels: painted(FieldKind::Labels, &grid, |v| [u8::from(v[0] > 30) + 2 * u8::from(v[1] < 7), 0, 0, 0]),
+            grid,
+        }
+    }
+
+    fn fields(&self) -> Fields<'_> {
+        Fields { density: &self.density, colour: &self.colour, selection: &self.selection, labels: &self.labels }
+    }
+}
+
+fn overlay(colour: f32, labels: f32, selection: f32) -> Overlay {
+    let segment = |id, colour, visible| Segment { id, name: String::new(), colour, visible, locked: false };
+    Overlay {
+        colour,
+        labels,
+        selection,
+        selection_colour: [0.0, 0.8, 0.4],
+        segments: Segments(vec![segment(1, [0.9, 0.1, 0.2], true), segment(2, [0.0, 0.0, 1.0], false)]),
+    }
+}
+
+fn reference(of: &Painted, frame: &SliceFrame, px: [u32; 2]) -> [f64; 4] {
+    let p = frame.top_left + frame.per_x * (f64::from(px[0]) + 0.5) + frame.per_y * (f64::from(px[1]) + 0.5);
+    if p.cmplt(DVec3::splat(-0.5)).any() || p.cmpge(of.grid.dims_f64() - 0.5).any() {
+        return [0.0; 4];
+    }
+    let density = bilinear(&of.density, p, |t| of.density.map().decode(t));
+    let grey = ((density - frame.window[0]) / (frame.window[1] - frame.window[0])).clamp(0.0, 1.0);
+    let mut c = [grey; 3];
+    let mut mix = |with: [f64; 3], t: f64| {
+        for (c, w) in c.iter_mut().zip(with) {
+            *c += (w - *c) * t;
+        }
+    };
+    let channel = |i: usize| bilinear(&of.colour, p, |t| f64::from(t[i]) / 255.0);
+    mix([channel(0), channel(1), channel(2)], channel(3) * f64::from(frame.overlay.colour));
+    let voxel = (p + 0.5).floor().to_array().map(|v| v as u32);
+    if of.labels.value(voxel).unwrap() == 1.0 {
+        mix([0.9, 0.1, 0.2].map(|c: f64| (c * 255.0).round() / 255.0), f64::from(frame.overlay.labels));
+    }
+    let s = bilinear(&of.selection, p, |t| f64::from(t[0]) / 255.0);
+    mix(frame.overlay.selection_colour.map(f64::from), s * f64::from(frame.overlay.selection));
+    [c[0], c[1], c[2], 1.0]
+}
+
+/// Compares whole pictures; within one grey level, pixels whose centre is within 1e-3 voxels of a voxel's border aside (labels).
+fn compare(of: &Painted, frame: &SliceFrame) {
+    let Some(gpu) = gpu() else { return };
+    let mut pools = FieldPools::new(&gpu, &of.grid, &of.density, 64 << 20).unwrap();
+    let mut caster = SliceCaster::new(&gpu).unwrap();
+    let picture = caster.pixels(&gpu, &mut pools, &of.fields(), frame).unwrap();
+    let mut inside = 0;
+    for (i, got) in picture.iter().enumerate() {
+        let px = [i as u32 % frame.size[0], i as u32 / frame.size[0]];
+        let expected = reference(of, frame, px);
+        inside += usize::from(expected[3] > 0.0);
+        for c in 0..4 {
+            assert!(
+                (f64::from(got[c]) - expected[c]).abs() <= 1.0 / 255.0,
+                "pixel {px:?} channel {c}: {got:?} for {expected:?}"
+            );
+        }
+    }
+    assert!(inside > 500 && inside < picture.len(), "{inside} pixels of {}", picture.len());
+}
+
+/// A picture onto the slice `index` of `axis`, turned and shifted in the plane.
+fn onto(of: &Painted, axis: usize, index: u32, overlay: Overlay) -> SliceFrame {
+    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+    let world = |px: DVec2| {
+        let mut p = DVec3::ZERO;
+        p[axis] = f64::from(index);
+        p[u] = -6.313 + 0.7317 * px.x;
+        p[v] = 47.113 - 0.8119 * px.y;
+        of.grid.world_from_index.transform_point3(p)
+    };
+    SliceFrame::new(&of.grid, (axis, index), [83, 71], world, (1200.0, 2100.0), overlay)
+}
+
+#[test]
+fn slices_along_every_axis_equal_the_reference() {
+    let of = Painted::new(DAffine3::IDENTITY);
+    for (axis, index) in [(0, 0), (0, 32), (1, 31), (1, 37), (2, 7)] {
+        compare(&of, &onto(&of, axis, index, overlay(0.0, 0.0, 0.0)));
+        compare(&of, &onto(&of, axis, index, overlay(0.6, 0.5, 0.7)));
+    }
+}
+
+#[test]
+fn slices_of_oblique_anisotropic_grids_equal_the_reference() {
+    let m =
+        DMat3::from_rotation_z(0.4) * DMat3::from_rotation_x(-0.3) * DMat3::from_diagonal(DVec3::new(0.5, 1.5, -3.0));
+    let of = Painted::new(DAffine3 { matrix3: m, translation: DVec3::new(-90.0, 20.0, 55.0) });
+    for axis in 0..3 {
+        compare(&of, &onto(&of, axis, 17, overlay(1.0, 1.0, 0.3)));
+    }
+}
+
+#[test]
+fn a_slice_shows_an_edit_voxel_by_voxel() {
+    let Some(gpu) = gpu() else { return };
+    let grid = unit_grid([40, 40, 40]);
+    let density = density_u16(grid, |_| 100);
+    let (colour, labels) = (Field::blank(FieldKind::Colour, &grid), Field::blank(FieldKind::Labels, &grid));
+    let mut selection = Field::blank(FieldKind::Selection, &grid);
+    let mut pools = FieldPools::new(&gpu, &grid, &density, 64 << 20).unwrap();
+    let mut caster = SliceCaster::new(&gpu).unwrap();
+    let overlay = Overlay { selection: 1.0, selection_colour: [1.0, 0.0, 0.0], ..Overlay::default() };
+    let world = |px: DVec2| DVec3::new(px.x - 0.5, px.y - 0.5, 20.0);
+    let frame = SliceFrame::new(&grid, (2, 20), [40, 40], world, (100.0, 400.0), overlay);
+    let grey = [0.5, 0.5, 0.5, 1.0];
+    let close = |a: [f32; 4], b: [f32; 4]| (0..4).all(|i| (a[i] - b[i]).abs() < 1e-3);
+    {
+        let fields = Fields { density: &density, colour: &colour, selection: &selection, labels: &labels };
+        assert!(caster.pixels(&gpu, &mut pools, &fields, &frame).unwrap().iter().all(|p| close(*p, grey)));
+    }
+    // One voxel in the slice, one in its neighbour.
+    let mut texels = vec![0; BRICK_VOXELS];
+    let at = |v: [u32; 3]| (v[0] % 32 + 32 * (v[1] % 32 + 32 * (v[2] % 32))) as usize;
+    texels[at([31, 5, 20])] = 255;
+    texels[at([9, 9, 21])] = 255;
+    let change = vec![(BrickIndex([0, 0, 0]), Some(Brick::from_texels(texels, 1)))];
+    let (_, refresh) = selection.swap(change).unwrap();
+    pools.refresh(&gpu, FieldKind::Selection, &selection, &refresh).unwrap();
+    let fields = Fields { density: &density, colour: &colour, selection: &selection, labels: &labels };
+    let picture = caster.pixels(&gpu, &mut pools, &fields, &frame).unwrap();
+    for (i, p) in picture.iter().enumerate() {
+        let expected = if i == 31 + 40 * 5 { [1.0, 0.0, 0.0, 1.0] } else { grey };
+        assert!(close(*p, expected), "pixel {} {}: {p:?}", i % 40, i / 40);
+    }
+}
