@@ -38,7 +38,7 @@ impl Document {
     }
 }
 
-fn volume(state: &State) -> Value {
+pub(super) fn volume(state: &State) -> Value {
     let grid = state.grid();
     let m = grid.world_from_index;
     let rows: [[f64; 4]; 3] = std::array::from_fn(|r| {

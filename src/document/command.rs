@@ -5,6 +5,7 @@
 #![allow(missing_docs)] // fields: the command's own text says what they are
 
 use super::scene::{Layer, ViewName};
+use super::store::DensityKeeping;
 use crate::explode::{Axis, Forces, PartId};
 use crate::math::{Camera, Pose};
 use crate::paint::{Falloff, Operation, Shape, Target, Tip};
@@ -89,7 +90,16 @@ pub enum ProjectCommand {
     Save {
         #[serde(default)]
         path: Option<PathBuf>,
+        /// Whether the project holds all of the density or names the file it came from.
+        #[serde(default)]
+        density: DensityKeeping,
     },
+    /// Lists unsaved documents that crashes left behind.
+    Lost {},
+    /// Brings one of them back.
+    Recover { id: String },
+    /// Throws one of them away.
+    Forget { id: String },
 }
 
 /// See [`Command::Volume`].

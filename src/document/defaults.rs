@@ -1,6 +1,6 @@
 //! What a volume that was just opened looks like.
 
-use super::{Layer, Look, Origin, Scene, SliceView, ViewName, Views, Window};
+use super::{DocumentError, Layer, Look, Origin, Scene, SliceView, ViewName, Views, Window};
 use crate::explode::Explosion;
 use crate::math::{Camera, DVec3};
 use crate::paint::Brush;
@@ -22,6 +22,26 @@ impl Scene {
             brush: Brush::default(),
             explosion: Explosion::whole(grid),
         }
+    }
+}
+
+impl Scene {
+    /// Checks a scene that was read from disk, so that nothing behind it meets numbers it cannot use.
+    ///
+    /// # Errors
+    /// The first field that is wrong.
+    pub fn check(&self) -> Result<(), DocumentError> {
+        self.transfer.check().map_err(|found| DocumentError::NotNow(format!("transfer function: {found}")))?;
+        super::view::checked(self.views.camera)?;
+        for slice in &self.views.slices {
+            super::view::positive("views.slices.height_mm", slice.height_mm)?;
+            super::place::check_size(slice.size)?;
+        }
+        super::place::check_size(self.views.size)?;
+        super::view::positive("window.width", self.window.width)?;
+        super::view::positive("look.step_voxels", self.look.step_voxels)?;
+        self.brush.check()?;
+        Ok(self.explosion.check()?)
     }
 }
 

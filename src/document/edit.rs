@@ -88,6 +88,7 @@ impl Edit {
         if let (Some(before), false) = (self.scene.take(), self.follows) {
             self.step.scene = SceneDelta::between(before, &state.scene);
         }
+        self.refreshed.bricks = self.step.bricks.keys().copied().collect();
         let step = (!self.step.is_empty()).then_some(self.step);
         (step, self.refreshed)
     }
@@ -98,8 +99,7 @@ impl Edit {
             state.scene = before;
         }
         let mut refreshed = self.step.exchange(state)?;
-        refreshed.slots.append(&mut self.refreshed.slots);
-        refreshed.remapped |= self.refreshed.remapped;
+        refreshed.join(self.refreshed);
         Ok(refreshed)
     }
 }

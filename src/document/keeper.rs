@@ -52,6 +52,21 @@ impl Keeper {
         }
     }
 
+    /// Saves a document that nobody kept so far as a new project in `path`, and keeps it there.
+    ///
+    /// # Errors
+    /// If the disk refuses, `path` is taken, or `progress` said no.
+    pub fn create(
+        path: &Path,
+        state: &State,
+        density: DensityKeeping,
+        progress: &(dyn Fn(f32) -> bool + Sync),
+    ) -> Result<(Self, Saved), KeepError> {
+        let mut store = Store::create(path)?;
+        let (journal, saved) = save_into(&mut store, state, density, progress)?;
+        Ok((Self { journal, place: Place::Project(Box::new(store)) }, saved))
+    }
+
     /// Opens a project as it was last kept: its current generation, and what the journal holds beyond it.
     ///
     /// # Errors

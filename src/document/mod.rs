@@ -22,6 +22,7 @@ mod open;
 mod packed;
 mod part;
 mod place;
+mod project;
 pub mod recovery;
 mod scene;
 mod segment;
@@ -49,6 +50,7 @@ pub use history::{DEFAULT_BUDGET_BYTES, History};
 pub use keep_error::KeepError;
 pub use keeper::Keeper;
 pub use kept::{KeptDocument, Recovered};
+pub use open::Opened;
 pub use scene::*;
 pub use slice_plane::{SlicePlane, side_letter};
 pub use state::State;
@@ -57,6 +59,7 @@ pub use store_source::ZarrSource;
 
 use edit::Edit;
 use serde_json::{Value, json};
+use std::path::PathBuf;
 use step::Refreshed;
 use view_history::ViewHistory;
 
@@ -66,6 +69,10 @@ pub struct Document {
     state: Option<State>,
     history: History,
     views: ViewHistory,
+    keeper: Option<Keeper>,
+    unsaved_in: Option<PathBuf>,
+    save_to: Option<PathBuf>,
+    unsaved: bool,
     revision: u64,
 }
 
@@ -78,6 +85,8 @@ impl Document {
     /// Takes a volume that was read elsewhere as a new, unsaved document; past steps are forgotten.
     pub fn adopt(&mut self, state: State) {
         self.state = Some(state);
+        self.keeper = None;
+        self.unsaved = false;
         self.history.clear();
         self.views.clear();
         self.revision += 1;
@@ -94,7 +103,7 @@ impl Document {
     }
 
     /// Where older steps of history go; the system's temporary folder unless said otherwise. Forgets past steps.
-    pub fn keep_history_in(&mut self, folder: std::path::PathBuf) {
+    pub fn keep_history_in(&mut self, folder: PathBuf) {
         self.history = History::new(folder);
     }
 
@@ -109,6 +118,7 @@ impl Document {
     /// If the command cannot be done; nothing was changed then.
     pub fn apply(&mut self, command: Command) -> Result<Value, DocumentError> {
         let answer = match command {
+            Command::Project(command) => self.project(command)?,
             Command::History(command) => self.travel(command)?,
             Command::Volume(command) => self.volume(command)?,
             Command::Ask(question) => return self.ask(question),
@@ -121,6 +131,7 @@ impl Document {
     /// Does a command that changes what is open, and makes a step of what it changed.
     fn record(&mut self, command: Command) -> Result<Value, DocumentError> {
         let mut edit = Edit::new(self.state.as_ref());
+        let said = command.clone();
         let views = self.state.as_ref().map(|s| s.scene.views.clone());
         let moves_view = matches!(&command, Command::View(c) if c.moves_view());
         let result = match command {
@@ -154,11 +165,14 @@ impl Document {
             answer["voxels_changed"] = json!(voxels);
             answer["bricks_touched"] = json!(bricks);
         }
-        if let Some(step) = step
-            && let Some(warning) = self.history.push(step)?
-        {
-            answer["warning"] = json!(warning);
+        let mut warnings = Vec::new();
+        let synced = step.is_some();
+        if let Some(step) = step {
+            self.unsaved = true;
+            warnings.extend(self.history.push(step)?);
         }
+        warnings.extend(self.note(&said, &refreshed.bricks, synced));
+        warn(&mut answer, warnings);
         Ok(answer)
     }
 
@@ -175,5 +189,12 @@ impl Document {
 
     fn open_mut(&mut self) -> Result<&mut State, DocumentError> {
         self.state.as_mut().ok_or(DocumentError::NothingOpen)
+    }
+}
+
+/// Adds what went wrong beside what went right.
+fn warn(answer: &mut Value, warnings: Vec<String>) {
+    if !warnings.is_empty() {
+        answer["warning"] = json!(warnings.join("; "));
     }
 }

@@ -1,7 +1,7 @@
 //! From a volume file to a document, in three passes over the voxels: statistics, histogram, levels.
 
 use super::state::unit;
-use super::{Document, DocumentError, Origin, State};
+use super::{Document, DocumentError, Keeper, KeptDocument, Origin, Recovered, State};
 use crate::io;
 use crate::volume::{BrickSource, Histogram, Statistics, Value};
 use crate::with_voxels;
@@ -35,15 +35,99 @@ impl State {
     }
 }
 
+/// A document that was read and waits to be taken: reading needs no [`Document`] and may be done on another thread.
+#[derive(Debug)]
+pub struct Opened {
+    state: State,
+    keeper: Option<Keeper>,
+    recovered: Recovered,
+    warnings: Vec<String>,
+}
+
+impl Opened {
+    /// A volume file as a new, unsaved document; noted for recovery below `unsaved_in`, if given. See [`State::open`].
+    ///
+    /// # Errors
+    /// As [`State::open`].
+    pub fn volume(
+        origin: Origin,
+        range: Option<[f64; 2]>,
+        unsaved_in: Option<&Path>,
+        progress: &(dyn Fn(f32) -> bool + Sync),
+    ) -> Result<Self, DocumentError> {
+        let mut warnings = io::open(&origin.path)?.warnings;
+        let state = State::open(origin, range, progress)?;
+        let keeper = match unsaved_in.map(|folder| Keeper::unsaved(folder, &state)) {
+            Some(Ok(keeper)) => Some(keeper),
+            Some(Err(error)) => {
+                warnings.push(format!("unsaved work would not survive a crash: {error}"));
+                None
+            }
+            None => None,
+        };
+        Ok(Self { state, keeper, recovered: Recovered::default(), warnings })
+    }
+
+    /// A project, with what its journal holds beyond the last save.
+    ///
+    /// # Errors
+    /// If it is open elsewhere or damaged, the source fails, or `progress` said no.
+    pub fn project(dir: &Path, progress: &(dyn Fn(f32) -> bool + Sync)) -> Result<Self, DocumentError> {
+        let (keeper, kept) = Keeper::open(dir)?;
+        Self::kept(keeper, kept, progress)
+    }
+
+    /// A document of [`recovery::list`](super::recovery::list).
+    ///
+    /// # Errors
+    /// As [`project`](Self::project).
+    pub fn lost(folder: &Path, id: &str, progress: &(dyn Fn(f32) -> bool + Sync)) -> Result<Self, DocumentError> {
+        let (keeper, kept) = Keeper::recover(folder, id)?;
+        Self::kept(keeper, kept, progress)
+    }
+
+    fn kept(
+        keeper: Keeper,
+        kept: KeptDocument,
+        progress: &(dyn Fn(f32) -> bool + Sync),
+    ) -> Result<Self, DocumentError> {
+        let recovered = kept.recovered.clone();
+        let linked = |origin: &Origin| Ok(io::open(&origin.path)?.source(origin.component, origin.frame, &|_| true)?);
+        let state = kept.into_state(linked, progress)?;
+        state.scene.check()?;
+        let mut warnings = Vec::new();
+        if let Some((path, reason)) = &recovered.set_aside {
+            warnings.push(format!("the journal was damaged and put aside as {}: {reason}", path.display()));
+        }
+        Ok(Self { state, keeper: Some(keeper), recovered, warnings })
+    }
+}
+
 impl Document {
-    /// Opens a volume file in place of what was open.
-    pub(super) fn open_volume(&mut self, origin: Origin, range: Option<[f64; 2]>) -> Result<Json, DocumentError> {
-        let warnings = io::open(&origin.path)?.warnings;
-        let state = State::open(origin, range, &|_| true)?;
+    /// Shows what was read in place of what was open; past steps are forgotten. Answers as `volume.open` and `project.open` do.
+    pub fn take(&mut self, opened: Opened) -> Json {
+        let Opened { state, keeper, recovered, mut warnings } = opened;
+        let mut answer = super::ask::volume(&state);
         self.adopt(state);
-        let mut answer = self.ask(super::Question::Volume {})?;
+        self.keeper = keeper;
+        self.unsaved = recovered.steps > 0;
+        let stroke = self.finish_recovered(&recovered, &mut warnings);
         answer["warnings"] = json!(warnings);
-        Ok(answer)
+        if recovered.steps > 0 || !recovered.stroke.is_empty() {
+            answer["recovered"] = json!({ "steps": recovered.steps, "last": recovered.last, "stroke": stroke });
+        }
+        answer
+    }
+
+    /// A stroke that was running: of its samples nothing is kept but what the journal's bricks hold.
+    fn finish_recovered(&mut self, recovered: &Recovered, warnings: &mut Vec<String>) -> &'static str {
+        if recovered.stroke.is_empty() {
+            return "none";
+        }
+        if let Some(Err(error)) = self.keeper.as_mut().map(Keeper::no_stroke) {
+            warnings.push(error.to_string());
+        }
+        "dropped"
     }
 }
 

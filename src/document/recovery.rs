@@ -18,7 +18,7 @@ pub(super) const JOURNAL: &str = "journal";
 const FOLDER: &str = "recovery";
 
 /// A document that a crash left behind.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Lost {
     /// Names it for `Keeper::recover` and [`discard`].
     pub id: String,

@@ -106,8 +106,19 @@ impl SceneDelta {
 pub(super) struct Refreshed {
     /// Slots by field.
     pub slots: Vec<(FieldKind, Refresh)>,
+    /// Bricks of level 0 whose own texels may be new.
+    pub bricks: Vec<(FieldKind, BrickIndex)>,
     /// Whether the density got another map: all of its texels are new.
     pub remapped: bool,
+}
+
+impl Refreshed {
+    /// Adds what a later exchange made new.
+    pub(super) fn join(&mut self, later: Self) {
+        self.slots.extend(later.slots);
+        self.bricks.extend(later.bricks);
+        self.remapped |= later.remapped;
+    }
 }
 
 /// See the module's head.
@@ -174,6 +185,7 @@ impl Step {
                 }
             }
         }
+        refreshed.bricks = held.keys().copied().collect();
         self.bricks = held;
         self.scene.exchange(&mut state.scene);
         Ok(refreshed)

@@ -1,76 +1,89 @@
 //! Commands on history: undo, redo, groups, budget.
 
-use super::{Document, DocumentError, HistoryCommand};
+use super::step::Refreshed;
+use super::{Command, Document, DocumentError, HistoryCommand, warn};
 use serde_json::{Value, json};
 
 impl Document {
     pub(super) fn travel(&mut self, command: HistoryCommand) -> Result<Value, DocumentError> {
-        let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
-        match command {
-            HistoryCommand::Undo { steps } | HistoryCommand::Redo { steps } => {
-                let back = matches!(command, HistoryCommand::Undo { .. });
-                if self.history.in_group() {
-                    self.views.group_closed();
-                    self.history.end(state)?;
-                }
-                let mut names = Vec::new();
-                let mut failure = None;
-                for _ in 0..steps {
-                    let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
-                    let turned = if back { self.history.undo(state) } else { self.history.redo(state) };
-                    match turned {
-                        Ok(Some((name, refreshed))) => {
-                            self.mirror(&refreshed);
-                            names.push(name);
-                        }
-                        Ok(None) => break,
-                        // Steps already taken stand; the answer must say so, and the rest is an error only if it is all.
-                        Err(error) if names.is_empty() => return Err(error),
-                        Err(error) => {
-                            failure = Some(error.to_string());
-                            break;
-                        }
-                    }
-                }
-                let warning = failure.or(self.history.spill());
-                let mut answer = json!({
-                    if back { "undone" } else { "redone" }: names,
-                    "undo": self.history.undo_names().len(),
-                    "redo": self.history.redo_names().len(),
-                });
-                if let Some(warning) = warning {
-                    answer["warning"] = json!(warning);
-                }
-                Ok(answer)
-            }
+        let mut warnings = Vec::new();
+        let mut answer = match command {
+            HistoryCommand::Undo { steps } => self.walk(steps, true, &mut warnings)?,
+            HistoryCommand::Redo { steps } => self.walk(steps, false, &mut warnings)?,
             HistoryCommand::Budget { bytes } => {
-                let warning = self.history.set_budget(bytes);
+                warnings.extend(self.history.set_budget(bytes));
                 let (memory, disk) = self.history.bytes();
-                let mut answer = json!({ "budget": bytes, "memory": memory, "disk": disk });
-                if let Some(warning) = warning {
-                    answer["warning"] = json!(warning);
-                }
-                Ok(answer)
+                json!({ "budget": bytes, "memory": memory, "disk": disk })
             }
             HistoryCommand::Begin {} => {
+                self.open()?;
                 self.history.begin()?;
-                Ok(json!({ "group": "open" }))
+                json!({ "group": "open" })
             }
             HistoryCommand::End {} => {
-                let (step, warning) = self.history.end(state)?;
-                self.views.group_closed();
-                let mut answer = json!({ "group": "closed", "step": step });
-                if let Some(warning) = warning {
-                    answer["warning"] = json!(warning);
-                }
-                Ok(answer)
+                let step = self.end_group(&mut warnings)?;
+                json!({ "group": "closed", "step": step })
             }
             HistoryCommand::Cancel {} => {
+                let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
                 let refreshed = self.history.cancel(state)?;
                 self.views.group_closed();
-                self.mirror(&refreshed);
-                Ok(json!({ "group": "cancelled" }))
+                self.travelled(HistoryCommand::Cancel {}, &refreshed, &mut warnings);
+                json!({ "group": "cancelled" })
+            }
+        };
+        warn(&mut answer, warnings);
+        Ok(answer)
+    }
+
+    /// Takes back or does again as many steps as there are. An open group is closed first.
+    fn walk(&mut self, steps: u32, back: bool, warnings: &mut Vec<String>) -> Result<Value, DocumentError> {
+        if self.history.in_group() {
+            self.end_group(warnings)?;
+        }
+        let mut names = Vec::new();
+        let mut all = Refreshed::default();
+        for _ in 0..steps {
+            let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
+            match if back { self.history.undo(state) } else { self.history.redo(state) } {
+                Ok(Some((name, refreshed))) => {
+                    names.push(name);
+                    all.join(refreshed);
+                }
+                Ok(None) => break,
+                // Steps already taken stand and are told; a failure is the answer only where there is no other.
+                Err(error) if names.is_empty() => return Err(error),
+                Err(error) => {
+                    warnings.push(error.to_string());
+                    break;
+                }
             }
         }
+        self.open()?;
+        warnings.extend(self.history.spill());
+        if !names.is_empty() {
+            let steps = names.len() as u32;
+            let said = if back { HistoryCommand::Undo { steps } } else { HistoryCommand::Redo { steps } };
+            self.travelled(said, &all, warnings);
+        }
+        Ok(json!({
+            if back { "undone" } else { "redone" }: names,
+            "undo": self.history.undo_names().len(),
+            "redo": self.history.redo_names().len(),
+        }))
+    }
+
+    fn end_group(&mut self, warnings: &mut Vec<String>) -> Result<Option<String>, DocumentError> {
+        let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
+        let (step, warning) = self.history.end(state)?;
+        self.views.group_closed();
+        warnings.extend(warning);
+        Ok(step)
+    }
+
+    fn travelled(&mut self, said: HistoryCommand, refreshed: &Refreshed, warnings: &mut Vec<String>) {
+        self.unsaved = true;
+        self.mirror(refreshed);
+        warnings.extend(self.note(&Command::History(said), &refreshed.bricks, true));
     }
 }

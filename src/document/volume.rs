@@ -1,5 +1,6 @@
 //! Commands on the volume as a whole.
 
+use super::open::Opened;
 use super::{Document, DocumentError, Origin, VolumeCommand};
 use crate::io::{Compression, export};
 use serde_json::{Value, json};
@@ -8,7 +9,9 @@ impl Document {
     pub(super) fn volume(&mut self, command: VolumeCommand) -> Result<Value, DocumentError> {
         match command {
             VolumeCommand::Open { path, component, frame, range } => {
-                self.open_volume(Origin { path, component, frame }, range)
+                let origin = Origin { path, component, frame };
+                let opened = Opened::volume(origin, range, self.unsaved_in.as_deref(), &|_| true)?;
+                Ok(self.take(opened))
             }
             VolumeCommand::Export { field, path } => {
                 let state = self.open()?;

@@ -6,6 +6,7 @@ mod keep_support;
 mod maker;
 mod nouns;
 mod parts;
+mod projects;
 mod script;
 mod selection;
 mod volumes;

@@ -1,0 +1,124 @@
+//! Commands on the project on disk, and the journal that every other command is noted in.
+//!
+//! A document is kept where its keeper says: in its project, or before the first save in a recovery folder if one was named.
+//! Whoever closes a document in order says whether what was not saved is to be thrown away; whatever else ends it is a crash,
+//! and all of it comes back.
+
+use super::open::Opened;
+use super::{Command, DensityKeeping, Document, DocumentError, Keeper, ProjectCommand, recovery};
+use crate::volume::{BrickIndex, FieldKind};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+impl Document {
+    /// Notes unsaved documents in a folder, from the next that is opened on.
+    pub fn keep_unsaved_in(&mut self, folder: PathBuf) {
+        self.unsaved_in = Some(folder);
+    }
+
+    /// Where the first save goes if it names no place.
+    pub fn save_to(&mut self, folder: PathBuf) {
+        self.save_to = Some(folder);
+    }
+
+    /// The project's folder, once saved.
+    pub fn project_dir(&self) -> Option<&Path> {
+        self.keeper.as_ref().and_then(Keeper::project_dir)
+    }
+
+    /// Whether steps were done, undone or brought back since the last save.
+    pub fn is_unsaved(&self) -> bool {
+        self.unsaved
+    }
+
+    /// Closes in order: what was not saved is thrown away.
+    ///
+    /// # Errors
+    /// If the system refuses.
+    pub fn discard_unsaved(mut self) -> Result<(), DocumentError> {
+        match self.keeper.take() {
+            Some(keeper) => Ok(keeper.discard()?),
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn project(&mut self, command: ProjectCommand) -> Result<Value, DocumentError> {
+        match command {
+            ProjectCommand::Open { path } => {
+                self.let_go_of(&path);
+                let opened = Opened::project(&path, &|_| true)?;
+                Ok(self.take(opened))
+            }
+            ProjectCommand::Save { path, density } => {
+                let saved = self.save(path.as_deref(), density, &|_| true)?;
+                Ok(json!({ "saved": saved, "path": self.project_dir() }))
+            }
+            ProjectCommand::Lost {} => {
+                let lost = recovery::list(&self.recovery_folder()?)?;
+                Ok(json!({ "lost": lost }))
+            }
+            ProjectCommand::Recover { id } => {
+                let opened = Opened::lost(&self.recovery_folder()?, &id, &|_| true)?;
+                Ok(self.take(opened))
+            }
+            ProjectCommand::Forget { id } => {
+                recovery::discard(&self.recovery_folder()?, &id)?;
+                Ok(json!({ "forgotten": id }))
+            }
+        }
+    }
+
+    /// Saves: the next generation of the project, or a new project in `path`. `progress` gets the share done and answers whether
+    /// to go on.
+    ///
+    /// # Errors
+    /// If the disk refuses, `path` is taken, or none is given for the first save.
+    pub fn save(
+        &mut self,
+        path: Option<&Path>,
+        density: DensityKeeping,
+        progress: &(dyn Fn(f32) -> bool + Sync),
+    ) -> Result<super::Saved, DocumentError> {
+        let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
+        let first = self.project_dir().is_none();
+        let path = path.or(if first { self.save_to.as_deref() } else { None });
+        let saved = match (&mut self.keeper, path) {
+            (Some(keeper), path) => keeper.save(path, state, density, progress)?,
+            (None, Some(path)) => {
+                let (keeper, saved) = Keeper::create(path, state, density, progress)?;
+                self.keeper = Some(keeper);
+                saved
+            }
+            (None, None) => return Err(super::KeepError::NoPath.into()),
+        };
+        self.unsaved = false;
+        Ok(saved)
+    }
+
+    /// Notes a command that is done; answers a warning if it could not be. A `synced` one survives a power cut.
+    pub(super) fn note(
+        &mut self,
+        command: &Command,
+        touched: &[(FieldKind, BrickIndex)],
+        synced: bool,
+    ) -> Option<String> {
+        let (keeper, state) = (self.keeper.as_mut()?, self.state.as_ref()?);
+        let noted = keeper.record(command, state, touched, synced);
+        noted.err().map(|e| format!("this step is done but not safe from a crash yet: {e}"))
+    }
+
+    /// A project that is opened again first has to be closed; it comes back as it was.
+    fn let_go_of(&mut self, path: &Path) {
+        let same = |dir: &Path| matches!((dir.canonicalize(), path.canonicalize()), (Ok(a), Ok(b)) if a == b);
+        if self.project_dir().is_some_and(same) {
+            self.keeper = None;
+        }
+    }
+
+    fn recovery_folder(&self) -> Result<PathBuf, DocumentError> {
+        match &self.unsaved_in {
+            Some(folder) => Ok(folder.clone()),
+            None => Ok(recovery::state_dir()?),
+        }
+    }
+}
