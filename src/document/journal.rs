@@ -23,7 +23,7 @@ pub(super) const MAGIC: &[u8; 8] = b"BURINJNL";
 pub(super) const VERSION: u32 = 1;
 pub(super) const HEADER: u64 = 28;
 /// A journal below this is not worth gathering.
-const GATHER_ABOVE: u64 = 16 << 20;
+const GATHER_ABOVE: u64 = 4 << 20;
 
 /// See the module's head.
 #[derive(Debug)]

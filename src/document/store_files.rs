@@ -4,10 +4,12 @@
 //! Knows no format.
 
 use super::KeepError;
+use rayon::prelude::*;
 use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// A generation that is being written beside the previous one.
 #[derive(Debug)]
@@ -18,6 +20,7 @@ pub(super) struct Writer {
     pub previous: Option<PathBuf>,
     written: AtomicU64,
     linked: AtomicU64,
+    unsynced: Mutex<Vec<PathBuf>>,
 }
 
 impl Writer {
@@ -25,15 +28,20 @@ impl Writer {
     pub fn new(dir: PathBuf, previous: Option<PathBuf>) -> Result<Self, KeepError> {
         remove_dir(&dir)?;
         std::fs::create_dir_all(&dir).map_err(KeepError::io("create", &dir))?;
-        Ok(Self { dir, previous, written: AtomicU64::new(0), linked: AtomicU64::new(0) })
+        Ok(Self { dir, previous, written: AtomicU64::new(0), linked: AtomicU64::new(0), unsynced: Mutex::default() })
     }
 
-    /// Writes and syncs a new file. `name` is relative to the folder, with slashes.
+    /// Writes a new file. `name` is relative to the folder, with slashes.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), KeepError> {
         let path = self.place(name)?;
-        write_new(&path, bytes)?;
-        self.written.fetch_add(bytes.len() as u64, Ordering::Relaxed);
+        create_new(&path, bytes).map_err(KeepError::io("write", &path))?;
+        self.wrote(path, bytes.len() as u64);
         Ok(())
+    }
+
+    fn wrote(&self, path: PathBuf, bytes: u64) {
+        self.written.fetch_add(bytes, Ordering::Relaxed);
+        self.unsynced.lock().unwrap_or_else(PoisonError::into_inner).push(path);
     }
 
     /// Links the previous generation's file of that name; a file system without links gets a copy.
@@ -49,8 +57,7 @@ impl Writer {
             return Ok(());
         }
         let bytes = std::fs::copy(&from, &path).map_err(KeepError::io("copy", &from))?;
-        File::open(&path).and_then(|f| f.sync_all()).map_err(KeepError::io("sync", &path))?;
-        self.written.fetch_add(bytes, Ordering::Relaxed);
+        self.wrote(path, bytes);
         Ok(())
     }
 
@@ -60,7 +67,8 @@ impl Writer {
         if self.previous.as_ref().is_some_and(same) { self.link(name) } else { self.write(name, bytes) }
     }
 
-    /// Syncs every folder of the generation, so that names are as safe as contents.
+    /// Syncs what was written, and every folder, so that names are as safe as contents. All at the end: synced one by one
+    /// as they are written, each file would wait for a transaction of the file system of its own.
     pub fn sync(&self) -> Result<(), KeepError> {
         fn walk(dir: &Path) -> Result<(), KeepError> {
             for entry in std::fs::read_dir(dir).map_err(KeepError::io("read", dir))? {
@@ -71,6 +79,9 @@ impl Writer {
             }
             sync_dir(dir)
         }
+        let files = std::mem::take(&mut *self.unsynced.lock().unwrap_or_else(PoisonError::into_inner));
+        let sync = |path: &PathBuf| OpenOptions::new().write(true).open(path).and_then(|f| f.sync_all());
+        files.par_iter().try_for_each(|path| sync(path).map_err(KeepError::io("sync", path)))?;
         walk(&self.dir)
     }
 
@@ -95,12 +106,13 @@ impl Writer {
 
 /// Writes a file that is not there yet, and syncs it.
 pub(super) fn write_new(path: &Path, bytes: &[u8]) -> Result<(), KeepError> {
-    let write = || {
-        let mut file = OpenOptions::new().write(true).create_new(true).open(path)?;
-        file.write_all(bytes)?;
-        file.sync_all()
-    };
-    write().map_err(KeepError::io("write", path))
+    create_new(path, bytes).and_then(|file| file.sync_all()).map_err(KeepError::io("write", path))
+}
+
+fn create_new(path: &Path, bytes: &[u8]) -> std::io::Result<File> {
+    let mut file = OpenOptions::new().write(true).create_new(true).open(path)?;
+    file.write_all(bytes)?;
+    Ok(file)
 }
 
 /// Makes `path` hold `bytes`: whoever looks finds the old file or the new one, also after a crash.

@@ -2,7 +2,11 @@
 
 mod history;
 mod keep;
+mod keep_faults;
+mod keep_journal;
+mod keep_kill;
 mod keep_support;
+mod keep_zarr;
 mod maker;
 mod nouns;
 mod parts;

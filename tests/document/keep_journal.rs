@@ -1,0 +1,331 @@
+//! The journal: what was done since the last save comes back, whole steps only, once.
+
+use super::keep_support::*;
+use burin::document::{BrushCommand, Command, DensityKeeping, KeepError, Keeper, State, StrokeCommand, recovery};
+use burin::math::DVec3;
+use burin::paint::Sample;
+use burin::volume::*;
+use std::path::{Path, PathBuf};
+
+const SMALL: [u32; 3] = [70, 33, 40];
+
+fn command() -> Command {
+    Command::Stroke(StrokeCommand::End {})
+}
+
+fn other_command() -> Command {
+    serde_json::from_value::<BrushCommand>(serde_json::json!({ "set": { "radius_mm": 2.0 } }))
+        .map(Command::Brush)
+        .unwrap()
+}
+
+fn reopened(project: &Path) -> (State, burin::document::Recovered) {
+    let (_keeper, kept) = Keeper::open(project).unwrap();
+    let recovered = kept.recovered.clone();
+    (kept.into_state(|_| panic!("the density is in the project"), &|_| true).unwrap(), recovered)
+}
+
+fn project(dir: &Path, state: &State) -> (Keeper, PathBuf) {
+    let project = dir.join("project");
+    let mut keeper = Keeper::unsaved(dir, state).unwrap();
+    keeper.save(Some(&project), state, DensityKeeping::Whole, &|_| true).unwrap();
+    (keeper, project)
+}
+
+/// One step of each sort of change, deterministic; the same number gives the same step.
+fn step(state: &mut State, n: u64) -> Vec<(FieldKind, BrickIndex)> {
+    let dims = state.density.brick_dims(0);
+    let kind = FieldKind::ALL[(n % 4) as usize];
+    let index =
+        [(n % u64::from(dims[0])) as u32, (n / 3 % u64::from(dims[1])) as u32, (n / 5 % u64::from(dims[2])) as u32];
+    state.scene.views.crosshair = DVec3::new(n as f64, 0.5, -0.25);
+    if n % 3 == 0 {
+        state.scene.segments.ensure(n as u16);
+    }
+    if n % 7 == 6 {
+        // As an undo does: the edit is gone.
+        let index = BrickIndex(index);
+        state.field_mut(kind).swap(vec![(index, None)]).unwrap();
+        return vec![(kind, index)];
+    }
+    let (kind, index, _) = paint(state, kind, index, 1000 + n);
+    vec![(kind, index)]
+}
+
+fn sample(x: f64) -> Sample {
+    Sample { position: DVec3::new(x, 1.0 / 3.0, -2.0), normal: DVec3::Z, pressure: 0.5 }
+}
+
+#[test]
+fn steps_after_the_last_save_come_back() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(SMALL, dir.path());
+    paint_all(&mut state);
+    let (mut keeper, project) = project(dir.path(), &state);
+    for n in 1..=20 {
+        let touched = step(&mut state, n);
+        keeper.record(&command(), &state, &touched, n % 2 == 0).unwrap();
+    }
+    drop(keeper);
+    let (again, recovered) = reopened(&project);
+    assert_same(&state, &again, "recovered");
+    assert_eq!((recovered.steps, recovered.torn_bytes, recovered.set_aside), (20, 0, None));
+    assert_eq!(recovered.last, serde_json::to_value(command()).unwrap());
+    // Opening is no step, and what came back is journaled still.
+    assert_same(&state, &reopened(&project).0, "recovered again");
+}
+
+#[test]
+fn a_journal_goes_on_after_a_recovery_and_ends_with_a_save() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(SMALL, dir.path());
+    let (mut keeper, project) = project(dir.path(), &state);
+    let touched = step(&mut state, 1);
+    keeper.record(&command(), &state, &touched, true).unwrap();
+    drop(keeper);
+    let (mut keeper, _) = Keeper::open(&project).unwrap();
+    let touched = step(&mut state, 2);
+    keeper.record(&command(), &state, &touched, true).unwrap();
+    drop(keeper);
+    let (again, recovered) = reopened(&project);
+    assert_same(&state, &again, "two sittings");
+    assert_eq!(recovered.steps, 2);
+    let (mut keeper, _) = Keeper::open(&project).unwrap();
+    keeper.save(None, &state, DensityKeeping::Whole, &|_| true).unwrap();
+    let touched = step(&mut state, 3);
+    keeper.record(&command(), &state, &touched, true).unwrap();
+    drop(keeper);
+    let (again, recovered) = reopened(&project);
+    assert_same(&state, &again, "after a save");
+    assert_eq!(recovered.steps, 1);
+}
+
+#[test]
+fn a_journal_cut_anywhere_gives_the_steps_before_the_cut() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(SMALL, dir.path());
+    let (mut keeper, project) = project(dir.path(), &state);
+    let journal = project.join("journal-000001");
+    let length = || std::fs::metadata(&journal).unwrap().len();
+    let mut after = vec![(length(), state.clone())];
+    for n in 1..=6 {
+        let touched = step(&mut state, n);
+        keeper.record(&command(), &state, &touched, false).unwrap();
+        after.push((length(), state.clone()));
+    }
+    drop(keeper);
+    let whole = std::fs::read(&journal).unwrap();
+    assert_eq!(whole.len() as u64, after[6].0);
+    // On both sides of every border between steps, within the 12 bytes of a record's head, and in between.
+    let mut cuts: Vec<u64> =
+        after.iter().flat_map(|(end, _)| [end.saturating_sub(1), *end, end + 1, end + 11, end + 13]).collect();
+    cuts.extend((0..12).map(|i| after[0].0 + i * whole.len() as u64 / 12));
+    for cut in cuts.into_iter().filter(|&c| c >= after[0].0 && c <= whole.len() as u64) {
+        std::fs::write(&journal, &whole[..cut as usize]).unwrap();
+        let (end, expected) = after.iter().rev().find(|(end, _)| *end <= cut).unwrap();
+        let (again, recovered) = reopened(&project);
+        assert_same(expected, &again, &format!("cut at {cut}"));
+        assert_eq!((recovered.torn_bytes, recovered.set_aside), (cut - end, None), "cut at {cut}");
+    }
+}
+
+#[test]
+fn a_damaged_record_ends_the_journal_and_a_copy_is_set_aside() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(SMALL, dir.path());
+    let (mut keeper, project) = project(dir.path(), &state);
+    let journal = project.join("journal-000001");
+    let mut expected = state.clone();
+    let mut border = 0;
+    for n in 1..=4 {
+        if n == 3 {
+            (expected, border) = (state.clone(), std::fs::metadata(&journal).unwrap().len());
+        }
+        let touched = step(&mut state, n);
+        keeper.record(&command(), &state, &touched, false).unwrap();
+    }
+    drop(keeper);
+    let mut bytes = std::fs::read(&journal).unwrap();
+    bytes[border as usize + 40] ^= 1;
+    std::fs::write(&journal, &bytes).unwrap();
+    let (again, recovered) = reopened(&project);
+    assert_same(&expected, &again, "before the damage");
+    let (aside, what) = recovered.set_aside.unwrap();
+    assert_eq!(std::fs::read(&aside).unwrap(), bytes);
+    assert!(what.contains(&format!("record at byte {border}: its checksum does not match")), "{what}");
+}
+
+#[test]
+fn a_journal_of_another_generation_is_never_replayed() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(SMALL, dir.path());
+    let (mut keeper, project) = project(dir.path(), &state);
+    let touched = step(&mut state, 1);
+    keeper.record(&command(), &state, &touched, true).unwrap();
+    let old = std::fs::read(project.join("journal-000001")).unwrap();
+    // The user takes the step back by hand and saves: replaying the old journal would bring it back.
+    state.field_mut(touched[0].0).swap(vec![(touched[0].1, None)]).unwrap();
+    keeper.save(None, &state, DensityKeeping::Whole, &|_| true).unwrap();
+    drop(keeper);
+    assert!(!project.join("journal-000001").exists());
+    std::fs::write(project.join("journal-000001"), &old).unwrap();
+    assert_same(&state, &reopened(&project).0, "stray journal");
+    std::fs::write(project.join("journal-000002"), &old).unwrap();
+    let (again, recovered) = reopened(&project);
+    assert_same(&state, &again, "journal under a wrong name");
+    let (_, what) = recovered.set_aside.unwrap();
+    assert!(what.contains("journal-000002: generation: 1 found, 2 expected"), "{what}");
+}
+
+#[test]
+fn a_journal_grows_with_the_bricks_touched_and_not_with_history() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(SMALL, dir.path());
+    let (mut keeper, project) = project(dir.path(), &state);
+    let mut written = 0;
+    let mut last = 0;
+    for n in 0..80 {
+        // 128 KiB that do not compress, on one of two bricks.
+        let (kind, index, _) = paint(&mut state, FieldKind::Colour, [n % 2, 0, 0], u64::from(5 * n + 1));
+        keeper.record(&command(), &state, &[(kind, index)], false).unwrap();
+        let now = std::fs::metadata(project.join("journal-000001")).unwrap().len();
+        written += now.saturating_sub(last);
+        last = now;
+    }
+    assert!(written > 8 << 20, "{written}");
+    assert!(last < 6 << 20, "{last}");
+    drop(keeper);
+    let (again, recovered) = reopened(&project);
+    assert_same(&state, &again, "gathered");
+    assert_eq!(recovered.steps, 80);
+}
+
+#[test]
+fn samples_of_a_stroke_that_was_running_come_back_until_it_ends() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(SMALL, dir.path());
+    let (mut keeper, project) = project(dir.path(), &state);
+    keeper.samples(&[sample(1.0)]).unwrap();
+    keeper.samples(&[sample(2.0), sample(3.0)]).unwrap();
+    // What goes on beside the stroke does not end it.
+    keeper.record(&other_command(), &state, &[], false).unwrap();
+    drop(keeper);
+    let (mut keeper, kept) = Keeper::open(&project).unwrap();
+    assert_eq!(kept.recovered.stroke, [sample(1.0), sample(2.0), sample(3.0)]);
+    keeper.no_stroke().unwrap();
+    drop(keeper);
+    assert_eq!(reopened(&project).1.stroke, []);
+    let (mut keeper, _) = Keeper::open(&project).unwrap();
+    keeper.samples(&[sample(4.0)]).unwrap();
+    let touched = step(&mut state, 1);
+    keeper.record(&command(), &state, &touched, true).unwrap();
+    drop(keeper);
+    assert_eq!(reopened(&project).1.stroke, []);
+}
+
+#[test]
+fn another_density_map_comes_back_with_all_edits_in_it() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(SMALL, dir.path());
+    paint_all(&mut state);
+    let (mut keeper, project) = project(dir.path(), &state);
+    let (kind, index, _) = paint(&mut state, FieldKind::Density, [1, 1, 0], 5);
+    keeper.record(&command(), &state, &[(kind, index)], true).unwrap();
+    // Painting beyond the range: floats from here on, and one edit less.
+    let mut wide = Field::from_source(state.source.clone(), DensityMap::FLOAT, &|_| true).unwrap().unwrap();
+    let edits: Vec<_> = state.density.edits().into_keys().skip(1).collect();
+    let changes = edits.iter().map(|&i| (i, Some(Brick::Uniform(123_456.75_f32.to_le_bytes())))).collect();
+    wide.swap(changes).unwrap();
+    state.density = wide;
+    keeper.record(&command(), &state, &[(FieldKind::Density, index)], true).unwrap();
+    drop(keeper);
+    let (again, _) = reopened(&project);
+    assert_same(&state, &again, "widened");
+    assert_eq!(again.density.format(), TexelFormat::R32Float);
+    // And a save over it writes edits of the new map only.
+    let (mut keeper, _) = Keeper::open(&project).unwrap();
+    keeper.save(None, &again, DensityKeeping::Whole, &|_| true).unwrap();
+    drop(keeper);
+    assert_same(&state, &reopened(&project).0, "widened and saved");
+}
+
+#[test]
+fn a_scene_that_json_cannot_say_is_refused_and_nothing_is_lost() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(SMALL, dir.path());
+    let (mut keeper, project) = project(dir.path(), &state);
+    let touched = step(&mut state, 1);
+    keeper.record(&command(), &state, &touched, true).unwrap();
+    let good = state.clone();
+    state.scene.window.level = f64::NAN;
+    assert!(matches!(keeper.record(&command(), &state, &[], true), Err(KeepError::Scene { .. })));
+    let refused = keeper.save(None, &state, DensityKeeping::Whole, &|_| true).unwrap_err();
+    assert!(matches!(&refused, KeepError::Scene { .. }), "{refused}");
+    drop(keeper);
+    assert_same(&good, &reopened(&project).0, "after a refusal");
+}
+
+#[test]
+fn an_unsaved_document_is_found_at_the_next_start() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(SMALL, dir.path());
+    let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
+    let touched = step(&mut state, 1);
+    keeper.record(&command(), &state, &touched, true).unwrap();
+    assert_eq!(recovery::list(dir.path()).unwrap(), [], "it is open");
+    drop(keeper);
+    let lost = recovery::list(dir.path()).unwrap();
+    assert_eq!(lost.len(), 1);
+    assert_eq!(lost[0].origin, state.scene.origin.path);
+    let (mut keeper, kept) = Keeper::recover(dir.path(), &lost[0].id).unwrap();
+    assert_eq!(kept.recovered.steps, 1);
+    let source = state.source.clone();
+    assert_same(&state, &kept.into_state(|_| Ok(source), &|_| true).unwrap(), "recovered");
+    // Saved, it is lost no more.
+    keeper.save(Some(&dir.path().join("project")), &state, DensityKeeping::Whole, &|_| true).unwrap();
+    assert_eq!(recovery::list(dir.path()).unwrap(), []);
+    drop(keeper);
+    assert_eq!(recovery::list(dir.path()).unwrap(), []);
+    assert_same(&state, &reopened(&dir.path().join("project")).0, "saved");
+}
+
+#[test]
+fn a_lost_document_whose_file_changed_says_so_and_can_be_discarded() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(SMALL, dir.path());
+    let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
+    let touched = step(&mut state, 1);
+    keeper.record(&command(), &state, &touched, true).unwrap();
+    drop(keeper);
+    let lost = recovery::list(dir.path()).unwrap();
+    std::fs::write(&state.scene.origin.path, b"another file").unwrap();
+    let message = Keeper::recover(dir.path(), &lost[0].id).unwrap_err().to_string();
+    assert!(message.contains("origin.bin: bytes: 12 found, 24 expected"), "{message}");
+    recovery::discard(dir.path(), &lost[0].id).unwrap();
+    assert_eq!(recovery::list(dir.path()).unwrap(), []);
+    assert!(matches!(recovery::discard(dir.path(), "../project"), Err(KeepError::NothingLost { .. })));
+}
+
+#[test]
+fn a_document_with_no_step_leaves_nothing_to_recover() {
+    let dir = tempfile::tempdir().unwrap();
+    drop(Keeper::unsaved(dir.path(), &state(SMALL, dir.path())).unwrap());
+    assert_eq!(recovery::list(dir.path()).unwrap(), []);
+    assert_eq!(std::fs::read_dir(dir.path().join("recovery")).unwrap().count(), 0);
+}
+
+#[test]
+fn saving_elsewhere_takes_unsaved_steps_along() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(SMALL, dir.path());
+    let (mut keeper, first) = project(dir.path(), &state);
+    let saved = state.clone();
+    let touched = step(&mut state, 1);
+    keeper.record(&command(), &state, &touched, true).unwrap();
+    let second = dir.path().join("second");
+    keeper.save(Some(&second), &state, DensityKeeping::Whole, &|_| true).unwrap();
+    assert_eq!(keeper.project_dir(), Some(second.as_path()));
+    drop(keeper);
+    assert_same(&saved, &reopened(&first).0, "the first as it was saved");
+    assert_same(&state, &reopened(&second).0, "the second as it is");
+}
