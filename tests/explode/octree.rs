@@ -147,6 +147,21 @@ fn points_are_the_homogeneous_nodes_and_the_leaves_that_hold_both() {
 }
 
 #[test]
+fn a_node_with_an_empty_child_is_not_wholly_selected() {
+    let grid = grid([32, 16, 16]);
+    let d = density(&grid, |_| 30.0);
+    let points = |s: &dyn Fn([u32; 3]) -> u8| {
+        let selection = selection(&grid, s);
+        let weights = explosion_points(&d, &selection, &grid, &transfer(), 0).unwrap();
+        weights.iter().map(|p| p.weight.round()).collect::<Vec<f64>>()
+    };
+    // One of two nodes of 16³; then half of it, of which four leaves are left.
+    assert_eq!(points(&|v| if v[0] < 16 { 255 } else { 0 }), [4096.0]);
+    assert_eq!(points(&|v| if v[0] < 8 { 255 } else { 0 }), [512.0; 4]);
+    assert_eq!(points(&|v| if v[0] < 24 { 255 } else { 0 }), [512.0, 512.0, 512.0, 512.0, 4096.0]);
+}
+
+#[test]
 fn a_wholly_selected_visible_volume_is_one_point_at_its_centre() {
     let grid = grid([64; 3]);
     let points = explosion_points(&density(&grid, |_| 30.0), &selection(&grid, |_| 51), &grid, &transfer(), 0).unwrap();
