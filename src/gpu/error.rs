@@ -2,6 +2,7 @@
 //!
 //! Owns [`GpuError`] and nothing else. Out of memory and a lost device are answers here, never crashes.
 
+use crate::paint::PaintError;
 use crate::volume::SourceError;
 
 /// Errors of the GPU floor.
@@ -68,6 +69,34 @@ pub enum GpuError {
         /// Bricks that fit.
         room: usize,
     },
+    /// A stroke that needs more memory than it may take.
+    #[error(
+        "the stroke needs {needed} bytes of graphics memory, {budget} are allowed; end it here, use a smaller brush or raise \
+         the stroke's budget"
+    )]
+    StrokeTooLarge {
+        /// Bytes with the next bricks.
+        needed: u64,
+        /// Bytes allowed.
+        budget: u64,
+    },
+    /// Density cannot hold what the brush makes. Widen its map to `needed`, then begin the stroke again.
+    #[error(
+        "the brush makes densities from {} to {}, the volume's 16-bit texels hold {} to {}; widen their range first",
+        needed[0], needed[1], held[0], held[1]
+    )]
+    BeyondRange {
+        /// Values to make room for, what is held included.
+        needed: [f64; 2],
+        /// Values of the first and the last code.
+        held: [f64; 2],
+    },
+    /// A call that does not fit the stroke's state.
+    #[error("stroke: {0}")]
+    Stroke(&'static str),
+    /// A brush or sample that is not valid.
+    #[error(transparent)]
+    Paint(#[from] PaintError),
     /// The volume could not be read.
     #[error(transparent)]
     Source(#[from] SourceError),

@@ -5,6 +5,11 @@
 
 mod bindings;
 mod body;
+mod brush;
+mod brush_frame;
+mod brush_kernel;
+mod brush_memory;
+mod brush_readback;
 mod device;
 mod error;
 pub mod layout;
@@ -18,6 +23,7 @@ mod slice;
 
 pub use bindings::FieldInfo;
 pub use body::{Body, Frame, Mask, Overlay};
+pub use brush::Painter;
 pub use device::Gpu;
 pub use error::GpuError;
 pub use occupancy::{Shows, distances};

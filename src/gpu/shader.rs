@@ -19,7 +19,7 @@ macro_rules! files {
 const LIBRARY: &[(&str, &str)] = files!["lib/field.wgsl"];
 
 /// Files with entry points.
-const KERNELS: &[(&str, &str)] = files!["slice.wgsl"];
+const KERNELS: &[(&str, &str)] = files!["brush.wgsl", "slice.wgsl"];
 
 static COMPOSER: Mutex<Option<Composer>> = Mutex::new(None);
 

@@ -1,5 +1,6 @@
 //! Kernels and the ray caster against plain references.
 
+mod brush;
 mod occupancy;
 mod pools;
 mod shader;

@@ -1,0 +1,399 @@
+// One frame's dabs, into every slot that shows them: Direct Volume Editing (2008), equations 1 and 2, in the form
+// P' = P + G ((C op P) - P), G = strength F(d), F = 0 beyond the support.
+// A stroke gathers coverage and is applied once to the texels at its start. One invocation makes one word of a slot's row.
+// Apron texels are computed like all others, from the voxel they repeat, so neighbouring slots agree without exchange.
+
+const SLOT: u32 = 34u;
+const SLOT_TEXELS: u32 = 39304u;
+// Words between rows of `start` and `next`: texture copies want rows of 256 bytes.
+const PITCH: u32 = 64u;
+
+// Texels in a word, words in a slot's row, and how many slots lie side by side in `start`.
+#ifdef SELECTION
+const PER_WORD: u32 = 4u;
+const ROW: u32 = 9u;
+const LANES: u32 = 7u;
+const LOW: f32 = 0.0;
+const TOP: f32 = 255.0;
+#endif
+#ifdef LABELS
+const PER_WORD: u32 = 2u;
+const ROW: u32 = 17u;
+const LANES: u32 = 3u;
+const LOW: f32 = 0.0;
+const TOP: f32 = 65535.0;
+#endif
+#ifdef CODES
+const PER_WORD: u32 = 2u;
+const ROW: u32 = 17u;
+const LANES: u32 = 3u;
+const LOW: f32 = 0.0;
+const TOP: f32 = 65535.0;
+#endif
+#ifdef CODES_IN_FLOATS
+const PER_WORD: u32 = 1u;
+const ROW: u32 = 34u;
+const LANES: u32 = 1u;
+const LOW: f32 = 0.0;
+const TOP: f32 = 65535.0;
+#endif
+#ifdef FLOATS
+const PER_WORD: u32 = 1u;
+const ROW: u32 = 34u;
+const LANES: u32 = 1u;
+const LOW: f32 = -3.4028234e38;
+const TOP: f32 = 3.4028234e38;
+#endif
+#ifdef COLOUR
+const PER_WORD: u32 = 1u;
+const ROW: u32 = 34u;
+const LANES: u32 = 1u;
+const LOW: f32 = 0.0;
+const TOP: f32 = 1.0;
+#endif
+
+const ADD: u32 = 1u;
+const SUBTRACT: u32 = 2u;
+const BLEND: u32 = 3u;
+const RESTORE: u32 = 4u;
+
+const LARGEST: u32 = 0u;
+const PRODUCT: u32 = 1u;
+
+const LINEAR: u32 = 1u;
+const SMOOTH: u32 = 2u;
+
+const GATE_OWN: u32 = 1u;
+const GATE_CODES: u32 = 2u;
+const GATE_FLOATS: u32 = 3u;
+
+// 1.0
+const ONE: u32 = 0x3f800000u;
+
+struct BrushStroke {
+    // Columns of world_from_index and unit normals of the layers of voxels, mm.
+    columns: array<vec4<f32>, 3>,
+    normals: array<vec4<f32>, 3>,
+    // C, in the storage's own steps; colour in 0..1; a label's id in x.
+    paint: vec4<f32>,
+    dims: vec3<i32>,
+    operation: u32,
+    gather: u32,
+    falloff: u32,
+    gate: u32,
+    gate_lo: u32,
+    gate_hi: u32,
+    unused_a: u32,
+    unused_b: u32,
+    unused_c: u32,
+}
+
+struct BrushDab {
+    // Centre = base + fraction, continuous index.
+    base: vec3<i32>,
+    // Across which a disc lies; -1 for a ball.
+    axis: i32,
+    fraction: vec3<f32>,
+    layer: i32,
+    // Strength times pressure.
+    gain: f32,
+    // Largest squared distance inside, mm^2.
+    edge: f32,
+    // 0 for radius 0.
+    inverse_radius: f32,
+    unused: u32,
+}
+
+struct BrushItem {
+    // Voxel of the slot's first texel.
+    origin: vec3<i32>,
+    // Number of the slot in this chunk's buffers.
+    place: u32,
+    // Box of work: first word, row and layer of the slot, and how many.
+    lo: vec3<u32>,
+    // First word in `next`.
+    next: u32,
+    size: vec3<u32>,
+    // Dabs that can meet the slot.
+    first_dab: u32,
+    dab_count: u32,
+    unused_a: u32,
+    unused_b: u32,
+    unused_c: u32,
+}
+
+// Uniforms: from a storage buffer such loops run many times slower on software Vulkan, and read wrong.
+@group(0) @binding(0) var<uniform> stroke: BrushStroke;
+@group(0) @binding(1) var<uniform> dabs: array<BrushDab, 256>;
+@group(0) @binding(2) var<uniform> items: array<BrushItem, 128>;
+// The slots' texels at the stroke's start.
+@group(0) @binding(3) var<storage, read> start: array<u32>;
+// A texel's coverage so far, as the bits of an f32: its largest G, or the sum of G, or what is left of 1 after all
+// factors 1 - G (with the bits of 1 flipped, so that a cleared buffer means untouched).
+@group(0) @binding(4) var<storage, read_write> coverage: array<u32>;
+// The boxes' new words, rows at PITCH.
+@group(0) @binding(5) var<storage, read_write> next: array<u32>;
+// Not 0 for slots in which a voxel of their own differs from the start.
+@group(0) @binding(6) var<storage, read_write> changed: array<atomic<u32>>;
+// Unedited density, tight rows of the host's texels.
+@group(0) @binding(7) var<storage, read> base: array<u32>;
+// Density at the stroke's start, tight rows of the host's texels.
+@group(0) @binding(8) var<storage, read> density: array<u32>;
+// Bit of every locked label.
+@group(0) @binding(9) var<storage, read> locked: array<u32>;
+
+fn g_of(voxel: vec3<i32>, i: u32) -> f32 {
+    let offset = vec3<f32>(voxel - dabs[i].base) - dabs[i].fraction;
+    var d = stroke.columns[0].xyz * offset.x + stroke.columns[1].xyz * offset.y + stroke.columns[2].xyz * offset.z;
+    let axis = dabs[i].axis;
+    if axis >= 0 {
+        if voxel[axis] != dabs[i].layer {
+            return 0.0;
+        }
+        let n = stroke.normals[axis].xyz;
+        d -= n * dot(n, d);
+    }
+    let squared = dot(d, d);
+    if squared > dabs[i].edge {
+        return 0.0;
+    }
+    let x = min(sqrt(squared) * dabs[i].inverse_radius, 1.0);
+    var f = 1.0;
+    if stroke.falloff == LINEAR {
+        f = 1.0 - x;
+    } else if stroke.falloff == SMOOTH {
+        f = (1.0 - x * x) * (1.0 - x * x);
+    }
+    return dabs[i].gain * f;
+}
+
+// Lays the dabs on what a texel has gathered; answers the new state's bits.
+fn gathered(before: u32, voxel: vec3<i32>, first: u32, count: u32) -> u32 {
+    let product = stroke.gather == PRODUCT;
+    let largest = stroke.gather == LARGEST;
+    let flip = select(0u, ONE, product);
+    var state = bitcast<f32>(before ^ flip);
+    for (var i = first; i < first + count; i += 1u) {
+        let g = g_of(voxel, i);
+        // Subtracting g times the rest, not multiplying by 1 - g: the latter is rounded alike for every dab.
+        state = select(select(state + g, state - state * g, product), max(state, g), largest);
+    }
+    return bitcast<u32>(state) ^ flip;
+}
+
+fn cover_of(state: u32) -> f32 {
+    if stroke.gather == PRODUCT {
+        return 1.0 - bitcast<f32>(state ^ ONE);
+    }
+    return bitcast<f32>(state);
+}
+
+// A key that is ordered like the floats.
+fn ordered(bits: u32) -> u32 {
+    return select(bits | 0x80000000u, ~bits, bits >= 0x80000000u);
+}
+
+fn finite(bits: u32) -> bool {
+    return (bits & 0x7f800000u) != 0x7f800000u;
+}
+
+// A code of a row of pairs.
+fn tight_code(word: u32, x: u32) -> u32 {
+    return (word >> (16u * (x & 1u))) & 0xffffu;
+}
+
+fn is_open(own: u32, place: u32, row: u32, x: u32) -> bool {
+    var key = own;
+    if stroke.gate == GATE_CODES {
+        key = tight_code(density[(place * SLOT * SLOT + row) * 17u + x / 2u], x);
+    } else if stroke.gate == GATE_FLOATS {
+        key = ordered(density[(place * SLOT * SLOT + row) * SLOT + x]);
+    } else if stroke.gate != GATE_OWN {
+        return true;
+    }
+    return key >= stroke.gate_lo && key <= stroke.gate_hi;
+}
+
+// Equation 1 for a number P and a number C; `back` is the number before any edit.
+fn number(p: f32, back: f32, cover: f32) -> f32 {
+    let c = stroke.paint.x;
+    if stroke.operation == ADD {
+        return clamp(p + cover * c, LOW, TOP);
+    }
+    if stroke.operation == SUBTRACT {
+        return clamp(p - cover * c, LOW, TOP);
+    }
+    let end = select(c, back, stroke.operation == RESTORE);
+    return select(p + cover * (end - p), end, cover >= 1.0);
+}
+
+fn code(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
+    var back = 0u;
+    if stroke.operation == RESTORE {
+        back = tight_code(base[(place * SLOT * SLOT + row) * 17u + x / 2u], x);
+    }
+    return u32(clamp(floor(number(f32(old), f32(back), cover) + 0.5), LOW, TOP));
+}
+
+// Per format: the new texel, and the key of a texel that is density itself.
+#ifdef SELECTION
+fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
+    return u32(floor(number(f32(old), 0.0, cover) + 0.5));
+}
+fn own_key(old: u32) -> u32 {
+    return 0u;
+}
+#endif
+
+#ifdef CODES
+fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
+    return code(old, cover, place, row, x);
+}
+fn own_key(old: u32) -> u32 {
+    return old;
+}
+#endif
+
+#ifdef CODES_IN_FLOATS
+fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
+    let new_code = code(own_key(old), cover, place, row, x);
+    return select(bitcast<u32>(f32(new_code) / TOP), old, new_code == own_key(old));
+}
+fn own_key(old: u32) -> u32 {
+    return u32(floor(bitcast<f32>(old) * TOP + 0.5));
+}
+#endif
+
+#ifdef FLOATS
+fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
+    var back = old;
+    if stroke.operation == RESTORE {
+        back = base[(place * SLOT * SLOT + row) * SLOT + x];
+    }
+    // What is not a number has nothing to mix with: it stays until it is covered wholly.
+    let whole = cover >= 1.0;
+    if !finite(old) || !finite(back) {
+        let mixes = stroke.operation != ADD && stroke.operation != SUBTRACT;
+        if !whole || !mixes {
+            return old;
+        }
+        return select(bitcast<u32>(stroke.paint.x), back, stroke.operation == RESTORE);
+    }
+    if whole && stroke.operation == RESTORE {
+        return back;
+    }
+    return bitcast<u32>(number(bitcast<f32>(old), bitcast<f32>(back), cover));
+}
+fn own_key(old: u32) -> u32 {
+    return ordered(old);
+}
+#endif
+
+#ifdef LABELS
+fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
+    if cover < 0.5 || ((locked[old >> 5u] >> (old & 31u)) & 1u) != 0u {
+        return old;
+    }
+    let label = u32(stroke.paint.x);
+    if stroke.operation == RESTORE {
+        return 0u;
+    }
+    if stroke.operation == SUBTRACT {
+        return select(old, 0u, old == label);
+    }
+    return label;
+}
+fn own_key(old: u32) -> u32 {
+    return 0u;
+}
+#endif
+
+#ifdef COLOUR
+fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
+    let p = unpack4x8unorm(old);
+    let c = stroke.paint;
+    if stroke.operation == SUBTRACT {
+        return select(packed(vec4<f32>(p.rgb - cover * c.a * c.rgb, p.a)), old, p.a == 0.0);
+    }
+    // Amounts of paint.
+    let paint = vec4<f32>(p.rgb * p.a, p.a);
+    let added = vec4<f32>(c.rgb * c.a, c.a);
+    var to = added;
+    if stroke.operation == ADD {
+        let sum = paint + cover * added;
+        return straight(vec4<f32>(sum.rgb, min(sum.a, 1.0)));
+    }
+    if stroke.operation == BLEND {
+        to = added + paint * (1.0 - c.a);
+    } else if stroke.operation == RESTORE {
+        to = vec4<f32>(0.0);
+    }
+    if cover >= 1.0 {
+        return straight(to);
+    }
+    return straight(paint + cover * (to - paint));
+}
+fn straight(amount: vec4<f32>) -> u32 {
+    if amount.a <= 0.0 {
+        return 0u;
+    }
+    return packed(vec4<f32>(amount.rgb / amount.a, amount.a));
+}
+fn packed(colour: vec4<f32>) -> u32 {
+    let steps = vec4<u32>(floor(clamp(colour, vec4<f32>(0.0), vec4<f32>(1.0)) * 255.0 + 0.5));
+    let word = steps.x | (steps.y << 8u) | (steps.z << 16u) | (steps.w << 24u);
+    return select(word, 0u, steps.w == 0u);
+}
+fn own_key(old: u32) -> u32 {
+    return 0u;
+}
+#endif
+
+@compute @workgroup_size(8, 8, 4)
+fn brush(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let item = group.y;
+    let size = items[item].size;
+    // The box's words in one row of invocations: a row of a slot rarely fills a workgroup's.
+    let flat = group.x * 256u + local;
+    if flat >= size.x * size.y * size.z {
+        return;
+    }
+    let step = vec3<u32>(flat % size.x, (flat / size.x) % size.y, flat / (size.x * size.y));
+    let at = items[item].lo + step;
+    let place = items[item].place;
+    let row = at.z * SLOT + at.y;
+    let old_word = start[(place / LANES) * SLOT * SLOT * PITCH + (place % LANES) * ROW + row * PITCH + at.x];
+    let first = items[item].first_dab;
+    let count = items[item].dab_count;
+    let bits = 32u / PER_WORD;
+    let mask = 0xffffffffu >> (32u - bits);
+
+    var new_word = 0u;
+    var differs = false;
+    for (var lane = 0u; lane < PER_WORD; lane += 1u) {
+        let x = at.x * PER_WORD + lane;
+        if x >= SLOT {
+            break;
+        }
+        let voxel = items[item].origin + vec3<i32>(vec3<u32>(x, at.yz));
+        let shown = clamp(voxel, vec3<i32>(0), stroke.dims - 1);
+        let index = place * SLOT_TEXELS + row * SLOT + x;
+        let before = coverage[index];
+        let state = gathered(before, shown, first, count);
+        coverage[index] = state;
+        let old = (old_word >> (bits * lane)) & mask;
+        let cover = cover_of(state);
+        var new_texel = old;
+        if cover > 0.0 && is_open(own_key(old), place, row, x) {
+            new_texel = texel(old, cover, place, row, x);
+        }
+        new_word |= new_texel << (bits * lane);
+        let t = vec3<u32>(x, at.yz);
+        let own = all(t >= vec3<u32>(1u)) && all(t <= vec3<u32>(32u)) && all(voxel == shown);
+        differs = differs || (own && new_texel != old);
+    }
+    next[items[item].next + (step.z * size.y + step.y) * PITCH + step.x] = new_word;
+    if differs && atomicLoad(&changed[place]) == 0u {
+        atomicStore(&changed[place], 1u);
+    }
+}

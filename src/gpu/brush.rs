@@ -1,0 +1,515 @@
+//! Painting on the GPU: the life of one stroke, from its first dab to the bricks it changed.
+//!
+//! Owns what a stroke gathers (coverage, texels at its start) and its dabs, so that it can be taken back, or painted again
+//! after a loss of the device. The pools' slots show it in the same frame; the host's fields stay as they are until
+//! [`Painter::finish`]. Knows no history. Direct Volume Editing (2008) section 3, equations 1 and 2.
+
+use super::brush_frame::groups;
+use super::brush_kernel::{BrushDab, BrushItem, BrushStroke, GROUP, Kernels, MOST_DABS, MOST_ITEMS, PITCH, Variant};
+use super::brush_memory::{Chunk, Extras, at, next_capacity, rows};
+use super::{FieldPools, Fields, Gpu, GpuError, brush_readback};
+use crate::paint::{Brush, Dab, Operation, Target};
+use crate::volume::{Brick, BrickIndex, BrickKey, Field, FieldKind, Grid, Refresh, SLOT, Segments};
+use rayon::prelude::*;
+use std::collections::{BTreeSet, HashMap};
+
+/// Memory that one stroke may take unless [`Painter::set_budget`] says otherwise.
+const BUDGET: u64 = 512 << 20;
+/// Memory kept from stroke to stroke, so that a click does not wait for buffers.
+const KEPT: u64 = 64 << 20;
+const DABS_BYTES: u64 = (MOST_DABS * size_of::<BrushDab>()) as u64;
+const ITEMS_BYTES: u64 = (MOST_ITEMS * size_of::<BrushItem>()) as u64;
+/// Uniform offsets are multiples of this on every adapter.
+const ALIGNED: usize = 256;
+
+/// Paints strokes, one at a time. Long-lived: it keeps pipelines and some buffers.
+#[derive(Debug)]
+pub struct Painter {
+    gpu: Gpu,
+    kernels: Kernels,
+    uniforms: wgpu::Buffer,
+    /// New words of a dispatch, on their way into the slots.
+    next: wgpu::Buffer,
+    locked: wgpu::Buffer,
+    /// Bound where a stroke has no use for a buffer.
+    nothing: wgpu::Buffer,
+    spare: Vec<Chunk>,
+    budget_bytes: u64,
+    stroke: Option<Stroke>,
+}
+
+#[derive(Debug)]
+struct Stroke {
+    brush: Brush,
+    grid: Grid,
+    constants: BrushStroke,
+    locked: Vec<u32>,
+    dabs: Vec<Dab>,
+    chunks: Vec<Chunk>,
+    /// Chunk and place within it.
+    places: HashMap<BrickIndex, (usize, u32)>,
+}
+
+struct Dispatch {
+    chunk: usize,
+    dabs_at: u32,
+    items_at: u32,
+    groups: [u32; 2],
+    copies: Vec<Copy>,
+}
+
+struct Copy {
+    offset: u64,
+    rows: u32,
+    to: [u32; 3],
+    extent: wgpu::Extent3d,
+}
+
+impl Painter {
+    /// A painter on this device.
+    ///
+    /// # Errors
+    /// If the device refuses its small buffers.
+    pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
+        use wgpu::BufferUsages as Use;
+        let kernels = Kernels::new(gpu)?;
+        gpu.scoped("the brush's buffers", || {
+            Ok(Self {
+                uniforms: buffer(gpu, "brush uniforms", 1 << 16, Use::UNIFORM | Use::COPY_DST),
+                next: buffer(gpu, "brush words", 1 << 20, Use::STORAGE | Use::COPY_SRC),
+                locked: buffer(gpu, "brush locked", 65_536 / 8, Use::STORAGE | Use::COPY_DST),
+                nothing: buffer(gpu, "brush nothing", 16, Use::STORAGE),
+                gpu: gpu.clone(),
+                kernels,
+                spare: Vec::new(),
+                budget_bytes: BUDGET,
+                stroke: None,
+            })
+        })
+    }
+
+    /// Sets the memory that one stroke may take on the GPU, in bytes (some 350 kB a touched brick; slots of the pools come on
+    /// top).
+    pub fn set_budget(&mut self, bytes: u64) {
+        self.budget_bytes = bytes;
+    }
+
+    /// Whether a stroke is running.
+    pub fn is_painting(&self) -> bool {
+        self.stroke.is_some()
+    }
+
+    /// The bricks that the running stroke shows in, itself or through an apron, in order.
+    pub fn touched(&self) -> Vec<BrickIndex> {
+        let mut touched: Vec<_> = self.stroke.iter().flat_map(|s| s.places.keys().copied()).collect();
+        touched.sort_unstable();
+        touched
+    }
+
+    /// Starts a stroke on the fields as they are now; they must stay so until it ends. Labels of locked segments are kept.
+    ///
+    /// # Errors
+    /// [`GpuError::Stroke`] if one is running; [`GpuError::Paint`] if the brush is not valid; [`GpuError::BeyondRange`] if
+    /// density cannot yet hold what the brush makes: widen its [`DensityMap`](crate::volume::DensityMap) and begin again.
+    pub fn begin(
+        &mut self,
+        grid: &Grid,
+        fields: &Fields<'_>,
+        brush: &Brush,
+        segments: &Segments,
+    ) -> Result<(), GpuError> {
+        if self.is_painting() {
+            return Err(GpuError::Stroke("one is running; end or cancel it first"));
+        }
+        brush.check()?;
+        if let Some(needed) = brush.range_needed(fields.density) {
+            let map = fields.density.map();
+            return Err(GpuError::BeyondRange { needed, held: [map.lo, map.hi()] });
+        }
+        let target = fields.get(brush.target.field());
+        let mut locked = vec![0_u32; 65_536 / 32];
+        for segment in segments.0.iter().filter(|s| s.locked) {
+            locked[usize::from(segment.id) / 32] |= 1 << (segment.id % 32);
+        }
+        self.stroke = Some(Stroke {
+            brush: *brush,
+            grid: *grid,
+            constants: BrushStroke::new(brush, grid, target, fields.density),
+            locked,
+            dabs: Vec::new(),
+            chunks: Vec::new(),
+            places: HashMap::new(),
+        });
+        Ok(())
+    }
+
+    /// Paints further dabs: after it the pools' slots show them, without waiting for the GPU. Answers the bricks that the
+    /// dabs show in, in order. `fields` are those of [`begin`](Self::begin).
+    ///
+    /// # Errors
+    /// [`GpuError::StrokeTooLarge`] and [`GpuError::PoolFull`] if there is no room for more bricks; [`GpuError::Lost`];
+    /// [`GpuError::Source`]. The stroke is then as it was and can be ended, cancelled or replayed.
+    pub fn extend(
+        &mut self,
+        pools: &mut FieldPools,
+        fields: &Fields<'_>,
+        dabs: &[Dab],
+    ) -> Result<Vec<BrickIndex>, GpuError> {
+        self.gpu.check()?;
+        let Some(stroke) = &mut self.stroke else { return Err(NOT_RUNNING) };
+        let target = fields.get(stroke.kind());
+        let dims = stroke.grid.dims;
+        let footprints: Vec<_> = dabs.iter().filter_map(|d| d.footprint(&stroke.brush, &stroke.grid)).collect();
+        let groups = groups(&footprints, dims);
+        let bricks: BTreeSet<_> = groups.iter().flat_map(|(_, work)| work.keys().copied()).collect();
+        let bricks: Vec<_> = bricks.into_iter().collect();
+        if bricks.is_empty() {
+            stroke.dabs.extend_from_slice(dabs);
+            return Ok(bricks);
+        }
+        let origins = pools.pin(&self.gpu, target, &bricks)?;
+        let slots: HashMap<_, _> = bricks.iter().copied().zip(origins).collect();
+        let (Some(texture), Some(format)) = (pools.texture(stroke.kind()), pools.format(stroke.kind())) else {
+            return Err(GpuError::Stroke("the pools hold no slots of the field"));
+        };
+        let variant = Variant::of(target.format(), format);
+        let pipeline = self.kernels.pipeline(&self.gpu, variant)?;
+        let new: Vec<_> = bricks.iter().copied().filter(|b| !stroke.places.contains_key(b)).collect();
+        stroke.reserve(&self.gpu, variant, fields.density, new.len(), &mut self.spare, self.budget_bytes)?;
+
+        let mut encoder =
+            self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("dabs") });
+        let first_dabs = stroke.dabs.is_empty();
+        stroke.take(&self.gpu, fields, &new, &mut encoder, texture, &slots)?;
+
+        let mut uniforms = padded(bytemuck::bytes_of(&stroke.constants), ALIGNED);
+        let mut dispatches = Vec::new();
+        let mut most_words = 0;
+        for (dabs, work) in &groups {
+            let dabs_at = uniforms.len() as u32;
+            let dabs: Vec<_> = dabs.iter().map(BrushDab::new).collect();
+            uniforms.extend(padded(bytemuck::cast_slice(&dabs), DABS_BYTES as usize));
+            for chunk in 0..stroke.chunks.len() {
+                let mut items = Vec::new();
+                let mut copies = Vec::new();
+                let (mut words, mut longest) = (0, 0);
+                for (brick, work) in work {
+                    let (Some(&(home, place)), Some(slot)) = (stroke.places.get(brick), slots.get(brick)) else {
+                        continue;
+                    };
+                    if home != chunk {
+                        continue;
+                    }
+                    let item = work.item(*brick, dims, place, variant.per_word(), words);
+                    copies.push(Copy::of(&item, *slot, variant));
+                    words += item.size[1] * item.size[2] * (PITCH / 4);
+                    longest = longest.max(item.size.iter().product::<u32>().div_ceil(GROUP));
+                    items.push(item);
+                }
+                if items.is_empty() {
+                    continue;
+                }
+                let items_at = uniforms.len() as u32;
+                uniforms.extend(padded(bytemuck::cast_slice(&items), ITEMS_BYTES as usize));
+                most_words = most_words.max(words);
+                dispatches.push(Dispatch { chunk, dabs_at, items_at, groups: [longest, items.len() as u32], copies });
+            }
+        }
+
+        let Self { gpu, kernels, uniforms: uniform_buffer, next, locked, nothing, .. } = self;
+        let submitted = gpu.scoped("dabs", || {
+            use wgpu::BufferUsages as Use;
+            grow(gpu, uniform_buffer, uniforms.len() as u64, Use::UNIFORM | Use::COPY_DST);
+            grow(gpu, next, u64::from(most_words) * 4, Use::STORAGE | Use::COPY_SRC);
+            gpu.queue.write_buffer(uniform_buffer, 0, &uniforms);
+            if first_dabs {
+                gpu.queue.write_buffer(locked, 0, bytemuck::cast_slice(&stroke.locked));
+            }
+            let groups: Vec<_> = stroke
+                .chunks
+                .iter()
+                .map(|chunk| bind(gpu, &kernels.layout, chunk, [&*uniform_buffer, next, locked, nothing]))
+                .collect();
+            for dispatch in &dispatches {
+                let mut pass = encoder
+                    .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("dabs"), timestamp_writes: None });
+                pass.set_pipeline(&pipeline);
+                pass.set_bind_group(0, &groups[dispatch.chunk], &[dispatch.dabs_at, dispatch.items_at]);
+                pass.dispatch_workgroups(dispatch.groups[0], dispatch.groups[1], 1);
+                drop(pass);
+                for copy in &dispatch.copies {
+                    encoder.copy_buffer_to_texture(
+                        rows(next, copy.offset, copy.rows),
+                        at(texture, copy.to),
+                        copy.extent,
+                    );
+                }
+            }
+            gpu.queue.submit([encoder.finish()]);
+            Ok(())
+        });
+        if let Err(error) = submitted {
+            stroke.forget(&new);
+            return Err(error);
+        }
+        stroke.dabs.extend_from_slice(dabs);
+        Ok(bricks)
+    }
+
+    /// Ends the stroke: waits for the GPU and answers the bricks whose own texels differ from those at its start, in order,
+    /// with zeros beyond the volume. None: the stroke changed nothing. The slots show the stroke already; give the bricks to
+    /// [`Field::swap`] and the answer to [`FieldPools::refresh`] before anything else is drawn.
+    ///
+    /// # Errors
+    /// [`GpuError::Lost`] and others of the device. The stroke then goes on and can be replayed or cancelled.
+    pub fn finish(
+        &mut self,
+        pools: &mut FieldPools,
+        fields: &Fields<'_>,
+    ) -> Result<Vec<(BrickIndex, Brick)>, GpuError> {
+        let Some(stroke) = &self.stroke else { return Err(NOT_RUNNING) };
+        let target = fields.get(stroke.kind());
+        let changed = brush_readback::changed(&self.gpu, &stroke.chunks)?;
+        let bricks = brush_readback::bricks(&self.gpu, pools, target, &changed)?;
+        self.end(pools);
+        Ok(bricks)
+    }
+
+    /// Takes the stroke back: the slots are as they were. Answers what the pools showed of it, for [`FieldPools::refresh`]
+    /// with the unchanged field.
+    ///
+    /// # Errors
+    /// [`GpuError::Lost`]: then there is nothing left to take back, and the stroke is gone too.
+    pub fn cancel(&mut self, pools: &mut FieldPools, fields: &Fields<'_>) -> Result<Refresh, GpuError> {
+        let touched = self.touched();
+        let Some(stroke) = &self.stroke else { return Err(NOT_RUNNING) };
+        let restored = stroke.restore(&self.gpu, pools, fields, &touched);
+        self.end(pools);
+        restored?;
+        Ok(Refresh { slots: touched.into_iter().map(|index| BrickKey { level: 0, index }).collect() })
+    }
+
+    /// A brick as the running stroke shows it. Waits for the GPU.
+    ///
+    /// # Errors
+    /// As [`finish`](Self::finish).
+    pub fn live(
+        &self,
+        pools: &mut FieldPools,
+        fields: &Fields<'_>,
+        brick: BrickIndex,
+    ) -> Result<Option<Brick>, GpuError> {
+        let Some(stroke) = self.stroke.as_ref().filter(|s| s.places.contains_key(&brick)) else { return Ok(None) };
+        let target = fields.get(stroke.kind());
+        Ok(brush_readback::bricks(&self.gpu, pools, target, &[brick])?.pop().map(|(_, brick)| brick))
+    }
+
+    /// After a loss of the device: paints the running stroke again on a new one, from the host's bricks. Without a running
+    /// stroke it only changes over.
+    ///
+    /// # Errors
+    /// As [`extend`](Self::extend); the dabs are kept, so that it can be tried again.
+    pub fn replay(&mut self, gpu: &Gpu, pools: &mut FieldPools, fields: &Fields<'_>) -> Result<(), GpuError> {
+        let budget_bytes = self.budget_bytes;
+        let stroke = self.stroke.take();
+        match Self::new(gpu) {
+            Ok(new) => *self = Self { budget_bytes, ..new },
+            Err(error) => {
+                self.stroke = stroke;
+                return Err(error);
+            }
+        }
+        let Some(stroke) = stroke else { return Ok(()) };
+        let dabs = stroke.dabs;
+        self.stroke = Some(Stroke { dabs: Vec::new(), chunks: Vec::new(), places: HashMap::new(), ..stroke });
+        let painted = self.extend(pools, fields, &dabs).map(drop);
+        if let (Err(_), Some(stroke)) = (&painted, &mut self.stroke) {
+            stroke.dabs = dabs;
+        }
+        painted
+    }
+
+    fn end(&mut self, pools: &mut FieldPools) {
+        let Some(stroke) = self.stroke.take() else { return };
+        pools.unpin(stroke.kind());
+        let mut kept: u64 = self.spare.iter().map(Chunk::bytes).sum();
+        for mut chunk in stroke.chunks {
+            if kept + chunk.bytes() <= KEPT {
+                kept += chunk.bytes();
+                chunk.bricks.clear();
+                self.spare.push(chunk);
+            }
+        }
+    }
+}
+
+const NOT_RUNNING: GpuError = GpuError::Stroke("none is running; begin one first");
+
+impl Stroke {
+    fn kind(&self) -> FieldKind {
+        self.brush.target.field()
+    }
+
+    /// Room for further slots, from spare chunks or new ones.
+    fn reserve(
+        &mut self,
+        gpu: &Gpu,
+        variant: Variant,
+        density: &Field,
+        count: usize,
+        spare: &mut Vec<Chunk>,
+        budget_bytes: u64,
+    ) -> Result<(), GpuError> {
+        let on_density = matches!(self.brush.target, Target::Density(_));
+        let extras = Extras {
+            base: (on_density && self.brush.effective() == Operation::Restore).then(|| density.format()),
+            density: (!on_density && self.brush.range.is_some()).then(|| density.format()),
+        };
+        loop {
+            let room: usize = self.chunks.iter().map(Chunk::room).sum();
+            if room >= count {
+                return Ok(());
+            }
+            if let Some(i) = spare.iter().position(|c| c.serves(variant, extras)) {
+                self.chunks.push(spare.swap_remove(i));
+                continue;
+            }
+            // What does not serve makes room for what does.
+            spare.clear();
+            let capacity = next_capacity(count - room, self.places.len());
+            let held: u64 = self.chunks.iter().map(Chunk::bytes).sum();
+            let needed = held + u64::from(capacity) * super::brush_memory::slot_bytes(variant, extras);
+            if needed > budget_bytes {
+                return Err(GpuError::StrokeTooLarge { needed, budget: budget_bytes });
+            }
+            self.chunks.push(Chunk::new(gpu, variant, extras, capacity)?);
+        }
+    }
+
+    /// Places for new slots, with what the kernel reads of them.
+    fn take(
+        &mut self,
+        gpu: &Gpu,
+        fields: &Fields<'_>,
+        new: &[BrickIndex],
+        encoder: &mut wgpu::CommandEncoder,
+        texture: &wgpu::Texture,
+        slots: &HashMap<BrickIndex, [u32; 3]>,
+    ) -> Result<(), GpuError> {
+        let read = |wanted: bool, slot: &(dyn Fn(BrickIndex) -> Result<Vec<u8>, GpuError> + Sync)| {
+            if wanted { new.par_iter().map(|&b| slot(b)).collect::<Result<Vec<_>, _>>() } else { Ok(Vec::new()) }
+        };
+        let base = read(self.chunks.iter().any(|c| c.base.is_some()), &|b| Ok(fields.density.base_slot(b)?))?;
+        let density = read(self.chunks.iter().any(|c| c.density.is_some()), &|index| {
+            Ok(fields.density.slot(BrickKey { level: 0, index })?)
+        })?;
+        for (i, brick) in new.iter().enumerate() {
+            let Some(home) = self.chunks.iter().position(|c| c.room() > 0) else { continue };
+            let Some(&slot) = slots.get(brick) else { continue };
+            let chunk = &mut self.chunks[home];
+            let place = chunk.take(encoder, *brick, texture, slot);
+            for (buffer, texels) in [(&chunk.base, base.get(i)), (&chunk.density, density.get(i))] {
+                if let (Some(buffer), Some(texels)) = (buffer, texels) {
+                    gpu.queue.write_buffer(buffer, u64::from(place) * texels.len() as u64, texels);
+                }
+            }
+            self.places.insert(*brick, (home, place));
+        }
+        Ok(())
+    }
+
+    /// Takes places back that were given last.
+    fn forget(&mut self, new: &[BrickIndex]) {
+        for brick in new {
+            if let Some((chunk, place)) = self.places.remove(brick) {
+                self.chunks[chunk].bricks.truncate(place as usize);
+            }
+        }
+    }
+
+    fn restore(
+        &self,
+        gpu: &Gpu,
+        pools: &mut FieldPools,
+        fields: &Fields<'_>,
+        touched: &[BrickIndex],
+    ) -> Result<(), GpuError> {
+        if touched.is_empty() {
+            return Ok(());
+        }
+        let origins = pools.pin(gpu, fields.get(self.kind()), touched)?;
+        let Some(texture) = pools.texture(self.kind()) else { return Ok(()) };
+        gpu.scoped("a cancelled stroke", || {
+            let mut encoder =
+                gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("cancel") });
+            for (brick, slot) in touched.iter().zip(origins) {
+                if let Some(&(chunk, place)) = self.places.get(brick) {
+                    self.chunks[chunk].restore(&mut encoder, place, texture, slot);
+                }
+            }
+            gpu.queue.submit([encoder.finish()]);
+            Ok(())
+        })
+    }
+}
+
+impl Copy {
+    /// From the new words of an item's box into its slot.
+    fn of(item: &BrushItem, slot: [u32; 3], variant: Variant) -> Self {
+        let x = item.lo[0] * variant.per_word();
+        let end = ((item.lo[0] + item.size[0]) * variant.per_word()).min(SLOT);
+        Self {
+            offset: u64::from(item.next) * 4,
+            rows: item.size[1],
+            to: [slot[0] + x, slot[1] + item.lo[1], slot[2] + item.lo[2]],
+            extent: wgpu::Extent3d { width: end - x, height: item.size[1], depth_or_array_layers: item.size[2] },
+        }
+    }
+}
+
+fn bind(
+    gpu: &Gpu,
+    layout: &wgpu::BindGroupLayout,
+    chunk: &Chunk,
+    [uniforms, next, locked, nothing]: [&wgpu::Buffer; 4],
+) -> wgpu::BindGroup {
+    let part = |size: u64| {
+        wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+            buffer: uniforms,
+            offset: 0,
+            size: std::num::NonZero::new(size),
+        })
+    };
+    let resources = [
+        part(size_of::<BrushStroke>() as u64),
+        part(DABS_BYTES),
+        part(ITEMS_BYTES),
+        chunk.start.as_entire_binding(),
+        chunk.coverage.as_entire_binding(),
+        next.as_entire_binding(),
+        chunk.changed.as_entire_binding(),
+        chunk.base.as_ref().unwrap_or(nothing).as_entire_binding(),
+        chunk.density.as_ref().unwrap_or(nothing).as_entire_binding(),
+        locked.as_entire_binding(),
+    ];
+    let entries: Vec<_> =
+        (0_u32..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
+    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("brush"), layout, entries: &entries })
+}
+
+fn buffer(gpu: &Gpu, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+    gpu.device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
+}
+
+/// A larger buffer in place of one that is too small; its content does not outlive a frame.
+fn grow(gpu: &Gpu, held: &mut wgpu::Buffer, bytes: u64, usage: wgpu::BufferUsages) {
+    if held.size() < bytes {
+        *held = buffer(gpu, "brush", bytes.next_power_of_two(), usage);
+    }
+}
+
+fn padded(bytes: &[u8], to: usize) -> Vec<u8> {
+    let mut out = bytes.to_vec();
+    out.resize(bytes.len().next_multiple_of(to), 0);
+    out
+}

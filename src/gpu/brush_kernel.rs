@@ -1,0 +1,343 @@
+//! The brush kernel's pipelines and the numbers it is given: shaders/brush.wgsl.
+//!
+//! Owns the structs shared with the shader, the variants by texel format, and the translation of brushes and dabs into them.
+//! Knows neither bricks nor strokes in time.
+
+use super::{Gpu, GpuError, shader};
+use crate::math::DMat3;
+use crate::paint::{Brush, EDGE, Falloff, Footprint, Operation, Target, Tip};
+use crate::shared_struct;
+use crate::volume::{DensityMap, Field, Grid, SLOT, SLOT_VOXELS, TexelFormat};
+use std::collections::HashMap;
+
+/// Dabs of one dispatch: `array<BrushDab, 256>`.
+pub(super) const MOST_DABS: usize = 256;
+/// Slots of one dispatch: `array<BrushItem, 128>`.
+pub(super) const MOST_ITEMS: usize = 128;
+/// Invocations of a workgroup.
+pub(super) const GROUP: u32 = 256;
+/// Bytes between rows in buffers that are copied to or from textures.
+pub(super) const PITCH: u32 = 256;
+/// Bytes of a slot's rows at that pitch.
+pub(super) const RACK: u64 = (SLOT * SLOT * PITCH) as u64;
+
+shared_struct! {
+    /// A stroke's constants.
+    pub struct BrushStroke {
+        columns: [[f32; 4]; 3],
+        normals: [[f32; 4]; 3],
+        paint: [f32; 4],
+        dims: [i32; 3],
+        operation: u32,
+        gather: u32,
+        falloff: u32,
+        gate: u32,
+        gate_lo: u32,
+        gate_hi: u32,
+        unused_a: u32,
+        unused_b: u32,
+        unused_c: u32,
+    }
+}
+
+shared_struct! {
+    /// One dab.
+    pub struct BrushDab {
+        base: [i32; 3],
+        axis: i32,
+        fraction: [f32; 3],
+        layer: i32,
+        gain: f32,
+        edge: f32,
+        inverse_radius: f32,
+        unused: u32,
+    }
+}
+
+shared_struct! {
+    /// One slot's work.
+    pub struct BrushItem {
+        /// Voxel of the slot's first texel.
+        pub origin: [i32; 3],
+        /// Number of the slot within its chunk.
+        pub place: u32,
+        /// First word, row, layer.
+        pub lo: [u32; 3],
+        /// First word in the buffer of new words.
+        pub next: u32,
+        /// Words, rows, layers.
+        pub size: [u32; 3],
+        /// First dab that can meet the slot.
+        pub first_dab: u32,
+        /// Dabs from there.
+        pub dab_count: u32,
+        /// 0.
+        pub unused_a: u32,
+        /// 0.
+        pub unused_b: u32,
+        /// 0.
+        pub unused_c: u32,
+    }
+}
+
+/// What the kernel is compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Variant {
+    Selection,
+    Labels,
+    Colour,
+    /// Density in 16-bit codes.
+    Codes,
+    /// Density in 16-bit codes on the host, in `r32float` on a device without 16-bit textures: code / 65,535.
+    CodesInFloats,
+    /// Density in floats.
+    Floats,
+}
+
+impl Variant {
+    /// By the host's format and the pool's.
+    pub(super) fn of(host: TexelFormat, pool: TexelFormat) -> Self {
+        match (host, pool) {
+            (TexelFormat::R8Unorm, _) => Self::Selection,
+            (TexelFormat::R16Uint, _) => Self::Labels,
+            (TexelFormat::Rgba8Unorm, _) => Self::Colour,
+            (TexelFormat::R16Unorm, TexelFormat::R32Float) => Self::CodesInFloats,
+            (TexelFormat::R16Unorm, _) => Self::Codes,
+            (TexelFormat::R32Float, _) => Self::Floats,
+        }
+    }
+
+    fn def(self) -> &'static str {
+        match self {
+            Self::Selection => "SELECTION",
+            Self::Labels => "LABELS",
+            Self::Colour => "COLOUR",
+            Self::Codes => "CODES",
+            Self::CodesInFloats => "CODES_IN_FLOATS",
+            Self::Floats => "FLOATS",
+        }
+    }
+
+    /// Bytes of a texel on the GPU.
+    pub(super) fn bytes(self) -> u32 {
+        match self {
+            Self::Selection => 1,
+            Self::Labels | Self::Codes => 2,
+            Self::Colour | Self::CodesInFloats | Self::Floats => 4,
+        }
+    }
+
+    /// Texels in a word.
+    pub(super) fn per_word(self) -> u32 {
+        4 / self.bytes()
+    }
+
+    /// Bytes of a slot's row, in whole words.
+    pub(super) fn row_bytes(self) -> u32 {
+        SLOT.div_ceil(self.per_word()) * 4
+    }
+
+    /// How many slots lie side by side at the copies' pitch.
+    pub(super) fn lanes(self) -> u32 {
+        PITCH / self.row_bytes()
+    }
+}
+
+/// Bytes of a slot in the host's format, as the kernel reads unedited density and the value range's density.
+pub(super) fn tight_bytes(format: TexelFormat) -> u64 {
+    (SLOT_VOXELS * format.bytes()) as u64
+}
+
+/// Layout and pipelines, compiled as they are needed.
+#[derive(Debug)]
+pub(super) struct Kernels {
+    pub(super) layout: wgpu::BindGroupLayout,
+    pipelines: HashMap<Variant, wgpu::ComputePipeline>,
+}
+
+impl Kernels {
+    pub(super) fn new(gpu: &Gpu) -> Result<Self, GpuError> {
+        let uniform = |binding, size: usize, dynamic| entry(binding, wgpu::BufferBindingType::Uniform, size, dynamic);
+        let storage = |binding, read_only| entry(binding, wgpu::BufferBindingType::Storage { read_only }, 4, false);
+        let entries = [
+            uniform(0, size_of::<BrushStroke>(), false),
+            uniform(1, size_of::<BrushDab>() * MOST_DABS, true),
+            uniform(2, size_of::<BrushItem>() * MOST_ITEMS, true),
+            storage(3, true),
+            storage(4, false),
+            storage(5, false),
+            storage(6, false),
+            storage(7, true),
+            storage(8, true),
+            storage(9, true),
+        ];
+        let layout = gpu.scoped("the brush's bindings", || {
+            Ok(gpu
+                .device
+                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("brush"), entries: &entries }))
+        })?;
+        Ok(Self { layout, pipelines: HashMap::new() })
+    }
+
+    pub(super) fn pipeline(&mut self, gpu: &Gpu, variant: Variant) -> Result<wgpu::ComputePipeline, GpuError> {
+        if let Some(pipeline) = self.pipelines.get(&variant) {
+            return Ok(pipeline.clone());
+        }
+        let module = shader::compile(gpu, "brush.wgsl", &[(variant.def(), shader::Def::Bool(true))])?;
+        let pipeline = gpu.scoped("the brush kernel", || {
+            let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some("brush"),
+                bind_group_layouts: &[Some(&self.layout)],
+                immediate_size: 0,
+            });
+            Ok(gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(variant.def()),
+                layout: Some(&layout),
+                module: &module,
+                entry_point: Some("brush"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            }))
+        })?;
+        self.pipelines.insert(variant, pipeline.clone());
+        Ok(pipeline)
+    }
+}
+
+fn entry(
+    binding: u32,
+    ty: wgpu::BufferBindingType,
+    min_bytes: usize,
+    has_dynamic_offset: bool,
+) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty,
+            has_dynamic_offset,
+            min_binding_size: std::num::NonZero::new(min_bytes as u64),
+        },
+        count: None,
+    }
+}
+
+impl BrushStroke {
+    /// The constants of a stroke on a field of this format.
+    pub(super) fn new(brush: &Brush, grid: &Grid, target: &Field, density: &Field) -> Self {
+        let map = target.map();
+        let operation = brush.effective();
+        let offset = matches!(operation, Operation::Add | Operation::Subtract);
+        let paint = match brush.target {
+            Target::Density(value) if target.format() == TexelFormat::R32Float => [value as f32, 0.0, 0.0, 0.0],
+            Target::Density(value) if offset => [(value * map.codes_per_unit) as f32, 0.0, 0.0, 0.0],
+            Target::Density(value) => {
+                [((value - map.lo) * map.codes_per_unit).clamp(0.0, 65_535.0) as f32, 0.0, 0.0, 0.0]
+            }
+            Target::Colour(rgba) => rgba,
+            Target::Selection(value) => [value * 255.0, 0.0, 0.0, 0.0],
+            Target::Label(id) => [f32::from(id), 0.0, 0.0, 0.0],
+        };
+        let on_density = matches!(brush.target, Target::Density(_));
+        let (gate, [gate_lo, gate_hi]) = match brush.range {
+            None => (0, [0; 2]),
+            Some(range) => {
+                let gate = match density.format() {
+                    _ if on_density => 1,
+                    TexelFormat::R32Float => 3,
+                    _ => 2,
+                };
+                (gate, gate_keys(density.map(), range))
+            }
+        };
+        let rows = grid.index_from_world().matrix3.transpose();
+        let normals = DMat3::from_cols(rows.x_axis.normalize(), rows.y_axis.normalize(), rows.z_axis.normalize());
+        Self {
+            columns: columns(&grid.world_from_index.matrix3),
+            normals: columns(&normals),
+            paint,
+            dims: grid.dims.map(|d| d as i32),
+            operation: match operation {
+                Operation::Replace => 0,
+                Operation::Add => 1,
+                Operation::Subtract => 2,
+                Operation::Blend => 3,
+                Operation::Restore => 4,
+            },
+            gather: match (brush.tip, offset) {
+                (Tip::Wash, _) => 0,
+                (Tip::BuildUp, false) => 1,
+                (Tip::BuildUp, true) => 2,
+            },
+            falloff: match brush.falloff {
+                Falloff::Hard => 0,
+                Falloff::Linear => 1,
+                Falloff::Smooth => 2,
+            },
+            gate,
+            gate_lo,
+            gate_hi,
+            unused_a: 0,
+            unused_b: 0,
+            unused_c: 0,
+        }
+    }
+}
+
+fn columns(m: &DMat3) -> [[f32; 4]; 3] {
+    [m.x_axis, m.y_axis, m.z_axis].map(|c| [c.x as f32, c.y as f32, c.z as f32, 0.0])
+}
+
+impl BrushDab {
+    pub(super) fn new(footprint: &Footprint) -> Self {
+        let base = footprint.centre.floor();
+        let reach = footprint.radius_mm * (1.0 + EDGE);
+        Self {
+            base: base.to_array().map(|v| v as i32),
+            axis: footprint.layer.map_or(-1, |l| l.axis as i32),
+            fraction: (footprint.centre - base).to_array().map(|v| v as f32),
+            layer: footprint.layer.map_or(0, |l| l.index as i32),
+            gain: footprint.gain,
+            edge: (reach * reach) as f32,
+            inverse_radius: if footprint.radius_mm > 0.0 { (1.0 / footprint.radius_mm) as f32 } else { 0.0 },
+            unused: 0,
+        }
+    }
+}
+
+/// The closed range of keys (codes, or floats in an order of unsigned numbers) that decode to values within `range`.
+fn gate_keys(map: &DensityMap, [lo, hi]: [f64; 2]) -> [u32; 2] {
+    if map.format == TexelFormat::R32Float {
+        // The narrowest floats inside; both zeros count as zero.
+        let first = lo as f32;
+        let first = if f64::from(first) < lo { first.next_up() } else { first };
+        let last = hi as f32;
+        let last = if f64::from(last) > hi { last.next_down() } else { last };
+        return [ordered(if first == 0.0 { -0.0 } else { first }), ordered(if last == 0.0 { 0.0 } else { last })];
+    }
+    let value = |code: u32| {
+        let [a, b] = (code as u16).to_le_bytes();
+        map.decode([a, b, 0, 0])
+    };
+    // Codes rise with values, so the ends are found by halving.
+    let first_code = |inside: &dyn Fn(f64) -> bool| {
+        let (mut from, mut to) = (0_u32, 65_536_u32);
+        while from < to {
+            let middle = (from + to) / 2;
+            if inside(value(middle)) { to = middle } else { from = middle + 1 }
+        }
+        from
+    };
+    let first = first_code(&|v| v >= lo);
+    match first_code(&|v| v > hi) {
+        // Nothing is inside.
+        0 => [1, 0],
+        end => [first, end - 1],
+    }
+}
+
+/// A float's bits, ordered like the floats; NaN is below or above all numbers.
+fn ordered(value: f32) -> u32 {
+    let bits = value.to_bits();
+    if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
+}

@@ -1,0 +1,135 @@
+//! What a stroke keeps on the GPU for every slot it touches: texels at its start and coverage so far.
+//!
+//! Owns [`Chunk`], buffers for a number of slots; a stroke takes further chunks as it grows. Knows no dabs.
+
+use super::brush_kernel::{PITCH, RACK, Variant, tight_bytes};
+use super::{Gpu, GpuError};
+use crate::volume::{BrickIndex, SLOT, SLOT_VOXELS, TexelFormat};
+
+/// Slots of the smallest and of the largest chunk; the latter is what one dispatch can take.
+const CAPACITY: [u32; 2] = [16, super::brush_kernel::MOST_ITEMS as u32];
+const COVERAGE_BYTES: u64 = SLOT_VOXELS as u64 * 4;
+
+/// What a stroke needs beyond start and coverage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Extras {
+    /// Format of unedited density, if the stroke restores it.
+    pub(super) base: Option<TexelFormat>,
+    /// Format of density, if another field's stroke respects a range of values.
+    pub(super) density: Option<TexelFormat>,
+}
+
+#[derive(Debug)]
+pub(super) struct Chunk {
+    variant: Variant,
+    extras: Extras,
+    capacity: u32,
+    /// By place.
+    pub(super) bricks: Vec<BrickIndex>,
+    pub(super) start: wgpu::Buffer,
+    pub(super) coverage: wgpu::Buffer,
+    pub(super) changed: wgpu::Buffer,
+    pub(super) base: Option<wgpu::Buffer>,
+    pub(super) density: Option<wgpu::Buffer>,
+}
+
+/// Bytes that a slot takes, more or less: racks of several slots are counted in parts.
+pub(super) fn slot_bytes(variant: Variant, extras: Extras) -> u64 {
+    let extra = |format: Option<TexelFormat>| format.map_or(0, tight_bytes);
+    RACK / u64::from(variant.lanes()) + COVERAGE_BYTES + 4 + extra(extras.base) + extra(extras.density)
+}
+
+/// How many slots the next chunk holds when `needed` have no place and `touched` have one.
+pub(super) fn next_capacity(needed: usize, touched: usize) -> u32 {
+    (needed.max(touched / 2) as u32).next_power_of_two().clamp(CAPACITY[0], CAPACITY[1])
+}
+
+impl Chunk {
+    pub(super) fn new(gpu: &Gpu, variant: Variant, extras: Extras, capacity: u32) -> Result<Self, GpuError> {
+        use wgpu::BufferUsages as Use;
+        let count = u64::from(capacity);
+        let make = |label, size, usage| {
+            gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size,
+                usage: usage | Use::STORAGE | Use::COPY_DST,
+                mapped_at_creation: false,
+            })
+        };
+        gpu.scoped("a stroke's buffers", || {
+            let racks = u64::from(capacity.div_ceil(variant.lanes()));
+            let tight =
+                |label, format: Option<TexelFormat>| format.map(|f| make(label, count * tight_bytes(f), Use::empty()));
+            Ok(Self {
+                variant,
+                extras,
+                capacity,
+                bricks: Vec::new(),
+                start: make("brush start", racks * RACK, Use::COPY_SRC),
+                coverage: make("brush coverage", count * COVERAGE_BYTES, Use::empty()),
+                changed: make("brush changed", count * 4, Use::COPY_SRC),
+                base: tight("brush base", extras.base),
+                density: tight("brush density", extras.density),
+            })
+        })
+    }
+
+    /// Whether a stroke of this kind can take it over.
+    pub(super) fn serves(&self, variant: Variant, extras: Extras) -> bool {
+        self.variant == variant && self.extras == extras
+    }
+
+    pub(super) fn bytes(&self) -> u64 {
+        u64::from(self.capacity) * slot_bytes(self.variant, self.extras)
+    }
+
+    pub(super) fn room(&self) -> usize {
+        self.capacity as usize - self.bricks.len()
+    }
+
+    /// Gives a slot the next place: takes its texels from the pool and clears what it has gathered.
+    pub(super) fn take(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        brick: BrickIndex,
+        pool: &wgpu::Texture,
+        slot: [u32; 3],
+    ) -> u32 {
+        let place = self.bricks.len() as u32;
+        self.bricks.push(brick);
+        encoder.copy_texture_to_buffer(at(pool, slot), self.rows(place), SLOT_EXTENT);
+        encoder.clear_buffer(&self.coverage, u64::from(place) * COVERAGE_BYTES, Some(COVERAGE_BYTES));
+        encoder.clear_buffer(&self.changed, u64::from(place) * 4, Some(4));
+        place
+    }
+
+    /// Puts a slot's texels back as they were at the stroke's start.
+    pub(super) fn restore(&self, encoder: &mut wgpu::CommandEncoder, place: u32, pool: &wgpu::Texture, slot: [u32; 3]) {
+        encoder.copy_buffer_to_texture(self.rows(place), at(pool, slot), SLOT_EXTENT);
+    }
+
+    fn rows(&self, place: u32) -> wgpu::TexelCopyBufferInfo<'_> {
+        let (rack, lane) = (place / self.variant.lanes(), place % self.variant.lanes());
+        let offset = u64::from(rack) * RACK + u64::from(lane * self.variant.row_bytes());
+        rows(&self.start, offset, SLOT)
+    }
+}
+
+const SLOT_EXTENT: wgpu::Extent3d = wgpu::Extent3d { width: SLOT, height: SLOT, depth_or_array_layers: SLOT };
+
+/// Rows at the copies' pitch.
+pub(super) fn rows(buffer: &wgpu::Buffer, offset: u64, rows_per_image: u32) -> wgpu::TexelCopyBufferInfo<'_> {
+    wgpu::TexelCopyBufferInfo {
+        buffer,
+        layout: wgpu::TexelCopyBufferLayout {
+            offset,
+            bytes_per_row: Some(PITCH),
+            rows_per_image: Some(rows_per_image),
+        },
+    }
+}
+
+/// A box of a texture that starts at a texel.
+pub(super) fn at(texture: &wgpu::Texture, [x, y, z]: [u32; 3]) -> wgpu::TexelCopyTextureInfo<'_> {
+    wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x, y, z }, ..texture.as_image_copy() }
+}

@@ -1,0 +1,148 @@
+//! Strokes on the GPU against equations 1 and 2 over dense arrays, in the form P′ = P + G·((C op P) − P).
+
+mod reference;
+mod slots;
+mod strokes;
+
+use crate::common::gpu::gpu;
+use crate::common::volumes::*;
+use burin::gpu::{FieldPools, Fields, Gpu, Painter};
+use burin::math::{DAffine3, DMat3, DVec3};
+use burin::paint::*;
+use burin::volume::*;
+use rand::{Rng, SeedableRng, rngs::StdRng};
+
+const DIMS: [u32; 3] = [40, 36, 34];
+
+fn grids() -> [Grid; 3] {
+    let turned = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, -0.5).normalize(), 0.7);
+    let oblique = |m: DMat3| Grid {
+        dims: DIMS,
+        world_from_index: DAffine3 { matrix3: m, translation: DVec3::new(-31.5, 12.25, 7.0) },
+    };
+    let sheared = DMat3::from_cols(DVec3::X * 0.9, DVec3::new(0.3, 0.9, 0.0), DVec3::new(-0.4, 0.5, 1.6));
+    [Grid::aligned(DIMS, DVec3::new(0.7, 0.9, 2.5), DVec3::new(-14.0, 3.0, 100.0)), oblique(turned), oblique(sheared)]
+}
+
+/// Four fields with something in every voxel, on the GPU.
+struct Canvas {
+    grid: Grid,
+    density: Field,
+    /// Density without edits.
+    base: Vec<u8>,
+    colour: Field,
+    selection: Field,
+    labels: Field,
+    pools: FieldPools,
+    painter: Painter,
+    segments: Segments,
+}
+
+fn noise(v: [u32; 3], salt: u32) -> u32 {
+    let h = v[0].wrapping_mul(0x9e37_79b1) ^ v[1].wrapping_mul(0x85eb_ca6b) ^ v[2].wrapping_mul(0xc2b2_ae35) ^ salt;
+    let h = (h ^ h >> 15).wrapping_mul(0x2c1b_3c6d);
+    h ^ h >> 13
+}
+
+impl Canvas {
+    fn new(gpu: &Gpu, grid: Grid, density: Field) -> Self {
+        let colour = painted(FieldKind::Colour, &grid, |v| {
+            let n = noise(v, 1);
+            if n % 3 == 0 { [0; 4] } else { (n | 1 << 24).to_le_bytes() }
+        });
+        let selection = painted(FieldKind::Selection, &grid, |v| [noise(v, 2) as u8, 0, 0, 0]);
+        let labels = painted(FieldKind::Labels, &grid, |v| [[0, 5, 2, 255][noise(v, 3) as usize % 4], 0, 0, 0]);
+        let pools = FieldPools::new(gpu, &grid, &density, 64 << 20).unwrap();
+        let mut segments = Segments::default();
+        for id in [2, 5, 255] {
+            segments.ensure(id);
+        }
+        segments.get_mut(2).unwrap().locked = true;
+        let painter = Painter::new(gpu).unwrap();
+        let base = density.read(0, [0; 3], grid.dims).unwrap();
+        Self { grid, base, density, colour, selection, labels, pools, painter, segments }
+    }
+
+    fn codes(gpu: &Gpu, grid: Grid) -> Self {
+        Self::new(gpu, grid, density_u16(grid, |v| noise(v, 0) as u16))
+    }
+
+    fn floats(gpu: &Gpu, grid: Grid) -> Self {
+        Self::new(
+            gpu,
+            grid,
+            density_f32(grid, |v| match noise(v, 0) % 50 {
+                0 => f32::NAN,
+                1 => f32::INFINITY,
+                n => n as f32 * 3.7 - 60.0,
+            }),
+        )
+    }
+
+    fn field(&self, kind: FieldKind) -> &Field {
+        match kind {
+            FieldKind::Density => &self.density,
+            FieldKind::Colour => &self.colour,
+            FieldKind::Selection => &self.selection,
+            FieldKind::Labels => &self.labels,
+        }
+    }
+
+    fn field_mut(&mut self, kind: FieldKind) -> &mut Field {
+        match kind {
+            FieldKind::Density => &mut self.density,
+            FieldKind::Colour => &mut self.colour,
+            FieldKind::Selection => &mut self.selection,
+            FieldKind::Labels => &mut self.labels,
+        }
+    }
+
+    fn texels(&self, kind: FieldKind) -> Vec<u8> {
+        self.field(kind).read(0, [0; 3], self.grid.dims).unwrap()
+    }
+
+    fn begin(&mut self, brush: &Brush) {
+        let Self { grid, density, colour, selection, labels, painter, segments, .. } = self;
+        let fields = Fields { density, colour, selection, labels };
+        painter.begin(grid, &fields, brush, segments).unwrap();
+    }
+
+    fn extend(&mut self, dabs: &[Dab]) -> Vec<BrickIndex> {
+        let Self { density, colour, selection, labels, painter, pools, .. } = self;
+        let fields = Fields { density, colour, selection, labels };
+        painter.extend(pools, &fields, dabs).unwrap()
+    }
+
+    fn finish(&mut self) -> Vec<(BrickIndex, Brick)> {
+        let Self { density, colour, selection, labels, painter, pools, .. } = self;
+        let fields = Fields { density, colour, selection, labels };
+        painter.finish(pools, &fields).unwrap()
+    }
+
+    /// A whole stroke in three frames; answers the texels that the field then has. The field itself stays as it was.
+    fn paint(&mut self, brush: &Brush, dabs: &[Dab]) -> Vec<u8> {
+        let kind = brush.target.field();
+        self.begin(brush);
+        for part in dabs.chunks(dabs.len().div_ceil(3).max(1)) {
+            self.extend(part);
+        }
+        let changed = self.finish();
+        let mut after = self.field(kind).clone();
+        for (index, brick) in &changed {
+            assert_ne!(brick, &after.brick(BrickKey { level: 0, index: *index }).unwrap(), "{index:?} did not change");
+        }
+        let (_, refresh) = after.swap(changed.into_iter().map(|(i, b)| (i, Some(b))).collect()).unwrap();
+        // The slots must show the unchanged field again before the next stroke.
+        let gpu = gpu().unwrap();
+        let Self { density, colour, selection, labels, pools, .. } = self;
+        let fields = Fields { density, colour, selection, labels };
+        pools.refresh(&gpu, kind, fields.get(kind), &refresh).unwrap();
+        after.read(0, [0; 3], self.grid.dims).unwrap()
+    }
+}
+
+fn dab_at(grid: &Grid, index: DVec3, radius_mm: f64) -> Dab {
+    let m = grid.world_from_index;
+    let normal = m.matrix3.x_axis.cross(m.matrix3.y_axis).normalize();
+    Dab { centre: m.transform_point3(index), radius_mm, pressure: 1.0, normal }
+}

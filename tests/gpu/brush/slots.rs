@@ -1,0 +1,375 @@
+//! What slots, aprons and the host's bricks hold during and after strokes.
+
+use super::*;
+
+/// All texels of a field's pool, x fastest.
+fn pool(gpu: &Gpu, canvas: &Canvas, kind: FieldKind) -> (Vec<u8>, [u32; 3], usize) {
+    let texture = canvas.pools.texture(kind).unwrap();
+    let bytes = canvas.pools.format(kind).unwrap().bytes();
+    let size = texture.size();
+    let pitch = (size.width as usize * bytes).next_multiple_of(256);
+    let (device, queue) = gpu.raw();
+    let rows = (size.height * size.depth_or_array_layers) as usize;
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: (pitch * rows) as u64,
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let layout =
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(pitch as u32), rows_per_image: Some(size.height) };
+    encoder.copy_texture_to_buffer(
+        texture.as_image_copy(),
+        wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
+        size,
+    );
+    queue.submit([encoder.finish()]);
+    let padded = gpu.read_buffer(&buffer, "pool").unwrap();
+    let texels = padded.chunks_exact(pitch).flat_map(|row| row[..size.width as usize * bytes].to_vec()).collect();
+    (texels, [size.width, size.height, size.depth_or_array_layers], bytes)
+}
+
+/// Gives every brick of a field a slot, fills all slots that belong to nobody with a sentinel; answers the slots' origins.
+fn pin_all(gpu: &Gpu, canvas: &mut Canvas, kind: FieldKind) -> Vec<(BrickIndex, [u32; 3])> {
+    let all = canvas.field(kind).brick_indices(0);
+    let field = canvas.field(kind).clone();
+    let origins = canvas.pools.pin(gpu, &field, &all).unwrap();
+    let texture = canvas.pools.texture(kind).unwrap();
+    let bytes = canvas.pools.format(kind).unwrap().bytes() as u32;
+    let size = texture.size();
+    let (_, queue) = gpu.raw();
+    let slots = [size.width, size.height, size.depth_or_array_layers].map(|s| s / SLOT);
+    let mut free = 0;
+    for at in each(slots, |s| s.map(|i| i * SLOT)) {
+        if origins.contains(&at) {
+            continue;
+        }
+        free += 1;
+        let origin = wgpu::Origin3d { x: at[0], y: at[1], z: at[2] };
+        queue.write_texture(
+            wgpu::TexelCopyTextureInfo { origin, ..texture.as_image_copy() },
+            &vec![0xcd; SLOT_VOXELS * bytes as usize],
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(SLOT * bytes), rows_per_image: Some(SLOT) },
+            wgpu::Extent3d { width: SLOT, height: SLOT, depth_or_array_layers: SLOT },
+        );
+    }
+    assert!(free > 0);
+    all.into_iter().zip(origins).collect()
+}
+
+fn slot_of(pool: &[u8], size: [u32; 3], bytes: usize, origin: [u32; 3]) -> Vec<u8> {
+    each([SLOT; 3], |t| {
+        let [x, y, z] = std::array::from_fn(|a| (origin[a] + t[a]) as usize);
+        let i = (x + size[0] as usize * (y + size[1] as usize * z)) * bytes;
+        pool[i..i + bytes].to_vec()
+    })
+    .concat()
+}
+
+/// A slot as the host's field has it.
+fn slot_from(dense: &[u8], bytes: usize, dims: [u32; 3], brick: BrickIndex) -> Vec<u8> {
+    each([SLOT; 3], |t| {
+        let v: [usize; 3] = std::array::from_fn(|a| {
+            (i64::from(brick.origin()[a] + t[a]) - 1).clamp(0, i64::from(dims[a]) - 1) as usize
+        });
+        let i = (v[0] + dims[0] as usize * (v[1] + dims[1] as usize * v[2])) * bytes;
+        dense[i..i + bytes].to_vec()
+    })
+    .concat()
+}
+
+const TARGETS: [Target; 4] =
+    [Target::Density(30_000.0), Target::Colour([0.2, 0.9, 0.5, 0.8]), Target::Selection(0.7), Target::Label(300)];
+
+/// A path through all eight bricks, along a border and out of the volume.
+fn way(grid: &Grid, brush: &Brush) -> Vec<Dab> {
+    let stops = [[3.0, 3.0, 3.0], [31.6, 31.4, 10.0], [32.1, 31.9, 33.0], [38.0, 5.0, 31.5], [45.0, 40.0, 20.0]];
+    let normal = dab_at(grid, DVec3::ZERO, 0.0).normal;
+    let samples = stops.map(|s| Sample {
+        position: grid.world_from_index.transform_point3(DVec3::from_array(s)),
+        normal,
+        pressure: 0.9,
+    });
+    StrokePath::new(brush, grid).unwrap().extend(&samples).unwrap()
+}
+
+#[test]
+fn aprons_repeat_their_neighbours_after_every_frame() {
+    let Some(gpu) = gpu() else { return };
+    for target in TARGETS {
+        let kind = target.field();
+        let mut canvas = Canvas::codes(&gpu, grids()[2]);
+        let slots = pin_all(&gpu, &mut canvas, kind);
+        let brush = Brush { target, tip: Tip::BuildUp, radius_mm: 4.0, strength: 0.4, ..Brush::default() };
+        let dabs = way(&canvas.grid, &brush);
+        let bytes = canvas.field(kind).format().bytes();
+        let mut dense = canvas.texels(kind);
+        canvas.begin(&brush);
+        for frame in dabs.chunks(dabs.len().div_ceil(6)) {
+            canvas.extend(frame);
+            let (texels, size, _) = pool(&gpu, &canvas, kind);
+            let before = dense.clone();
+            for (brick, origin) in &slots {
+                let slot = slot_of(&texels, size, bytes, *origin);
+                for t in each([BRICK; 3], |t| t) {
+                    let v: [u32; 3] = std::array::from_fn(|a| brick.origin()[a] + t[a]);
+                    if (0..3).all(|a| v[a] < DIMS[a]) {
+                        let from = ((t[0] + 1) + SLOT * ((t[1] + 1) + SLOT * (t[2] + 1))) as usize * bytes;
+                        let to = (v[0] + DIMS[0] * (v[1] + DIMS[1] * v[2])) as usize * bytes;
+                        dense[to..to + bytes].copy_from_slice(&slot[from..from + bytes]);
+                    }
+                }
+            }
+            assert_ne!(dense, before, "the frame shows nothing");
+            for (brick, origin) in &slots {
+                assert!(
+                    slot_of(&texels, size, bytes, *origin) == slot_from(&dense, bytes, DIMS, *brick),
+                    "{kind:?} {brick:?}"
+                );
+            }
+        }
+        canvas.finish();
+    }
+}
+
+#[test]
+fn nothing_but_the_touched_slots_is_written() {
+    let Some(gpu) = gpu() else { return };
+    for target in TARGETS {
+        let kind = target.field();
+        let mut canvas = Canvas::codes(&gpu, grids()[0]);
+        let slots = pin_all(&gpu, &mut canvas, kind);
+        let (before, size, bytes) = pool(&gpu, &canvas, kind);
+        let brush = Brush { target, radius_mm: 3.0, ..Brush::default() };
+        canvas.begin(&brush);
+        let index = DVec3::new(10.0, 12.0, 3.0);
+        let touched = canvas.extend(&[dab_at(&canvas.grid, index, 3.0)]);
+        assert_eq!(touched, [BrickIndex([0; 3])]);
+        let (after, after_size, _) = pool(&gpu, &canvas, kind);
+        assert_eq!(size, after_size);
+        let home = slots[0].1;
+        let mut painted = 0;
+        for (i, at) in each(size, |t| t).into_iter().enumerate() {
+            // Voxel 3·0.7 mm is 4.3 voxels, 3.3 and 1.2: nothing beyond 5, 4, 2 of the centre.
+            let near = (0..3).all(|a| {
+                let t = i64::from(at[a]) - i64::from(home[a]) - 1;
+                (t - index[a] as i64).abs() <= [5, 4, 2][a]
+            });
+            let same = before[i * bytes..(i + 1) * bytes] == after[i * bytes..(i + 1) * bytes];
+            assert!(near || same, "{kind:?} {at:?}");
+            painted += usize::from(!same);
+        }
+        assert!(painted > 3, "{kind:?} {painted}");
+        canvas.finish();
+    }
+}
+
+#[test]
+fn undo_of_a_stroke_returns_every_byte() {
+    let Some(gpu) = gpu() else { return };
+    for target in TARGETS {
+        let kind = target.field();
+        let mut canvas = Canvas::codes(&gpu, grids()[1]);
+        let all = |c: &Canvas| {
+            let f = c.field(kind);
+            (0..f.level_count()).map(|l| f.read(l, [0; 3], f.dims(l)).unwrap()).collect::<Vec<_>>()
+        };
+        let start = all(&canvas);
+        let brush = Brush { target, radius_mm: 5.0, ..Brush::default() };
+        let dabs = way(&canvas.grid, &brush);
+        canvas.begin(&brush);
+        canvas.extend(&dabs);
+        let changed = canvas.finish();
+        assert!(changed.windows(2).all(|w| w[0].0 < w[1].0));
+        let changes = changed.into_iter().map(|(i, b)| (i, Some(b))).collect();
+        let (before, refresh) = canvas.field_mut(kind).swap(changes).unwrap();
+        let painted = all(&canvas);
+        assert_ne!(painted, start);
+        // The slots already show what the host has now.
+        let slots = pin_all(&gpu, &mut canvas, kind);
+        let (texels, size, bytes) = pool(&gpu, &canvas, kind);
+        for (brick, origin) in &slots {
+            assert!(
+                slot_of(&texels, size, bytes, *origin) == slot_from(&painted[0], bytes, DIMS, *brick),
+                "{kind:?} {brick:?}"
+            );
+        }
+        let field = canvas.field(kind).clone();
+        canvas.pools.refresh(&gpu, kind, &field, &refresh).unwrap();
+        canvas.field_mut(kind).swap(before).unwrap();
+        assert_eq!(all(&canvas), start);
+    }
+}
+
+#[test]
+fn cancel_leaves_no_trace() {
+    let Some(gpu) = gpu() else { return };
+    for target in TARGETS {
+        let kind = target.field();
+        let mut canvas = Canvas::codes(&gpu, grids()[1]);
+        pin_all(&gpu, &mut canvas, kind);
+        let (before, ..) = pool(&gpu, &canvas, kind);
+        let brush = Brush { target, radius_mm: 5.0, ..Brush::default() };
+        let dabs = way(&canvas.grid, &brush);
+        canvas.begin(&brush);
+        canvas.extend(&dabs[..10]);
+        canvas.extend(&dabs[10..]);
+        assert!(pool(&gpu, &canvas, kind).0 != before);
+        let touched = canvas.painter.touched();
+        let Canvas { density, colour, selection, labels, painter, pools, .. } = &mut canvas;
+        let refresh = painter.cancel(pools, &Fields { density, colour, selection, labels }).unwrap();
+        assert_eq!(refresh.slots.iter().map(|k| k.index).collect::<Vec<_>>(), touched);
+        assert!(!painter.is_painting());
+        assert!(pool(&gpu, &canvas, kind).0 == before, "{kind:?}");
+        // And the next stroke starts clean, in the buffers of the one before.
+        canvas.begin(&brush);
+        assert!(canvas.finish().is_empty());
+    }
+}
+
+#[test]
+fn a_stroke_that_changes_nothing_gives_no_brick() {
+    let Some(gpu) = gpu() else { return };
+    let mut canvas = Canvas::codes(&gpu, grids()[0]);
+    let brush = |target, operation| Brush { target, operation, radius_mm: 6.0, ..Brush::default() };
+    let same = canvas.texels(FieldKind::Selection).iter().all(|&t| t == 0);
+    assert!(!same);
+    let blank = Field::blank(FieldKind::Selection, &canvas.grid);
+    let mut nothing = vec![
+        // Erasing what was never edited, locked labels, a range that holds nothing, pressure 0, outside of the volume.
+        (Brush { erase: true, ..brush(Target::Density(1.0), Operation::Replace) }, 1.0, 20.0),
+        (Brush { range: Some([1e6, 1e7]), ..brush(Target::Label(7), Operation::Replace) }, 1.0, 20.0),
+        (brush(Target::Label(7), Operation::Replace), 0.0, 20.0),
+        (brush(Target::Label(7), Operation::Replace), 1.0, 400.0),
+        (Brush { strength: 0.4, ..brush(Target::Label(7), Operation::Replace) }, 1.0, 20.0),
+        (brush(Target::Colour([1.0; 4]), Operation::Subtract), 0.0, 20.0),
+    ];
+    canvas.segments = Segments::default();
+    for (brush, pressure, at) in nothing.drain(..) {
+        canvas.begin(&brush);
+        let dab = Dab { pressure, ..dab_at(&canvas.grid, DVec3::splat(at), 6.0) };
+        canvas.extend(&[dab]);
+        assert_eq!(canvas.finish(), vec![], "{brush:?}");
+    }
+    canvas.selection = blank;
+    canvas.pools = FieldPools::new(&gpu, &canvas.grid, &canvas.density, 64 << 20).unwrap();
+    canvas.begin(&Brush { erase: true, ..brush(Target::Selection(1.0), Operation::Replace) });
+    let dab = dab_at(&canvas.grid, DVec3::splat(20.0), 6.0);
+    canvas.extend(&[dab]);
+    assert_eq!(canvas.finish(), vec![]);
+}
+
+#[test]
+fn a_lost_device_replays_the_stroke() {
+    let Some(gpu) = gpu() else { return };
+    let Ok(doomed) = Gpu::headless() else { return };
+    let brush = Brush { tip: Tip::BuildUp, strength: 0.3, radius_mm: 5.0, ..Brush::default() };
+    let mut canvas = Canvas::codes(&gpu, grids()[1]);
+    let dabs = way(&canvas.grid, &brush);
+    canvas.begin(&brush);
+    canvas.extend(&dabs);
+    let expected = canvas.finish();
+    assert!(!expected.is_empty());
+
+    let mut canvas = Canvas::codes(&doomed, grids()[1]);
+    canvas.begin(&brush);
+    let (first, rest) = dabs.split_at(dabs.len() / 2);
+    canvas.extend(first);
+    doomed.raw().0.destroy();
+    let _ = doomed.wait();
+    let Canvas { density, colour, selection, labels, painter, pools, grid, .. } = &mut canvas;
+    let fields = Fields { density, colour, selection, labels };
+    assert!(painter.extend(pools, &fields, rest).is_err());
+    assert!(painter.finish(pools, &fields).is_err());
+    *pools = FieldPools::new(&gpu, grid, density, 64 << 20).unwrap();
+    painter.replay(&gpu, pools, &fields).unwrap();
+    painter.extend(pools, &fields, rest).unwrap();
+    assert_eq!(painter.finish(pools, &fields).unwrap(), expected);
+}
+
+#[test]
+fn a_stroke_beyond_its_budget_keeps_what_it_has() {
+    let Some(gpu) = gpu() else { return };
+    let mut canvas = Canvas::codes(&gpu, unit_grid([200, 200, 64]));
+    let brush = Brush { radius_mm: 4.0, ..Brush::default() };
+    canvas.painter.set_budget(16 * 300_000);
+    canvas.begin(&brush);
+    canvas.extend(&[dab_at(&canvas.grid, DVec3::splat(20.0), 4.0)]);
+    let many: Vec<_> = (0..7)
+        .flat_map(|x| (0..7).map(move |y| DVec3::new(16.0 + 30.0 * f64::from(x), 16.0 + 30.0 * f64::from(y), 20.0)))
+        .map(|p| dab_at(&canvas.grid, p, 4.0))
+        .collect();
+    let Canvas { density, colour, selection, labels, painter, pools, .. } = &mut canvas;
+    let fields = Fields { density, colour, selection, labels };
+    let error = painter.extend(pools, &fields, &many).unwrap_err().to_string();
+    assert!(error.contains("stroke needs") && error.contains("4800000"), "{error}");
+    let live = painter.live(pools, &fields, BrickIndex([0; 3])).unwrap().unwrap();
+    assert_eq!(painter.live(pools, &fields, BrickIndex([5, 5, 0])).unwrap(), None);
+    let bricks = painter.finish(pools, &fields).unwrap();
+    assert_eq!(bricks, [(BrickIndex([0; 3]), live)]);
+    // Nothing of it is kept on the host, so the slots go back too.
+    let slots = vec![BrickKey { level: 0, index: BrickIndex([0; 3]) }];
+    pools.refresh(&gpu, FieldKind::Selection, selection, &Refresh { slots }).unwrap();
+    // A stroke may grow over many chunks.
+    painter.set_budget(1 << 30);
+    canvas.begin(&brush);
+    for dabs in many.chunks(9) {
+        canvas.extend(dabs);
+    }
+    assert!(canvas.painter.touched().len() > 48);
+    let found = canvas.finish();
+    let mut once = Canvas::codes(&gpu, canvas.grid);
+    once.begin(&brush);
+    once.extend(&many);
+    assert!(once.finish() == found);
+}
+
+#[test]
+fn calls_out_of_turn_are_answers() {
+    let Some(gpu) = gpu() else { return };
+    let mut canvas = Canvas::codes(&gpu, grids()[0]);
+    let Canvas { density, colour, selection, labels, painter, pools, grid, segments, .. } = &mut canvas;
+    let fields = Fields { density, colour, selection, labels };
+    assert!(painter.extend(pools, &fields, &[]).is_err());
+    assert!(painter.finish(pools, &fields).is_err());
+    assert!(painter.cancel(pools, &fields).is_err());
+    let bad = Brush { strength: 2.0, ..Brush::default() };
+    assert!(painter.begin(grid, &fields, &bad, segments).unwrap_err().to_string().starts_with("brush.strength"));
+    let high = Brush { target: Target::Density(70_000.0), ..Brush::default() };
+    match painter.begin(grid, &fields, &high, segments).unwrap_err() {
+        burin::gpu::GpuError::BeyondRange { needed, held } => {
+            assert_eq!((needed, held), ([0.0, 70_000.0], [0.0, 65_535.0]));
+        }
+        other => panic!("{other}"),
+    }
+    painter.begin(grid, &fields, &Brush::default(), segments).unwrap();
+    assert!(painter.begin(grid, &fields, &Brush::default(), segments).is_err());
+}
+
+#[test]
+fn a_device_without_16_bit_textures_paints_the_same_codes() {
+    let Some(gpu) = gpu() else { return };
+    let Ok(lesser) = Gpu::headless_with(wgpu::Features::empty()) else { return };
+    let brush = Brush {
+        target: Target::Density(12_345.0),
+        tip: Tip::BuildUp,
+        strength: 0.37,
+        radius_mm: 5.0,
+        range: Some([100.0, 50_000.0]),
+        ..Brush::default()
+    };
+    for erase in [false, true] {
+        let brush = Brush { erase, ..brush };
+        let [a, b] = [&gpu, &lesser].map(|gpu| {
+            let mut canvas = Canvas::codes(gpu, grids()[2]);
+            canvas.density.swap(vec![(BrickIndex([0, 1, 0]), Some(Brick::Uniform([1, 99, 0, 0])))]).unwrap();
+            canvas.pools = FieldPools::new(gpu, &canvas.grid, &canvas.density, 64 << 20).unwrap();
+            let dabs = way(&canvas.grid, &brush);
+            canvas.begin(&brush);
+            canvas.extend(&dabs);
+            canvas.finish()
+        });
+        assert!(!a.is_empty() && a == b);
+    }
+}

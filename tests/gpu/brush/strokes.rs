@@ -1,0 +1,253 @@
+//! Every target, operation, tip, falloff and shape on anisotropic, turned and sheared grids, against the oracle.
+
+use super::reference::{check, mismatches};
+use super::*;
+
+const OPERATIONS: [Operation; 5] =
+    [Operation::Replace, Operation::Add, Operation::Subtract, Operation::Blend, Operation::Restore];
+
+/// Dabs that overlap, lie on brick borders, in a corner of the volume, half outside.
+fn dabs(grid: &Grid, radius_mm: f64, rng: &mut StdRng) -> Vec<Dab> {
+    let mut at = vec![
+        DVec3::new(31.5, 31.5, 31.4),
+        DVec3::new(31.0, 20.0, 32.0),
+        DVec3::new(-0.5, -0.4, 0.2),
+        DVec3::new(39.4, 36.0, 33.3),
+    ];
+    at.extend((0..3).map(|_| DVec3::from_array(std::array::from_fn(|a| rng.random_range(0.0..f64::from(DIMS[a]))))));
+    at.into_iter().map(|i| Dab { pressure: rng.random_range(0.3..1.0), ..dab_at(grid, i, radius_mm) }).collect()
+}
+
+/// All brushes of a target, each on another grid than the one before.
+fn every_brush(canvases: &mut [Canvas], target: Target, range: [f64; 2]) {
+    let mut rng = StdRng::seed_from_u64(5);
+    let mut n = 0;
+    for operation in OPERATIONS {
+        for tip in [Tip::Wash, Tip::BuildUp] {
+            for falloff in [Falloff::Hard, Falloff::Linear, Falloff::Smooth] {
+                for shape in [Shape::Sphere, Shape::Disc] {
+                    n += 1;
+                    let count = canvases.len();
+                    let canvas = &mut canvases[n % count];
+                    let brush = Brush {
+                        shape,
+                        radius_mm: [rng.random_range(2.0..8.0), 3.0][n % 2],
+                        falloff,
+                        strength: [0.8, 1.0, 0.3][n / 3 % 3],
+                        operation,
+                        tip,
+                        target,
+                        spacing: 0.25,
+                        range: (n % 4 == 0).then_some(range),
+                        erase: n % 13 == 0,
+                    };
+                    let dabs = dabs(&canvas.grid, brush.radius_mm, &mut rng);
+                    let found = canvas.paint(&brush, &dabs);
+                    check(&format!("{brush:?}"), canvas, &brush, &dabs, &found);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn selection_is_painted_as_the_equations_say() {
+    let Some(gpu) = gpu() else { return };
+    every_brush(&mut grids().map(|g| Canvas::codes(&gpu, g)), Target::Selection(0.9), [10_000.0, 40_000.0]);
+}
+
+#[test]
+fn colour_is_painted_as_the_equations_say() {
+    let Some(gpu) = gpu() else { return };
+    let target = Target::Colour([0.9, 0.25, 0.6, 0.7]);
+    every_brush(&mut grids().map(|g| Canvas::codes(&gpu, g)), target, [10_000.0, 40_000.0]);
+}
+
+#[test]
+fn labels_are_painted_as_the_equations_say() {
+    let Some(gpu) = gpu() else { return };
+    every_brush(&mut grids().map(|g| Canvas::floats(&gpu, g)), Target::Label(255), [-20.0, 60.0]);
+}
+
+#[test]
+fn density_codes_are_painted_as_the_equations_say() {
+    let Some(gpu) = gpu() else { return };
+    // A map with codes to spare on both sides, so that no offset leaves it, and edits to restore.
+    let mut canvases = grids().map(|grid| {
+        let voxels = Voxels::I16(each(DIMS, |v| (noise(v, 0) % 4000) as i16 - 1000));
+        let source = MemorySource::new("synthetic", grid, voxels, (1.0, 0.0)).unwrap();
+        let map = DensityMap::codes(-2000.0, 4000.0, Some(1.0));
+        let field = Field::from_source(std::sync::Arc::new(source), map, &|_| true).unwrap().unwrap();
+        let mut canvas = Canvas::new(&gpu, grid, field);
+        edit(&mut canvas);
+        canvas
+    });
+    every_brush(&mut canvases, Target::Density(612.5), [-100.0, 900.5]);
+}
+
+#[test]
+fn density_floats_are_painted_as_the_equations_say() {
+    let Some(gpu) = gpu() else { return };
+    let mut canvases = grids().map(|grid| {
+        let mut canvas = Canvas::floats(&gpu, grid);
+        edit(&mut canvas);
+        canvas
+    });
+    every_brush(&mut canvases, Target::Density(33.25), [-20.0, 60.0]);
+}
+
+/// An earlier edit in one brick, for strokes that restore.
+fn edit(canvas: &mut Canvas) {
+    let texel = canvas.density.map().encode(50.0);
+    canvas.density.swap(vec![(BrickIndex([1, 1, 0]), Some(Brick::Uniform(texel)))]).unwrap();
+    let gpu = gpu().unwrap();
+    canvas.pools = FieldPools::new(&gpu, &canvas.grid, &canvas.density, 64 << 20).unwrap();
+}
+
+#[test]
+fn the_printed_form_of_equation_1_is_not_what_is_painted() {
+    let Some(gpu) = gpu() else { return };
+    let mut canvas = Canvas::codes(&gpu, grids()[0]);
+    let brush = Brush { radius_mm: 6.0, ..Brush::default() };
+    let dabs = [dab_at(&canvas.grid, DVec3::new(20.0, 18.0, 15.0), 6.0)];
+    let found = canvas.paint(&brush, &dabs);
+    assert!(mismatches(&canvas, &brush, &dabs, &found, false).is_empty());
+    // It paints everything outside of the brush.
+    assert!(mismatches(&canvas, &brush, &dabs, &found, true).len() > 40_000);
+}
+
+#[test]
+fn a_hard_ball_has_the_volume_of_a_ball() {
+    let Some(gpu) = gpu() else { return };
+    let grid = unit_grid([80; 3]);
+    let density = density_u16(grid, |_| 0);
+    let mut canvas = Canvas::new(&gpu, grid, density);
+    canvas.labels = Field::blank(FieldKind::Labels, &grid);
+    let radius = 30.0;
+    let brush = Brush { radius_mm: radius, falloff: Falloff::Hard, target: Target::Label(9), ..Brush::default() };
+    let found = canvas.paint(&brush, &[dab_at(&grid, DVec3::new(40.2, 39.7, 40.4), radius)]);
+    let inside = found.chunks_exact(2).filter(|t| **t == [9, 0]).count() as f64;
+    let ball = 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
+    // The lattice points of a ball fluctuate about its volume by less than r^1.5 for such radii; a shell of one voxel is 60 times that.
+    assert!((inside - ball).abs() < radius.powf(1.5), "{inside} {ball}");
+}
+
+#[test]
+fn a_voxel_at_exactly_the_radius_is_painted() {
+    let Some(gpu) = gpu() else { return };
+    // 0.1 has no exact f64 or f32; 3-4-5 triangles lie on the rim.
+    let grid = Grid::aligned([40; 3], DVec3::splat(0.1), DVec3::splat(-7.3));
+    let density = density_u16(grid, |_| 0);
+    let mut canvas = Canvas::new(&gpu, grid, density);
+    canvas.selection = Field::blank(FieldKind::Selection, &grid);
+    let brush = Brush { radius_mm: 0.5, falloff: Falloff::Hard, ..Brush::default() };
+    let found = canvas.paint(&brush, &[dab_at(&grid, DVec3::splat(31.0), 0.5)]);
+    let at = |v: [usize; 3]| found[v[0] + 40 * (v[1] + 40 * v[2])];
+    for v in [[36, 31, 31], [31, 26, 31], [34, 35, 31], [31, 28, 27], [27, 31, 34]] {
+        assert_eq!(at(v), 255, "{v:?}");
+    }
+    assert_eq!(at([36, 32, 31]), 0);
+    // Lattice points at most 5 from the centre.
+    assert_eq!(found.iter().filter(|&&t| t != 0).count(), 515);
+}
+
+#[test]
+fn radius_zero_paints_one_voxel_a_dab() {
+    let Some(gpu) = gpu() else { return };
+    for grid in grids() {
+        let mut canvas = Canvas::codes(&gpu, grid);
+        for shape in [Shape::Sphere, Shape::Disc] {
+            let brush = Brush { shape, radius_mm: 0.0, target: Target::Selection(0.5), ..Brush::default() };
+            let ends = [DVec3::new(2.2, 3.1, 1.4), DVec3::new(37.0, 33.5, 32.4)];
+            let mut path = StrokePath::new(&brush, &grid).unwrap();
+            let normal = dab_at(&grid, DVec3::ZERO, 0.0).normal;
+            let samples =
+                ends.map(|p| Sample { position: grid.world_from_index.transform_point3(p), normal, pressure: 1.0 });
+            let dabs = path.extend(&samples).unwrap();
+            let found = canvas.paint(&brush, &dabs);
+            check("radius 0", &canvas, &brush, &dabs, &found);
+            assert_eq!(found[2 + 40 * (3 + 36)], 128);
+        }
+    }
+}
+
+#[test]
+fn weak_strokes_do_not_stall() {
+    let Some(gpu) = gpu() else { return };
+    let grid = unit_grid([6; 3]);
+    let map = |from: &Voxels| {
+        let source = MemorySource::new("flat", grid, from.clone(), (1.0, 0.0)).unwrap();
+        let map = DensityMap::codes(0.0, 65_535.0, Some(1.0));
+        Field::from_source(std::sync::Arc::new(source), map, &|_| true).unwrap().unwrap()
+    };
+    let density = map(&Voxels::U16(each(grid.dims, |v| if v[0] < 3 { 0 } else { 65_535 })));
+    let at = DVec3::splat(3.0);
+    let dabs = vec![dab_at(&grid, at, 2.0); 12_000];
+    for (target, operation) in [
+        (Target::Density(65_535.0), Operation::Replace),
+        (Target::Density(0.0), Operation::Blend),
+        (Target::Density(0.0), Operation::Restore),
+        (Target::Selection(1.0), Operation::Replace),
+        (Target::Colour([1.0, 0.5, 0.0, 1.0]), Operation::Blend),
+        (Target::Colour([0.0; 4]), Operation::Restore),
+    ] {
+        let mut canvas = Canvas::new(&gpu, grid, density.clone());
+        if operation == Operation::Restore {
+            // 40,000 everywhere in the brick, over the source's ends.
+            canvas.density.swap(vec![(BrickIndex([0; 3]), Some(Brick::Uniform([0x40, 0x9c, 0, 0])))]).unwrap();
+            canvas.pools = FieldPools::new(&gpu, &grid, &canvas.density, 64 << 20).unwrap();
+        }
+        for tip in [Tip::BuildUp, Tip::Wash] {
+            let brush = Brush {
+                radius_mm: 2.0,
+                falloff: Falloff::Hard,
+                strength: 0.001,
+                operation,
+                tip,
+                target,
+                ..Brush::default()
+            };
+            let found = canvas.paint(&brush, &dabs);
+            check(&format!("{brush:?}"), &canvas, &brush, &dabs, &found);
+            if tip == Tip::BuildUp {
+                // 1 − 0.999^12000 = 1 − 6e-6: the end itself, within half a step of 16 bits.
+                let i = 3 + 6 * (3 + 6 * 3);
+                match target {
+                    Target::Density(c) if operation != Operation::Restore => {
+                        assert_eq!(found[2 * i..2 * i + 2], (c as u16).to_le_bytes());
+                    }
+                    Target::Density(_) => assert_eq!(found[2 * i..2 * i + 2], [255; 2]),
+                    Target::Selection(_) => assert_eq!(found[i], 255),
+                    _ => assert_eq!(found[4 * i + 3], if operation == Operation::Restore { 0 } else { 255 }),
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_weak_sum_adds_every_dab() {
+    let Some(gpu) = gpu() else { return };
+    let grid = unit_grid(DIMS);
+    let source = MemorySource::new("flat", grid, Voxels::U16(vec![1000; 40 * 36 * 34]), (1.0, 0.0)).unwrap();
+    let map = DensityMap::codes(0.0, 65_535.0, Some(1.0));
+    let field = Field::from_source(std::sync::Arc::new(source), map, &|_| true).unwrap().unwrap();
+    let mut canvas = Canvas::new(&gpu, grid, field);
+    let n = 3000;
+    let dabs = vec![dab_at(&grid, DVec3::splat(16.0), 1.0); n];
+    let brush = Brush {
+        radius_mm: 1.0,
+        falloff: Falloff::Hard,
+        strength: 0.001,
+        operation: Operation::Add,
+        tip: Tip::BuildUp,
+        target: Target::Density(10_000.0),
+        ..Brush::default()
+    };
+    let found = canvas.paint(&brush, &dabs);
+    let i = 16 + 40 * (16 + 36 * 16);
+    let code = u16::from_le_bytes([found[2 * i], found[2 * i + 1]]);
+    // n additions in f32 to a sum below 4, each rounded by at most 2^-23·2: n · 2.4e-7 · 10,000 codes.
+    let bound = 1.0 + n as f64 * 2.4e-7 * 10_000.0;
+    assert!((f64::from(code) - 31_000.0).abs() <= bound, "{code}");
+}
