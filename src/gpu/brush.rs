@@ -46,8 +46,17 @@ struct Stroke {
     locked: Vec<u32>,
     dabs: Vec<Dab>,
     chunks: Vec<Chunk>,
-    /// Chunk and place within it.
-    places: HashMap<BrickIndex, (usize, u32)>,
+    homes: HashMap<BrickIndex, Home>,
+}
+
+/// Where a touched brick is kept.
+#[derive(Clone, Copy, Debug)]
+struct Home {
+    chunk: usize,
+    /// Within the chunk.
+    place: u32,
+    /// First texel of its slot in the pool, which keeps it for as long as it is pinned.
+    slot: [u32; 3],
 }
 
 struct Dispatch {
@@ -101,7 +110,7 @@ impl Painter {
 
     /// The bricks that the running stroke shows in, itself or through an apron, in order.
     pub fn touched(&self) -> Vec<BrickIndex> {
-        let mut touched: Vec<_> = self.stroke.iter().flat_map(|s| s.places.keys().copied()).collect();
+        let mut touched: Vec<_> = self.stroke.iter().flat_map(|s| s.homes.keys().copied()).collect();
         touched.sort_unstable();
         touched
     }
@@ -138,7 +147,7 @@ impl Painter {
             locked,
             dabs: Vec::new(),
             chunks: Vec::new(),
-            places: HashMap::new(),
+            homes: HashMap::new(),
         });
         Ok(())
     }
@@ -167,20 +176,21 @@ impl Painter {
             stroke.dabs.extend_from_slice(dabs);
             return Ok(bricks);
         }
-        let origins = pools.pin(&self.gpu, target, &bricks)?;
-        let slots: HashMap<_, _> = bricks.iter().copied().zip(origins).collect();
+        let new: Vec<_> = bricks.iter().copied().filter(|b| !stroke.homes.contains_key(b)).collect();
+        let slots = if new.is_empty() { Vec::new() } else { pools.pin(&self.gpu, target, &new)? };
+        // Exact minima and maxima come with the stroke's end.
+        pools.mark_occupied(stroke.kind(), &new);
         let (Some(texture), Some(format)) = (pools.texture(stroke.kind()), pools.format(stroke.kind())) else {
             return Err(GpuError::Stroke("the pools hold no slots of the field"));
         };
         let variant = Variant::of(target.format(), format);
         let pipeline = self.kernels.pipeline(&self.gpu, variant)?;
-        let new: Vec<_> = bricks.iter().copied().filter(|b| !stroke.places.contains_key(b)).collect();
         stroke.reserve(&self.gpu, variant, fields.density, new.len(), &mut self.spare, self.budget_bytes)?;
 
         let mut encoder =
             self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("dabs") });
         let first_dabs = stroke.dabs.is_empty();
-        stroke.take(&self.gpu, fields, &new, &mut encoder, texture, &slots)?;
+        stroke.take(&self.gpu, fields, &new, &slots, &mut encoder, texture)?;
 
         let mut uniforms = padded(bytemuck::bytes_of(&stroke.constants), ALIGNED);
         let mut dispatches = Vec::new();
@@ -194,14 +204,9 @@ impl Painter {
                 let mut copies = Vec::new();
                 let (mut words, mut longest) = (0, 0);
                 for (brick, work) in work {
-                    let (Some(&(home, place)), Some(slot)) = (stroke.places.get(brick), slots.get(brick)) else {
-                        continue;
-                    };
-                    if home != chunk {
-                        continue;
-                    }
-                    let item = work.item(*brick, dims, place, variant.per_word(), words);
-                    copies.push(Copy::of(&item, *slot, variant));
+                    let Some(home) = stroke.homes.get(brick).filter(|h| h.chunk == chunk) else { continue };
+                    let item = work.item(*brick, dims, home.place, variant.per_word(), words);
+                    copies.push(Copy::of(&item, home.slot, variant));
                     words += item.size[1] * item.size[2] * (PITCH / 4);
                     longest = longest.max(item.size.iter().product::<u32>().div_ceil(GROUP));
                     items.push(item);
@@ -270,7 +275,7 @@ impl Painter {
         let Some(stroke) = &self.stroke else { return Err(NOT_RUNNING) };
         let target = fields.get(stroke.kind());
         let changed = brush_readback::changed(&self.gpu, &stroke.chunks)?;
-        let bricks = brush_readback::bricks(&self.gpu, pools, target, &changed)?;
+        let bricks = brush_readback::bricks(&self.gpu, pools, target, &stroke.slots(&changed))?;
         self.end(pools);
         Ok(bricks)
     }
@@ -280,10 +285,10 @@ impl Painter {
     ///
     /// # Errors
     /// [`GpuError::Lost`]: then there is nothing left to take back, and the stroke is gone too.
-    pub fn cancel(&mut self, pools: &mut FieldPools, fields: &Fields<'_>) -> Result<Refresh, GpuError> {
+    pub fn cancel(&mut self, pools: &mut FieldPools) -> Result<Refresh, GpuError> {
         let touched = self.touched();
         let Some(stroke) = &self.stroke else { return Err(NOT_RUNNING) };
-        let restored = stroke.restore(&self.gpu, pools, fields, &touched);
+        let restored = stroke.restore(&self.gpu, pools);
         self.end(pools);
         restored?;
         Ok(Refresh { slots: touched.into_iter().map(|index| BrickKey { level: 0, index }).collect() })
@@ -293,15 +298,10 @@ impl Painter {
     ///
     /// # Errors
     /// As [`finish`](Self::finish).
-    pub fn live(
-        &self,
-        pools: &mut FieldPools,
-        fields: &Fields<'_>,
-        brick: BrickIndex,
-    ) -> Result<Option<Brick>, GpuError> {
-        let Some(stroke) = self.stroke.as_ref().filter(|s| s.places.contains_key(&brick)) else { return Ok(None) };
+    pub fn live(&self, pools: &FieldPools, fields: &Fields<'_>, brick: BrickIndex) -> Result<Option<Brick>, GpuError> {
+        let Some(stroke) = &self.stroke else { return Ok(None) };
         let target = fields.get(stroke.kind());
-        Ok(brush_readback::bricks(&self.gpu, pools, target, &[brick])?.pop().map(|(_, brick)| brick))
+        Ok(brush_readback::bricks(&self.gpu, pools, target, &stroke.slots(&[brick]))?.pop().map(|(_, brick)| brick))
     }
 
     /// After a loss of the device: paints the running stroke again on a new one, from the host's bricks. Without a running
@@ -321,7 +321,7 @@ impl Painter {
         }
         let Some(stroke) = stroke else { return Ok(()) };
         let dabs = stroke.dabs;
-        self.stroke = Some(Stroke { dabs: Vec::new(), chunks: Vec::new(), places: HashMap::new(), ..stroke });
+        self.stroke = Some(Stroke { dabs: Vec::new(), chunks: Vec::new(), homes: HashMap::new(), ..stroke });
         let painted = self.extend(pools, fields, &dabs).map(drop);
         if let (Err(_), Some(stroke)) = (&painted, &mut self.stroke) {
             stroke.dabs = dabs;
@@ -376,7 +376,7 @@ impl Stroke {
             }
             // What does not serve makes room for what does.
             spare.clear();
-            let capacity = next_capacity(count - room, self.places.len());
+            let capacity = next_capacity(count - room, self.homes.len());
             let held: u64 = self.chunks.iter().map(Chunk::bytes).sum();
             let needed = held + u64::from(capacity) * super::brush_memory::slot_bytes(variant, extras);
             if needed > budget_bytes {
@@ -392,9 +392,9 @@ impl Stroke {
         gpu: &Gpu,
         fields: &Fields<'_>,
         new: &[BrickIndex],
+        slots: &[[u32; 3]],
         encoder: &mut wgpu::CommandEncoder,
         texture: &wgpu::Texture,
-        slots: &HashMap<BrickIndex, [u32; 3]>,
     ) -> Result<(), GpuError> {
         let read = |wanted: bool, slot: &(dyn Fn(BrickIndex) -> Result<Vec<u8>, GpuError> + Sync)| {
             if wanted { new.par_iter().map(|&b| slot(b)).collect::<Result<Vec<_>, _>>() } else { Ok(Vec::new()) }
@@ -403,9 +403,8 @@ impl Stroke {
         let density = read(self.chunks.iter().any(|c| c.density.is_some()), &|index| {
             Ok(fields.density.slot(BrickKey { level: 0, index })?)
         })?;
-        for (i, brick) in new.iter().enumerate() {
+        for (i, (brick, &slot)) in new.iter().zip(slots).enumerate() {
             let Some(home) = self.chunks.iter().position(|c| c.room() > 0) else { continue };
-            let Some(&slot) = slots.get(brick) else { continue };
             let chunk = &mut self.chunks[home];
             let place = chunk.take(encoder, *brick, texture, slot);
             for (buffer, texels) in [(&chunk.base, base.get(i)), (&chunk.density, density.get(i))] {
@@ -413,7 +412,7 @@ impl Stroke {
                     gpu.queue.write_buffer(buffer, u64::from(place) * texels.len() as u64, texels);
                 }
             }
-            self.places.insert(*brick, (home, place));
+            self.homes.insert(*brick, Home { chunk: home, place, slot });
         }
         Ok(())
     }
@@ -421,35 +420,30 @@ impl Stroke {
     /// Takes places back that were given last.
     fn forget(&mut self, new: &[BrickIndex]) {
         for brick in new {
-            if let Some((chunk, place)) = self.places.remove(brick) {
-                self.chunks[chunk].bricks.truncate(place as usize);
+            if let Some(home) = self.homes.remove(brick) {
+                let bricks = &mut self.chunks[home.chunk].bricks;
+                bricks.truncate(bricks.len().min(home.place as usize));
             }
         }
     }
 
-    fn restore(
-        &self,
-        gpu: &Gpu,
-        pools: &mut FieldPools,
-        fields: &Fields<'_>,
-        touched: &[BrickIndex],
-    ) -> Result<(), GpuError> {
-        if touched.is_empty() {
-            return Ok(());
-        }
-        let origins = pools.pin(gpu, fields.get(self.kind()), touched)?;
+    /// Puts all slots back.
+    fn restore(&self, gpu: &Gpu, pools: &FieldPools) -> Result<(), GpuError> {
         let Some(texture) = pools.texture(self.kind()) else { return Ok(()) };
         gpu.scoped("a cancelled stroke", || {
             let mut encoder =
                 gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("cancel") });
-            for (brick, slot) in touched.iter().zip(origins) {
-                if let Some(&(chunk, place)) = self.places.get(brick) {
-                    self.chunks[chunk].restore(&mut encoder, place, texture, slot);
-                }
+            for home in self.homes.values() {
+                self.chunks[home.chunk].restore(&mut encoder, home.place, texture, home.slot);
             }
             gpu.queue.submit([encoder.finish()]);
             Ok(())
         })
+    }
+
+    /// These bricks with their slots.
+    fn slots(&self, bricks: &[BrickIndex]) -> Vec<(BrickIndex, [u32; 3])> {
+        bricks.iter().filter_map(|b| self.homes.get(b).map(|h| (*b, h.slot))).collect()
     }
 }
 

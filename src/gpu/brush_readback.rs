@@ -32,16 +32,15 @@ pub(super) fn changed(gpu: &Gpu, chunks: &[Chunk]) -> Result<Vec<BrickIndex>, Gp
     Ok(changed)
 }
 
-/// The texels of pinned bricks, zero beyond the volume. Waits for the GPU.
+/// The texels of bricks in these slots, zero beyond the volume. Waits for the GPU.
 pub(super) fn bricks(
     gpu: &Gpu,
-    pools: &mut FieldPools,
+    pools: &FieldPools,
     field: &Field,
-    wanted: &[BrickIndex],
+    wanted: &[(BrickIndex, [u32; 3])],
 ) -> Result<Vec<(BrickIndex, Brick)>, GpuError> {
     let mut out = Vec::with_capacity(wanted.len());
     for batch in wanted.chunks(BATCH) {
-        let slots = pools.pin(gpu, field, batch)?;
         let (Some(texture), Some(format)) = (pools.texture(field.kind()), pools.format(field.kind())) else {
             return Err(GpuError::Stroke("the pools hold no slots of the field"));
         };
@@ -51,12 +50,12 @@ pub(super) fn bricks(
         let place = |i: usize| (i as u64 / lanes) * RACK + (i as u64 % lanes) * u64::from(row);
         let size = (batch.len() as u64).div_ceil(lanes) * RACK;
         let texels = read(gpu, "painted bricks", size, |encoder, buffer| {
-            for (i, slot) in slots.iter().enumerate() {
+            for (i, (_, slot)) in batch.iter().enumerate() {
                 let interior = slot.map(|s| s + 1);
                 encoder.copy_texture_to_buffer(at(texture, interior), rows(buffer, place(i), BRICK), BRICK_EXTENT);
             }
         })?;
-        for (i, brick) in batch.iter().enumerate() {
+        for (i, (brick, _)) in batch.iter().enumerate() {
             out.push((*brick, unpack(&texels[place(i) as usize..], field, *brick, variant)));
         }
     }

@@ -217,8 +217,8 @@ fn cancel_leaves_no_trace() {
         canvas.extend(&dabs[10..]);
         assert!(pool(&gpu, &canvas, kind).0 != before);
         let touched = canvas.painter.touched();
-        let Canvas { density, colour, selection, labels, painter, pools, .. } = &mut canvas;
-        let refresh = painter.cancel(pools, &Fields { density, colour, selection, labels }).unwrap();
+        let Canvas { painter, pools, .. } = &mut canvas;
+        let refresh = painter.cancel(pools).unwrap();
         assert_eq!(refresh.slots.iter().map(|k| k.index).collect::<Vec<_>>(), touched);
         assert!(!painter.is_painting());
         assert!(pool(&gpu, &canvas, kind).0 == before, "{kind:?}");
@@ -333,7 +333,7 @@ fn calls_out_of_turn_are_answers() {
     let fields = Fields { density, colour, selection, labels };
     assert!(painter.extend(pools, &fields, &[]).is_err());
     assert!(painter.finish(pools, &fields).is_err());
-    assert!(painter.cancel(pools, &fields).is_err());
+    assert!(painter.cancel(pools).is_err());
     let bad = Brush { strength: 2.0, ..Brush::default() };
     assert!(painter.begin(grid, &fields, &bad, segments).unwrap_err().to_string().starts_with("brush.strength"));
     let high = Brush { target: Target::Density(70_000.0), ..Brush::default() };
