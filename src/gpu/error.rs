@@ -97,6 +97,22 @@ pub enum GpuError {
     /// A brush or sample that is not valid.
     #[error(transparent)]
     Paint(#[from] PaintError),
+    /// A picture of more bodies than the caster takes.
+    #[error(
+        "a picture of {bodies} bodies with {planes} cutting planes asked for, at most 512 and 4096 fit; hide some parts"
+    )]
+    TooManyBodies {
+        /// Bodies.
+        bodies: usize,
+        /// Planes of all of them.
+        planes: usize,
+    },
+    /// A step that is no length.
+    #[error("step_mm: {step_mm} found, a positive length expected")]
+    BadStep {
+        /// As given.
+        step_mm: f64,
+    },
     /// The volume could not be read.
     #[error(transparent)]
     Source(#[from] SourceError),

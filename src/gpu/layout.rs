@@ -53,7 +53,13 @@ fn declared<T: Shared>() -> Declared {
 
 /// Every struct that a shader's buffers hold. A shader with another one fails a test.
 pub fn all() -> Vec<Declared> {
-    vec![declared::<super::FieldInfo>(), declared::<super::slice::Slice>()]
+    vec![
+        declared::<super::FieldInfo>(),
+        declared::<super::scene::CastBody>(),
+        declared::<super::scene::View>(),
+        declared::<super::screen::Show>(),
+        declared::<super::slice::Slice>(),
+    ]
 }
 
 /// The kind of a type's scalars.

@@ -441,6 +441,16 @@ impl FieldPools {
         }
     }
 
+    /// The grid of the volume.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// Bricks of level 0 that are pinned: a stroke is changing them.
+    pub fn pinned(&self, kind: FieldKind) -> Vec<BrickIndex> {
+        self.pools[place(kind)].as_ref().map_or_else(Vec::new, |p| p.pinned().into_iter().map(|k| k.index).collect())
+    }
+
     /// The 3D texture of a field's slots; `None` while nothing of the field is on the GPU.
     pub fn texture(&self, kind: FieldKind) -> Option<&wgpu::Texture> {
         self.pools[place(kind)].as_ref().map(|p| &p.texture)

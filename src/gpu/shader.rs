@@ -16,10 +16,18 @@ macro_rules! files {
 }
 
 /// Modules that others import, each after those it imports itself.
-const LIBRARY: &[(&str, &str)] = files!["lib/field.wgsl"];
+const LIBRARY: &[(&str, &str)] = files!["lib/field.wgsl", "lib/body.wgsl", "lib/look.wgsl"];
 
 /// Files with entry points.
-const KERNELS: &[(&str, &str)] = files!["brush.wgsl", "slice.wgsl"];
+const KERNELS: &[(&str, &str)] = files![
+    "brush.wgsl",
+    "cast_dvr.wgsl",
+    "cast_iso.wgsl",
+    "cast_mip.wgsl",
+    "cast_visibility.wgsl",
+    "screen.wgsl",
+    "slice.wgsl",
+];
 
 static COMPOSER: Mutex<Option<Composer>> = Mutex::new(None);
 

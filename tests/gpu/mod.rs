@@ -1,7 +1,11 @@
 //! Kernels and the ray caster against plain references.
 
 mod brush;
+mod cast_image;
+mod cast_modes;
+mod cast_tiles;
 mod occupancy;
 mod pools;
+mod reference;
 mod shader;
 mod slice;

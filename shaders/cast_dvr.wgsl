@@ -1,0 +1,326 @@
+// Direct volume rendering: bodies in order of sight one after another, or (MERGE) any number of overlapping intervals at once.
+//
+// A ray skips until a cell may show something, then samples a run inside one brick that ignores cell borders; light and paint
+// are evaluated outside the sampling loop, once per sample that shows. Overlapping bodies add extinctions, colours weighted by
+// extinction.
+
+#import burin::body::{
+    Sight, BodyRay, view, bodies, sight_of, head_of, listed, ray_of, interval, skip_empty, brick_end, FAR, MERGE as MERGE_TILE
+}
+#import burin::field::{Page, brick_of, density_page, density_texel, selection_page, selection_at}
+#import burin::look::{table_at, share, opacity_of_share, painted, gradient, lit, facing}
+
+#ifdef RESUME
+@group(0) @binding(7) var before_colour: texture_2d<f32>;
+@group(0) @binding(8) var before_depth: texture_2d<f32>;
+@group(0) @binding(9) var before_object: texture_2d<u32>;
+#endif
+
+const THRESHOLD: f32 = 1.0 / 256.0;
+const RUN: f32 = 32.0;
+// Extinction that stands for an opaque sample: finite, so that overlapping ones share the colour.
+const OPAQUE: f32 = 1.0e6;
+
+struct Picture {
+    @location(0) colour: vec4<f32>,
+    @location(1) depth: f32,
+    @location(2) object: u32,
+}
+
+// The ray's state: colour so far, transmittance, the sample at which opacity reached ½ and its body.
+var<private> rgb: vec3<f32>;
+var<private> clear: f32;
+var<private> half_at: f32;
+var<private> half_body: u32;
+
+fn add(c: vec4<f32>, k: f32) {
+    half_at = select(half_at, k, clear > 0.5);
+    rgb += clear * c.a * c.rgb;
+    clear *= 1.0 - c.a;
+}
+
+// The share, paint and light of the visible sample k: display colour and opacity.
+fn evaluate(r: BodyRay, page: Page, selection: Page, brick: vec3<i32>, k: f32, texel: f32, c: vec4<f32>) -> vec4<f32> {
+    let p = r.o + r.d * k;
+    var s = 0.0;
+    var out = c;
+#ifdef SELECTION
+    s = selection_at(selection, p);
+    if (r.mask != 0u) {
+        out.a = opacity_of_share(c.a, share(r.mask, s));
+    }
+#endif
+    var colour = painted(c.rgb, p, brick, s) * bodies[r.body].tint;
+#ifdef LIT
+    colour = lit(colour, facing(r, gradient(page, p), texel));
+#endif
+    return vec4<f32>(colour, out.a);
+}
+
+fn march(r: BodyRay, k0: f32, k1: f32) {
+    var k = k0;
+    if (clear > 0.5) {
+        half_body = r.body;
+    }
+    loop {
+        k = skip_empty(r, k, k1);
+        if (k >= k1 || clear < THRESHOLD) {
+            break;
+        }
+        let brick = brick_of(r.o + r.d * k);
+        let page = density_page(brick);
+        let q = r.o * page.scale + page.off;
+        let dq = r.d * page.scale;
+        let end = min(min(k1, k + RUN), max(brick_end(r, brick), k + 1.0));
+#ifdef STAGED
+#ifdef SELECTION
+        let selection = selection_page(brick);
+#else
+        let selection = page;
+#endif
+        loop {
+            var c = vec4<f32>(0.0);
+            var texel = 0.0;
+            loop {
+                if (k >= end) {
+                    break;
+                }
+                texel = density_texel(page, q + dq * k);
+                c = table_at(texel);
+                k += 1.0;
+                if (c.a > 0.0) {
+                    break;
+                }
+            }
+            if (c.a > 0.0) {
+                add(evaluate(r, page, selection, brick, k - 1.0, texel, c), k - 1.0);
+            }
+            if (k >= end || clear < THRESHOLD) {
+                break;
+            }
+        }
+#else
+        loop {
+            if (k >= end || clear < THRESHOLD) {
+                break;
+            }
+            add(table_at(density_texel(page, q + dq * k)), k);
+            k += 1.0;
+        }
+#endif
+    }
+}
+
+#ifdef MERGE
+// Intervals that a ray can hold.
+#ifdef UP_TO_ALL
+const CAPACITY: u32 = 512u;
+#else
+#ifdef UP_TO_64
+const CAPACITY: u32 = 64u;
+#else
+#ifdef UP_TO_16
+const CAPACITY: u32 = 16u;
+#else
+const CAPACITY: u32 = 4u;
+#endif
+#endif
+#endif
+const SHARED_RUN: u32 = 16u;
+
+// Extinction-weighted colour and extinction of a run of samples in which several bodies overlap, and its strongest body.
+var<private> matter: array<vec4<f32>, SHARED_RUN>;
+var<private> strongest: array<vec2<f32>, SHARED_RUN>;
+
+fn mix_in(c: vec4<f32>, i: u32, body: u32) {
+    let extinction = select(-log(1.0 - c.a), OPAQUE, c.a >= 0.999999);
+    matter[i] += vec4<f32>(c.rgb * extinction, extinction);
+    if (extinction > strongest[i].x) {
+        strongest[i] = vec2<f32>(extinction, f32(body));
+    }
+}
+
+// Adds a body's samples k0 ≤ k < k1, at most SHARED_RUN of them, to `matter`.
+fn gather(r: BodyRay, k0: f32, k1: f32) {
+    var k = k0;
+    loop {
+        k = skip_empty(r, k, k1);
+        if (k >= k1) {
+            break;
+        }
+        let brick = brick_of(r.o + r.d * k);
+        let page = density_page(brick);
+        let q = r.o * page.scale + page.off;
+        let dq = r.d * page.scale;
+        let end = min(k1, max(brick_end(r, brick), k + 1.0));
+#ifdef SELECTION
+        let selection = selection_page(brick);
+#else
+        let selection = page;
+#endif
+        loop {
+            var c = vec4<f32>(0.0);
+            var texel = 0.0;
+            loop {
+                if (k >= end) {
+                    break;
+                }
+                texel = density_texel(page, q + dq * k);
+                c = table_at(texel);
+                k += 1.0;
+                if (c.a > 0.0) {
+                    break;
+                }
+            }
+            if (c.a > 0.0) {
+                mix_in(evaluate(r, page, selection, brick, k - 1.0, texel, c), u32(k - 1.0 - k0), r.body);
+            }
+            if (k >= end) {
+                break;
+            }
+        }
+    }
+}
+#endif
+
+@vertex
+fn cover(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
+    return vec4<f32>(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+}
+
+@fragment
+fn march_pixel(@builtin(position) at: vec4<f32>) -> Picture {
+    let head = head_of(at.xy);
+    let count = head.y & ~MERGE_TILE;
+#ifdef MERGE
+    if ((head.y & MERGE_TILE) == 0u) {
+        discard;
+    }
+#else
+    if ((head.y & MERGE_TILE) != 0u) {
+        discard;
+    }
+#endif
+    rgb = vec3<f32>(0.0);
+    clear = 1.0;
+    half_at = 0.0;
+    half_body = 0u;
+    var before_half = FAR;
+    var before_code = 0u;
+#ifdef RESUME
+    let texel = vec2<i32>(at.xy);
+    let before = textureLoad(before_colour, texel, 0);
+    rgb = before.rgb;
+    clear = 1.0 - before.a;
+    before_half = textureLoad(before_depth, texel, 0).r;
+    before_code = textureLoad(before_object, texel, 0).r;
+#endif
+    let started_clear = clear > 0.5;
+    let sight = sight_of(at.xy);
+
+#ifdef MERGE
+    var k0: array<f32, CAPACITY>;
+    var k1: array<f32, CAPACITY>;
+    var who: array<u32, CAPACITY>;
+    var n = 0u;
+    for (var i = 0u; i < count; i += 1u) {
+        let body = listed(head.x + i);
+        let within = interval(ray_of(body, sight), sight);
+        let a = max(ceil(within.x), view.k_from);
+        let b = min(ceil(within.y), view.k_to);
+        if (a < b && n < CAPACITY) {
+            k0[n] = a;
+            k1[n] = b;
+            who[n] = body;
+            n += 1u;
+        }
+    }
+    var k = 0.0;
+    loop {
+        // From k to `next` the same bodies are met.
+        var next = FAR;
+        var active_count = 0u;
+        var only = 0u;
+        for (var j = 0u; j < n; j += 1u) {
+            if (k0[j] > k) {
+                next = min(next, k0[j]);
+            } else if (k1[j] > k) {
+                next = min(next, k1[j]);
+                active_count += 1u;
+                only = who[j];
+            }
+        }
+        if (next == FAR || clear < THRESHOLD) {
+            break;
+        }
+        if (active_count == 1u) {
+            march(ray_of(only, sight), k, next);
+        } else if (active_count > 1u) {
+            loop {
+                var first = next;
+                for (var j = 0u; j < n; j += 1u) {
+                    if (k0[j] <= k && k1[j] > k) {
+                        first = min(first, skip_empty(ray_of(who[j], sight), k, first));
+                    }
+                }
+                if (first >= next) {
+                    break;
+                }
+                let end = min(next, first + f32(SHARED_RUN));
+                let samples = u32(end - first);
+                for (var i = 0u; i < samples; i += 1u) {
+                    matter[i] = vec4<f32>(0.0);
+                    strongest[i] = vec2<f32>(0.0);
+                }
+                for (var j = 0u; j < n; j += 1u) {
+                    if (k0[j] <= k && k1[j] > k) {
+                        gather(ray_of(who[j], sight), first, end);
+                    }
+                }
+                for (var i = 0u; i < samples; i += 1u) {
+                    let m = matter[i];
+                    if (m.a > 0.0 && clear >= THRESHOLD) {
+                        if (clear > 0.5) {
+                            half_body = u32(strongest[i].y);
+                        }
+                        add(vec4<f32>(m.rgb / m.a, 1.0 - exp(-m.a)), first + f32(i));
+                    }
+                }
+                k = end;
+                if (k >= next || clear < THRESHOLD) {
+                    break;
+                }
+            }
+        }
+        k = next;
+    }
+#else
+    for (var i = 0u; i < count; i += 1u) {
+        let r = ray_of(listed(head.x + i), sight);
+        let within = interval(r, sight);
+        march(r, max(ceil(within.x), view.k_from), min(ceil(within.y), view.k_to));
+        if (clear < THRESHOLD) {
+            break;
+        }
+    }
+#endif
+
+    var picture: Picture;
+    picture.colour = vec4<f32>(rgb, 1.0 - clear);
+    picture.depth = before_half;
+    picture.object = before_code;
+    if (started_clear && clear <= 0.5) {
+        picture.depth = half_at * view.step_mm;
+        picture.object = bodies[half_body].code;
+#ifdef SELECTION
+        if (bodies[half_body].tells_selection != 0u) {
+            let r = ray_of(half_body, sight);
+            let p = r.o + r.d * half_at;
+            if (selection_at(selection_page(brick_of(p)), p) >= 0.5) {
+                picture.object += 1u;
+            }
+        }
+#endif
+    }
+    return picture;
+}

@@ -1,0 +1,170 @@
+#define_import_path burin::body
+// Bodies and rays: from a pixel to the half-open interval of lattice samples in which its ray is inside a body.
+// Samples lie at t = k·step_mm along the unit ray; k counts from the eye (from the image plane in orthographic projection).
+
+#import burin::field::{skip_all, skip_selection, skip_background, info}
+
+struct View {
+    corner: vec3<f32>,          // ray through the picture's corner: from the eye, before it is given length 1
+    step_mm: f32,
+    dx: vec3<f32>,              // its change from pixel to pixel
+    perspective: u32,
+    dy: vec3<f32>,
+    iso: f32,                   // texel of the iso-surface
+    forward: vec3<f32>,
+    table_scale: f32,           // entry of the table = texel·scale + bias
+    lighting: vec4<f32>,        // ambient, diffuse, specular, power
+    selection_colour: vec3<f32>,
+    table_bias: f32,
+    colour_opacity: f32,
+    label_opacity: f32,
+    selection_opacity: f32,
+    k_from: f32,                // this pass marches k_from ≤ k < k_to
+    k_to: f32,
+    width: u32,                 // pixels of the window
+    height: u32,
+    unused_a: u32,
+}
+
+struct CastBody {
+    column_x: vec3<f32>,        // index_from_world of the posed body, by columns
+    first_plane: u32,
+    column_y: vec3<f32>,
+    plane_count: u32,
+    column_z: vec3<f32>,
+    mask: u32,                  // 0 none, 1 selection, 2 background
+    eye: vec3<f32>,             // the eye in index space
+    code: u32,                  // what the picture's object id says, even; + 1 where selected matter is told apart
+    lo: vec3<f32>,              // its box in index space
+    tells_selection: u32,
+    hi: vec3<f32>,
+    unused_a: u32,
+    tint: vec3<f32>,
+    unused_b: u32,
+}
+
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<uniform> bodies: array<CastBody, 512>;
+@group(0) @binding(2) var<uniform> planes: array<vec4<f32>, 4096>;
+@group(0) @binding(3) var tile_heads: texture_2d<u32>;
+@group(0) @binding(4) var tile_lists: texture_2d<u32>;
+
+const FAR: f32 = 3.0e38;
+const TILE: u32 = 8u;
+const LIST_WIDTH: u32 = 2048u;
+const MERGE: u32 = 0x80000000u;
+
+// A pixel's ray in world mm: `start` as seen from the eye.
+struct Sight {
+    start: vec3<f32>,
+    dir: vec3<f32>,
+}
+
+// The same in a body's index space, per step of the lattice.
+struct BodyRay {
+    body: u32,
+    mask: u32,
+    o: vec3<f32>,
+    d: vec3<f32>,
+    cell_o: vec3<f32>,
+    cell_d: vec3<f32>,
+    cell_i: vec3<f32>,          // 1 / cell_d
+}
+
+fn sight_of(px: vec2<f32>) -> Sight {
+    let v = view.corner + view.dx * px.x + view.dy * px.y;
+    if (view.perspective != 0u) {
+        return Sight(vec3<f32>(0.0), normalize(v));
+    }
+    return Sight(v - view.forward, view.forward);
+}
+
+fn head_of(px: vec2<f32>) -> vec2<u32> {
+    return textureLoad(tile_heads, vec2<i32>(vec2<u32>(px) / TILE), 0).rg;
+}
+
+fn listed(i: u32) -> u32 {
+    return textureLoad(tile_lists, vec2<i32>(vec2<u32>(i % LIST_WIDTH, i / LIST_WIDTH)), 0).r;
+}
+
+fn matrix_of(b: u32) -> mat3x3<f32> {
+    return mat3x3<f32>(bodies[b].column_x, bodies[b].column_y, bodies[b].column_z);
+}
+
+fn ray_of(b: u32, sight: Sight) -> BodyRay {
+    let m = matrix_of(b);
+    var r: BodyRay;
+    r.body = b;
+    r.mask = bodies[b].mask;
+    r.o = bodies[b].eye + m * sight.start;
+    let d = m * sight.dir * view.step_mm;
+    // A component of exactly 0 has no reciprocal; one this small moves no sample.
+    r.d = select(d, vec3<f32>(1e-20), abs(d) < vec3<f32>(1e-20));
+    let cells = 1.0 / f32(info.cell);
+    r.cell_o = (r.o + 0.5) * cells;
+    r.cell_d = r.d * cells;
+    r.cell_i = 1.0 / r.cell_d;
+    return r;
+}
+
+// Where the ray is inside the body, in steps: from x to y; x ≥ y where it is not.
+fn interval(r: BodyRay, sight: Sight) -> vec2<f32> {
+    let a = (bodies[r.body].lo - r.o) / r.d;
+    let b = (bodies[r.body].hi - r.o) / r.d;
+    let near = min(a, b);
+    let far = max(a, b);
+    var t0 = max(max(near.x, near.y), max(near.z, 0.0));
+    var t1 = min(min(far.x, far.y), far.z);
+    let first = bodies[r.body].first_plane;
+    let count = bodies[r.body].plane_count;
+    for (var i = 0u; i < count; i += 1u) {
+        let plane = planes[first + i];
+        let distance = plane.w + dot(plane.xyz, sight.start);
+        let slope = dot(plane.xyz, sight.dir) * view.step_mm;
+        if (slope == 0.0) {
+            t1 = select(t1, -1.0, distance > 0.0);
+        } else {
+            let t = -distance / slope;
+            t0 = select(max(t0, t), t0, slope > 0.0);
+            t1 = select(t1, min(t1, t), slope > 0.0);
+        }
+    }
+    return vec2<f32>(t0, t1);
+}
+
+// The first sample at or after k whose cell may show something; k1 or later if there is none before k1.
+fn skip_empty(r: BodyRay, k_first: f32, k1: f32) -> f32 {
+    var k = k_first;
+#ifndef PLAIN
+    loop {
+        if (k >= k1) {
+            break;
+        }
+        let cell = floor(r.cell_o + r.cell_d * k);
+        let at = vec3<i32>(cell);
+#ifdef SELECTION
+        var distance = skip_all(at);
+        if (r.mask == 1u) {
+            distance = max(distance, skip_selection(at));
+        } else if (r.mask == 2u) {
+            distance = max(distance, skip_background(at));
+        }
+#else
+        let distance = skip_all(at);
+#endif
+        if (distance == 0u) {
+            break;
+        }
+        let leave = (cell + 0.5 - r.cell_o) * r.cell_i + (f32(distance) - 0.5) * abs(r.cell_i);
+        k = max(k + 1.0, ceil(min(leave.x, min(leave.y, leave.z))));
+    }
+#endif
+    return k;
+}
+
+// The first sample at or after which the ray has left a brick of level 0.
+fn brick_end(r: BodyRay, brick: vec3<i32>) -> f32 {
+    let corner = 32.0 * (vec3<f32>(brick) + select(vec3<f32>(0.0), vec3<f32>(1.0), r.d > vec3<f32>(0.0))) - 0.5;
+    let leave = (corner - r.o) / r.d;
+    return ceil(min(leave.x, min(leave.y, leave.z)));
+}

@@ -1,0 +1,508 @@
+//! The ray caster: pictures of bodies through the field pools.
+//!
+//! Owns the pipelines, specialised by mode, light, painted fields and merging instead of branching, and group 0. Frames become
+//! numbers in `scene`; what a pixel costs is in `shaders/cast_*.wgsl` (after Bruckner and Gröller 2006, section 4).
+
+use super::drawn::{Drawn, drawn};
+use super::scene::{MOST_BODIES, MOST_PLANES, Scene, View, table};
+use super::shader::{self, Def};
+use super::tiles::Window;
+use super::{FieldPools, Fields, Frame, Gpu, GpuError, Image, Mask};
+use crate::math::{DVec2, DVec3};
+use crate::volume::{FieldKind, Mode, Segments, TABLE_ENTRIES};
+use std::collections::HashMap;
+
+/// What a pipeline is specialised for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Key {
+    file: &'static str,
+    lit: bool,
+    colour: bool,
+    labels: bool,
+    selection: bool,
+    /// Intervals that are merged per ray; 0: bodies follow one another.
+    capacity: u32,
+    resume: bool,
+    continues: bool,
+    plain: bool,
+    float_density: bool,
+    manual_filter: bool,
+}
+
+/// A point under a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// World mm.
+    pub world: DVec3,
+    /// World mm with the body at rest.
+    pub rest: DVec3,
+    /// Id of the body.
+    pub body: u32,
+    /// Millimetres along the ray.
+    pub depth_mm: f64,
+}
+
+/// Colour, depth and object of a picture on the GPU.
+#[derive(Debug)]
+pub(super) struct Targets {
+    pub size: [u32; 2],
+    pub colour: wgpu::Texture,
+    pub depth: wgpu::Texture,
+    pub object: wgpu::Texture,
+}
+
+pub(super) const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
+const OBJECT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
+/// Entries in a row of the tiles' lists, as in shaders/lib/body.wgsl.
+const LIST_WIDTH: u32 = 2048;
+/// Greater depths mean nothing.
+pub(super) const FAR: f32 = 1e38;
+
+impl Targets {
+    pub(super) fn new(gpu: &Gpu, size: [u32; 2]) -> Self {
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT
+            | wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_SRC;
+        let texture = |label, format| texture(gpu, label, size, format, usage);
+        Self {
+            size,
+            colour: texture("picture colour", COLOUR),
+            depth: texture("picture depth", DEPTH),
+            object: texture("picture objects", OBJECT),
+        }
+    }
+}
+
+/// See the module's head.
+#[derive(Debug)]
+pub struct Caster {
+    pub(super) layout: wgpu::BindGroupLayout,
+    pub(super) view: wgpu::Buffer,
+    pub(super) bodies: wgpu::Buffer,
+    pub(super) planes: wgpu::Buffer,
+    table: (Vec<[f32; 4]>, wgpu::Texture),
+    segments: (Option<Segments>, wgpu::Texture),
+    pub(super) nothing: Targets,
+    pipelines: HashMap<Key, wgpu::RenderPipeline>,
+    pub(super) visibility: Option<super::visibility::Counter>,
+    pub(super) screen: super::screen::Screen,
+    /// Whether empty space is skipped and equal bodies are united; tests turn both off to compare pictures.
+    pub shortcuts: bool,
+}
+
+impl Caster {
+    /// A caster without pipelines; they are made when first needed.
+    ///
+    /// # Errors
+    /// Out of memory, or a lost device.
+    pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
+        gpu.scoped("the ray caster", || {
+            let uniform = |label, size: usize| {
+                gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                    label: Some(label),
+                    size: size as u64,
+                    usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                    mapped_at_creation: false,
+                })
+            };
+            Ok(Self {
+                layout: layout(gpu),
+                view: uniform("caster view", size_of::<View>()),
+                bodies: uniform("caster bodies", MOST_BODIES * size_of::<super::scene::CastBody>()),
+                planes: uniform("caster planes", MOST_PLANES * 16),
+                table: (Vec::new(), data(gpu, "transfer table", [TABLE_ENTRIES as u32, 1], COLOUR)),
+                segments: (None, data(gpu, "segment colours", [256, 1], wgpu::TextureFormat::Rgba8Unorm)),
+                nothing: Targets::new(gpu, [1; 2]),
+                pipelines: HashMap::new(),
+                visibility: None,
+                screen: super::screen::Screen::default(),
+                shortcuts: true,
+            })
+        })
+    }
+
+    /// The picture on the host.
+    ///
+    /// # Errors
+    /// A source that fails, out of memory, a lost device, or more bodies than fit.
+    pub fn image(
+        &mut self,
+        gpu: &Gpu,
+        pools: &mut FieldPools,
+        fields: &Fields<'_>,
+        frame: &Frame,
+    ) -> Result<Image, GpuError> {
+        self.part_of_image(gpu, pools, fields, frame, &Window::whole(frame.size))
+    }
+
+    /// The first visible surface on the ray through a point of the picture, in pixels: where opacity reaches ½, the iso-surface,
+    /// or the maximum.
+    ///
+    /// # Errors
+    /// As [`image`](Self::image).
+    pub fn pick(
+        &mut self,
+        gpu: &Gpu,
+        pools: &mut FieldPools,
+        fields: &Fields<'_>,
+        frame: &Frame,
+        px: DVec2,
+    ) -> Result<Option<Hit>, GpuError> {
+        let window = Window { picture: frame.size, origin: px - 0.5, size: [1; 2] };
+        let image = self.part_of_image(gpu, pools, fields, frame, &window)?;
+        let depth_mm = f64::from(image.depth_mm[0]);
+        let Some(id) = image.object[0].checked_sub(1).filter(|_| depth_mm.is_finite()) else { return Ok(None) };
+        let world = frame.camera.ray(px, frame.size).at(depth_mm);
+        let rest = frame.bodies.iter().find(|b| b.id == id).map_or(world, |b| b.pose.unapply(world));
+        Ok(Some(Hit { world, rest, body: id, depth_mm }))
+    }
+
+    fn part_of_image(
+        &mut self,
+        gpu: &Gpu,
+        pools: &mut FieldPools,
+        fields: &Fields<'_>,
+        frame: &Frame,
+        window: &Window,
+    ) -> Result<Image, GpuError> {
+        if window.size.contains(&0) {
+            return Ok(Image::empty(window.size));
+        }
+        pools.make_resident(gpu, fields, frame)?;
+        let drawn = self.drawn(pools, fields, frame);
+        gpu.scoped("a picture", || {
+            let targets = Targets::new(gpu, window.size);
+            self.render(gpu, pools, frame, &drawn, window, &targets, 0..window.size[1])?;
+            let mut image = super::readback::image(gpu, &targets)?;
+            resolve(&mut image, &drawn, frame, window);
+            Ok(image)
+        })
+    }
+
+    pub(super) fn drawn(&self, pools: &FieldPools, fields: &Fields<'_>, frame: &Frame) -> Vec<Drawn> {
+        let running = pools.pinned(FieldKind::Selection);
+        drawn(&frame.bodies, pools.grid(), fields, &running, self.shortcuts)
+    }
+
+    /// Submits the given rows of a window of the picture.
+    pub(super) fn render(
+        &mut self,
+        gpu: &Gpu,
+        pools: &FieldPools,
+        frame: &Frame,
+        drawn: &[Drawn],
+        window: &Window,
+        targets: &Targets,
+        rows: std::ops::Range<u32>,
+    ) -> Result<(), GpuError> {
+        let mut scene = Scene::new(frame, pools.grid(), window, drawn, pools.value_of_texel())?;
+        self.set_table(gpu, frame);
+        let lists = self.upload(gpu, &scene);
+        let other = (scene.passes.len() > 1).then(|| Targets::new(gpu, targets.size));
+        let count = scene.passes.len();
+        for (i, [k_from, k_to]) in scene.passes.clone().into_iter().enumerate() {
+            // Passes take turns between two sets of targets; the last one ends in the caller's.
+            let (to, from) = match &other {
+                Some(other) if (count - 1 - i) % 2 == 1 => (other, targets),
+                Some(other) => (targets, other),
+                None => (targets, &self.nothing),
+            };
+            scene.view.k_from = k_from;
+            scene.view.k_to = k_to;
+            gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&scene.view));
+            let group = self.group(gpu, &lists, if i == 0 { &self.nothing } else { from });
+            let mut kinds = vec![0];
+            if frame.mode == Mode::Dvr && scene.tiles.longest_merged > 0 {
+                // Few capacities, so that few pipelines are made.
+                kinds.push([4, 16, 64].into_iter().find(|&c| c >= scene.tiles.longest_merged).unwrap_or(MOST_BODIES));
+            }
+            let pipelines = kinds
+                .into_iter()
+                .map(|capacity| {
+                    let key = self.key(gpu, pools, frame, drawn, capacity as u32, i > 0, i + 1 < count);
+                    self.pipeline(gpu, pools, key)
+                })
+                .collect::<Result<Vec<_>, _>>()?;
+            self.submit(gpu, pools, &pipelines, &group, to, rows.clone());
+        }
+        Ok(())
+    }
+
+    fn submit(
+        &self,
+        gpu: &Gpu,
+        pools: &FieldPools,
+        pipelines: &[wgpu::RenderPipeline],
+        group: &wgpu::BindGroup,
+        targets: &Targets,
+        rows: std::ops::Range<u32>,
+    ) {
+        let view = |t: &wgpu::Texture| t.create_view(&wgpu::TextureViewDescriptor::default());
+        let views = [view(&targets.colour), view(&targets.depth), view(&targets.object)];
+        let attachment = |view| {
+            let ops = wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store };
+            Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
+        };
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("cast") });
+        {
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("cast"),
+                color_attachments: &[attachment(&views[0]), attachment(&views[1]), attachment(&views[2])],
+                ..Default::default()
+            });
+            pass.set_scissor_rect(0, rows.start, targets.size[0], rows.end - rows.start);
+            pass.set_bind_group(0, group, &[]);
+            pass.set_bind_group(1, pools.group(), &[]);
+            for pipeline in pipelines {
+                pass.set_pipeline(pipeline);
+                pass.draw(0..3, 0..1);
+            }
+        }
+        gpu.queue.submit([encoder.finish()]);
+    }
+
+    fn key(
+        &self,
+        gpu: &Gpu,
+        pools: &FieldPools,
+        frame: &Frame,
+        drawn: &[Drawn],
+        capacity: u32,
+        resume: bool,
+        continues: bool,
+    ) -> Key {
+        let painted = |kind, opacity: f32| pools.texture(kind).is_some() && opacity > 0.0;
+        let masked = drawn.iter().any(|d| d.mask != Mask::None || d.selected.is_some());
+        let defs = pools.defs(gpu);
+        let has = |name: &str| defs.iter().any(|(n, _)| *n == name);
+        Key {
+            file: match frame.mode {
+                Mode::Dvr => "cast_dvr.wgsl",
+                Mode::Iso(_) => "cast_iso.wgsl",
+                Mode::Mip => "cast_mip.wgsl",
+            },
+            lit: frame.lighting.is_some() && frame.mode != Mode::Mip,
+            colour: painted(FieldKind::Colour, frame.overlay.colour),
+            labels: painted(FieldKind::Labels, frame.overlay.labels),
+            selection: masked || painted(FieldKind::Selection, frame.overlay.selection),
+            capacity,
+            resume,
+            continues: continues && frame.mode == Mode::Mip,
+            plain: !self.shortcuts,
+            float_density: has("FLOAT_DENSITY"),
+            manual_filter: has("MANUAL_FILTER"),
+        }
+    }
+
+    fn pipeline(&mut self, gpu: &Gpu, pools: &FieldPools, key: Key) -> Result<wgpu::RenderPipeline, GpuError> {
+        if let Some(pipeline) = self.pipelines.get(&key) {
+            return Ok(pipeline.clone());
+        }
+        let defs: Vec<(&str, Def)> = [
+            ("LIT", key.lit),
+            ("COLOUR", key.colour),
+            ("LABELS", key.labels),
+            ("SELECTION", key.selection),
+            ("STAGED", key.lit || key.colour || key.labels || key.selection),
+            ("MERGE", key.capacity > 0),
+            ("UP_TO_16", key.capacity == 16),
+            ("UP_TO_64", key.capacity == 64),
+            ("UP_TO_ALL", key.capacity == MOST_BODIES as u32),
+            ("RESUME", key.resume),
+            ("CONTINUES", key.continues),
+            ("PLAIN", key.plain),
+            ("FLOAT_DENSITY", key.float_density),
+            ("MANUAL_FILTER", key.manual_filter),
+        ]
+        .into_iter()
+        .filter(|d| d.1)
+        .map(|(name, on)| (name, Def::Bool(on)))
+        .collect();
+        let module = shader::compile(gpu, key.file, &defs)?;
+        let pipeline = full_screen(
+            gpu,
+            key.file,
+            &module,
+            &[&self.layout, pools.layout()],
+            &[COLOUR, DEPTH, OBJECT],
+            "march_pixel",
+        );
+        self.pipelines.insert(key, pipeline.clone());
+        Ok(pipeline)
+    }
+
+    pub(super) fn set_table(&mut self, gpu: &Gpu, frame: &Frame) {
+        let entries = table(frame);
+        if self.table.0 != entries {
+            write(gpu, &self.table.1, bytemuck::cast_slice(&entries), 16);
+            self.table.0 = entries;
+        }
+        if self.segments.0.as_ref() != Some(&frame.overlay.segments) {
+            let rows = frame.overlay.segments.0.last().map_or(1, |s| u32::from(s.id) / 256 + 1);
+            let mut colours = vec![[0_u8; 4]; rows as usize * 256];
+            for s in frame.overlay.segments.0.iter().filter(|s| s.visible) {
+                let [r, g, b] = s.colour.map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8);
+                colours[usize::from(s.id)] = [r, g, b, 255];
+            }
+            self.segments.1 = data(gpu, "segment colours", [256, rows], wgpu::TextureFormat::Rgba8Unorm);
+            write(gpu, &self.segments.1, bytemuck::cast_slice(&colours), 4);
+            self.segments.0 = Some(frame.overlay.segments.clone());
+        }
+    }
+
+    /// Writes bodies and planes; answers textures of the tiles' heads and lists.
+    pub(super) fn upload(&self, gpu: &Gpu, scene: &Scene) -> [wgpu::Texture; 2] {
+        gpu.queue.write_buffer(&self.bodies, 0, bytemuck::cast_slice(&scene.bodies));
+        gpu.queue.write_buffer(&self.planes, 0, bytemuck::cast_slice(&scene.planes));
+        let heads = data(gpu, "tile heads", scene.tiles.dims, wgpu::TextureFormat::Rg32Uint);
+        write(gpu, &heads, bytemuck::cast_slice(&scene.tiles.heads), 8);
+        let rows = (scene.tiles.lists.len() as u32).div_ceil(LIST_WIDTH).max(1);
+        let lists = data(gpu, "tile lists", [LIST_WIDTH, rows], OBJECT);
+        let mut entries = scene.tiles.lists.clone();
+        entries.resize((LIST_WIDTH * rows) as usize, 0);
+        write(gpu, &lists, bytemuck::cast_slice(&entries), 4);
+        [heads, lists]
+    }
+
+    pub(super) fn group(&self, gpu: &Gpu, lists: &[wgpu::Texture; 2], before: &Targets) -> wgpu::BindGroup {
+        let view = |t: &wgpu::Texture| t.create_view(&wgpu::TextureViewDescriptor::default());
+        let textures =
+            [&lists[0], &lists[1], &self.table.1, &self.segments.1, &before.colour, &before.depth, &before.object];
+        let views = textures.map(view);
+        let mut entries: Vec<_> = [&self.view, &self.bodies, &self.planes]
+            .into_iter()
+            .zip(0..)
+            .map(|(buffer, binding)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+            .collect();
+        entries.extend(views.iter().zip(3..).map(|(view, binding)| wgpu::BindGroupEntry {
+            binding,
+            resource: wgpu::BindingResource::TextureView(view),
+        }));
+        gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("caster"),
+            layout: &self.layout,
+            entries: &entries,
+        })
+    }
+}
+
+/// Turns the shaders' object codes into ids.
+fn resolve(image: &mut Image, drawn: &[Drawn], frame: &Frame, window: &Window) {
+    let mut hint = 0;
+    let width = image.size[0] as usize;
+    for (i, object) in image.object.iter_mut().enumerate() {
+        if *object == 0 {
+            continue;
+        }
+        let depth = &mut image.depth_mm[i];
+        let Some(d) = drawn.get((*object / 2) as usize - 1) else { continue };
+        let px = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5) + window.origin;
+        let world = frame.camera.ray(px, window.picture).at(f64::from(*depth));
+        *object = d.owner(world, *object & 1 == 1, &mut hint) + 1;
+    }
+}
+
+/// A pipeline that covers the target with one triangle; entry points `cover` and `fragment`.
+pub(super) fn full_screen(
+    gpu: &Gpu,
+    label: &str,
+    module: &wgpu::ShaderModule,
+    groups: &[&wgpu::BindGroupLayout],
+    targets: &[wgpu::TextureFormat],
+    fragment: &str,
+) -> wgpu::RenderPipeline {
+    let groups: Vec<_> = groups.iter().map(|g| Some(*g)).collect();
+    let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(label),
+        bind_group_layouts: &groups,
+        immediate_size: 0,
+    });
+    let targets: Vec<_> = targets.iter().map(|&format| Some(format.into())).collect();
+    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(label),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: Some("cover"),
+            compilation_options: Default::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some(fragment),
+            compilation_options: Default::default(),
+            targets: &targets,
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+fn layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
+    let float = wgpu::TextureSampleType::Float { filterable: false };
+    let uint = wgpu::TextureSampleType::Uint;
+    let uniform = wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Uniform,
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    };
+    let texture = |sample_type| wgpu::BindingType::Texture {
+        sample_type,
+        view_dimension: wgpu::TextureViewDimension::D2,
+        multisampled: false,
+    };
+    let kinds = [uint, uint, float, float, float, float, uint].map(texture);
+    let entries: Vec<_> = [uniform; 3]
+        .into_iter()
+        .chain(kinds)
+        .zip(0..)
+        .map(|(ty, binding)| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::FRAGMENT | wgpu::ShaderStages::COMPUTE,
+            ty,
+            count: None,
+        })
+        .collect();
+    gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("caster"), entries: &entries })
+}
+
+fn texture(
+    gpu: &Gpu,
+    label: &str,
+    [width, height]: [u32; 2],
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[],
+    })
+}
+
+/// A texture that shaders load from and the host writes.
+fn data(gpu: &Gpu, label: &str, size: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
+    texture(gpu, label, size, format, wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST)
+}
+
+fn write(gpu: &Gpu, texture: &wgpu::Texture, bytes: &[u8], bytes_per_texel: u32) {
+    gpu.queue.write_texture(
+        texture.as_image_copy(),
+        bytes,
+        wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(texture.width() * bytes_per_texel),
+            rows_per_image: None,
+        },
+        texture.size(),
+    );
+}

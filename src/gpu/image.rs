@@ -1,0 +1,133 @@
+//! A finished picture on the host, and its files.
+//!
+//! PNG takes the display-referred colour as it is; EXR holds linear colour (sRGB's transfer curve undone), `Z` in mm along
+//! the ray with +inf for nothing, and `id`. Knows nothing of how the picture came to be.
+
+use crate::math::DVec2;
+use exr::prelude as exr;
+use std::path::{Path, PathBuf};
+
+/// Why a picture could not be kept.
+#[derive(Debug, thiserror::Error)]
+pub enum ImageError {
+    /// The file could not be written.
+    #[error("cannot write {path}: {reason}; check the folder, its rights and the free space")]
+    Unwritable {
+        /// File.
+        path: PathBuf,
+        /// What the system or the encoder said.
+        reason: String,
+    },
+    /// No format goes with the file's name.
+    #[error("{path}: no picture format for this extension; .png or .exr expected")]
+    UnknownFormat {
+        /// File.
+        path: PathBuf,
+    },
+}
+
+/// A picture; pixels row by row from the top-left corner.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Display-referred red, green, blue, multiplied by alpha, and alpha.
+    pub colour: Vec<[f32; 4]>,
+    /// Millimetres along the ray from the eye (from the image plane in orthographic projection); +inf where there is nothing.
+    /// DVR: where opacity reaches ½.
+    pub depth_mm: Vec<f32>,
+    /// Id of the body at that depth plus 1; 0 where there is nothing.
+    pub object: Vec<u32>,
+}
+
+impl Image {
+    /// Nothing at all.
+    pub fn empty(size: [u32; 2]) -> Self {
+        let count = size[0] as usize * size[1] as usize;
+        Self { size, colour: vec![[0.0; 4]; count], depth_mm: vec![f32::INFINITY; count], object: vec![0; count] }
+    }
+
+    /// Place of the pixel that holds a point of the picture, if it is inside.
+    pub fn index(&self, px: DVec2) -> Option<usize> {
+        let inside = px.x >= 0.0 && px.y >= 0.0 && px.x < f64::from(self.size[0]) && px.y < f64::from(self.size[1]);
+        inside.then(|| px.x as usize + px.y as usize * self.size[0] as usize)
+    }
+
+    /// Eight bits a channel, not multiplied by alpha: over `background` and opaque, or with alpha if there is none.
+    pub fn to_rgba8(&self, background: Option<[f32; 3]>) -> Vec<u8> {
+        let byte = |x: f32| (x.clamp(0.0, 1.0) * 255.0).round() as u8;
+        self.colour
+            .iter()
+            .flat_map(|&[r, g, b, a]| match background {
+                Some(under) => {
+                    let mix = |i: usize, c: f32| byte(c + under[i] * (1.0 - a));
+                    [mix(0, r), mix(1, g), mix(2, b), 255]
+                }
+                None if a <= 0.0 => [0; 4],
+                None => [byte(r / a), byte(g / a), byte(b / a), byte(a)],
+            })
+            .collect()
+    }
+
+    /// Writes PNG or EXR, as the file's extension says. `background` is for PNG.
+    ///
+    /// # Errors
+    /// [`ImageError`].
+    pub fn write(&self, path: &Path, background: Option<[f32; 3]>) -> Result<(), ImageError> {
+        match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+            Some("png") => self.write_png(path, background),
+            Some("exr") => self.write_exr(path),
+            _ => Err(ImageError::UnknownFormat { path: path.to_path_buf() }),
+        }
+    }
+
+    /// Writes a PNG.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn write_png(&self, path: &Path, background: Option<[f32; 3]>) -> Result<(), ImageError> {
+        let bytes = self.to_rgba8(background);
+        let [w, h] = self.size;
+        image::save_buffer_with_format(path, &bytes, w, h, image::ColorType::Rgba8, image::ImageFormat::Png)
+            .map_err(|e| ImageError::Unwritable { path: path.to_path_buf(), reason: e.to_string() })
+    }
+
+    /// Writes an EXR with channels `R G B A Z id` in one layer, 32 bits each.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn write_exr(&self, path: &Path) -> Result<(), ImageError> {
+        let linear: Vec<[f32; 4]> = self.colour.iter().map(|&c| linear(c)).collect();
+        let plane = |i: usize| exr::FlatSamples::F32(linear.iter().map(|c| c[i]).collect());
+        let channels = [
+            ("R", plane(0)),
+            ("G", plane(1)),
+            ("B", plane(2)),
+            ("A", plane(3)),
+            ("Z", exr::FlatSamples::F32(self.depth_mm.clone())),
+            ("id", exr::FlatSamples::U32(self.object.clone())),
+        ];
+        let channels = channels.map(|(name, samples)| exr::AnyChannel::new(name, samples)).into_iter().collect();
+        let layer = exr::Layer::new(
+            (self.size[0] as usize, self.size[1] as usize),
+            exr::LayerAttributes::default(),
+            exr::Encoding::FAST_LOSSLESS,
+            exr::AnyChannels::sort(channels),
+        );
+        use exr::WritableImage;
+        exr::Image::from_layer(layer)
+            .write()
+            .to_file(path)
+            .map_err(|e| ImageError::Unwritable { path: path.to_path_buf(), reason: e.to_string() })
+    }
+}
+
+/// Colour as light: the transfer curve of sRGB undone on the colour itself, then multiplied by alpha again.
+fn linear([r, g, b, a]: [f32; 4]) -> [f32; 4] {
+    let light = |c: f32| {
+        let c = if a > 0.0 { c / a } else { 0.0 };
+        let light = if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) };
+        light * a
+    };
+    [light(r), light(g), light(b), a]
+}

@@ -1,0 +1,170 @@
+//! How much of the selection is seen, and which bodies hide the rest.
+//!
+//! Feeds the viewing force's gain (ERRATA, Exploded Views). Counts pixels; the smaller the frame, the cheaper.
+
+use super::drawn::drawn;
+use super::scene::{MOST_BODIES, Scene};
+use super::shader::{self, Def};
+use super::tiles::{TILE, Window};
+use super::{Caster, FieldPools, Fields, Frame, Gpu, GpuError, Mask};
+use crate::volume::{FieldKind, Mode};
+use std::collections::HashMap;
+
+/// Samples along a ray are held below this by a longer step.
+const MOST_SAMPLES: f64 = 6000.0;
+
+/// Numbers of pixels.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Visibility {
+    /// Where the selected matter alone reaches opacity ½.
+    pub selected: u64,
+    /// Those of them with less than 5 % opacity before that sample.
+    pub visible: u64,
+    /// By id of every body that is not the selection: those that it alone hides by at least 5 %.
+    pub hidden_by: Vec<(u32, u64)>,
+}
+
+impl Visibility {
+    /// Visible share of the selected pixels, 1 if there are none.
+    pub fn share(&self) -> f64 {
+        if self.selected == 0 { 1.0 } else { self.visible as f64 / self.selected as f64 }
+    }
+}
+
+/// What counting needs on the GPU.
+#[derive(Debug)]
+pub(super) struct Counter {
+    layout: wgpu::BindGroupLayout,
+    counts: wgpu::Buffer,
+    answer: wgpu::Buffer,
+    pipelines: HashMap<Vec<&'static str>, wgpu::ComputePipeline>,
+}
+
+impl Counter {
+    fn new(gpu: &Gpu) -> Self {
+        let size = 4 * (MOST_BODIES as u64 + 2);
+        let buffer = |label, usage| {
+            gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("visibility counts"),
+            entries: &[wgpu::BindGroupLayoutEntry {
+                binding: 0,
+                visibility: wgpu::ShaderStages::COMPUTE,
+                ty: wgpu::BindingType::Buffer {
+                    ty: wgpu::BufferBindingType::Storage { read_only: false },
+                    has_dynamic_offset: false,
+                    min_binding_size: None,
+                },
+                count: None,
+            }],
+        });
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+        Self {
+            layout,
+            counts: buffer("visibility counts", usage),
+            answer: buffer("visibility answer", wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST),
+            pipelines: HashMap::new(),
+        }
+    }
+}
+
+impl Caster {
+    /// Counts the selection's pixels in a frame, as if drawn by DVR; its bodies masked by [`Mask::Selection`] are the
+    /// selection, all others may hide it.
+    ///
+    /// # Errors
+    /// As [`Caster::image`].
+    pub fn visibility(
+        &mut self,
+        gpu: &Gpu,
+        pools: &mut FieldPools,
+        fields: &Fields<'_>,
+        frame: &Frame,
+    ) -> Result<Visibility, GpuError> {
+        let hiders = frame.bodies.iter().filter(|b| b.mask != Mask::Selection);
+        let mut answer = Visibility { hidden_by: hiders.map(|b| (b.id, 0)).collect(), ..Default::default() };
+        let running = pools.pinned(FieldKind::Selection);
+        let list = drawn(&frame.bodies, pools.grid(), fields, &running, false);
+        if frame.size.contains(&0) || !list.iter().any(|d| d.mask == Mask::Selection) {
+            return Ok(answer);
+        }
+        let length = 2.0 * pools.grid().world_bounds().half_diagonal();
+        let frame = Frame { mode: Mode::Dvr, step_mm: frame.step_mm.max(length / MOST_SAMPLES), ..frame.clone() };
+        pools.make_resident(gpu, fields, &frame)?;
+        let counts = gpu.scoped("visibility", || {
+            let scene = Scene::new(&frame, pools.grid(), &Window::whole(frame.size), &list, pools.value_of_texel())?;
+            self.set_table(gpu, &frame);
+            let lists = self.upload(gpu, &scene);
+            gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&scene.view));
+            let group = self.group(gpu, &lists, &self.nothing);
+            self.count(gpu, pools, &group, frame.size)
+        })?;
+        answer.selected = u64::from(counts[0]);
+        answer.visible = u64::from(counts[1]);
+        for (d, &count) in list.iter().zip(&counts[2..]) {
+            if let Some(hidden) = answer.hidden_by.iter_mut().find(|(id, _)| *id == d.members[0].0)
+                && d.mask != Mask::Selection
+            {
+                hidden.1 += u64::from(count);
+            }
+        }
+        Ok(answer)
+    }
+
+    fn count(
+        &mut self,
+        gpu: &Gpu,
+        pools: &FieldPools,
+        group: &wgpu::BindGroup,
+        size: [u32; 2],
+    ) -> Result<Vec<u32>, GpuError> {
+        let counter = self.visibility.get_or_insert_with(|| Counter::new(gpu));
+        let mut names: Vec<&'static str> = pools.defs(gpu).into_iter().map(|d| d.0).collect();
+        names.push("SELECTION");
+        if !counter.pipelines.contains_key(&names) {
+            let file = "cast_visibility.wgsl";
+            let defs: Vec<_> = names.iter().map(|&n| (n, Def::Bool(true))).collect();
+            let module = shader::compile(gpu, file, &defs)?;
+            let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some(file),
+                bind_group_layouts: &[Some(&self.layout), Some(pools.layout()), Some(&counter.layout)],
+                immediate_size: 0,
+            });
+            let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(file),
+                layout: Some(&layout),
+                module: &module,
+                entry_point: Some("count"),
+                compilation_options: Default::default(),
+                cache: None,
+            });
+            counter.pipelines.insert(names.clone(), pipeline);
+        }
+        let counts = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("visibility counts"),
+            layout: &counter.layout,
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: counter.counts.as_entire_binding() }],
+        });
+        let mut encoder =
+            gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("visibility") });
+        encoder.clear_buffer(&counter.counts, 0, None);
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(&counter.pipelines[&names]);
+            pass.set_bind_group(0, group, &[]);
+            pass.set_bind_group(1, pools.group(), &[]);
+            pass.set_bind_group(2, &counts, &[]);
+            pass.dispatch_workgroups(size[0].div_ceil(TILE), size[1].div_ceil(TILE), 1);
+        }
+        encoder.copy_buffer_to_buffer(&counter.counts, 0, &counter.answer, 0, counter.counts.size());
+        gpu.queue.submit([encoder.finish()]);
+        let bytes = gpu.read_buffer(&counter.answer, "visibility")?;
+        Ok(bytes.chunks_exact(4).map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]])).collect())
+    }
+}

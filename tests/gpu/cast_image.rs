@@ -1,0 +1,60 @@
+//! Pictures in files.
+
+use burin::gpu::{Image, ImageError};
+
+fn sample() -> Image {
+    let mut image = Image::empty([3, 2]);
+    image.colour[0] = [0.5, 0.25, 0.0, 0.5];
+    image.colour[4] = [1.0, 0.2, 0.03, 1.0];
+    image.depth_mm[4] = 123.25;
+    image.object[4] = 7;
+    image
+}
+
+#[test]
+fn a_png_holds_straight_colour_or_the_background() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.png");
+    sample().write(&path, None).unwrap();
+    let read = image::open(&path).unwrap().to_rgba8();
+    assert_eq!(read.dimensions(), (3, 2));
+    assert_eq!(read.get_pixel(0, 0).0, [255, 128, 0, 128]);
+    assert_eq!(read.get_pixel(1, 0).0, [0; 4]);
+    assert_eq!(read.get_pixel(1, 1).0, [255, 51, 8, 255]);
+    sample().write(&path, Some([0.0, 1.0, 0.0])).unwrap();
+    let read = image::open(&path).unwrap().to_rgba8();
+    assert_eq!(read.get_pixel(0, 0).0, [128, 191, 0, 255]);
+    assert_eq!(read.get_pixel(1, 0).0, [0, 255, 0, 255]);
+}
+
+#[test]
+fn an_exr_holds_linear_colour_depth_and_object() {
+    use exr::prelude::*;
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.exr");
+    sample().write(&path, None).unwrap();
+    let read = read_first_flat_layer_from_file(&path).unwrap().layer_data;
+    assert_eq!(read.size, Vec2(3, 2));
+    let channel = |name: &str| {
+        let found = read.channel_data.list.iter().find(|c| c.name.to_string() == name);
+        found.unwrap_or_else(|| panic!("no channel {name}")).sample_data.clone()
+    };
+    let float = |name: &str| channel(name).values_as_f32().collect::<Vec<f32>>();
+    let z = float("Z");
+    assert_eq!(z[4], 123.25);
+    assert!(z.iter().enumerate().all(|(i, z)| i == 4 || *z == f32::INFINITY));
+    assert_eq!(channel("id"), FlatSamples::U32(vec![0, 0, 0, 0, 7, 0]));
+    assert_eq!(float("A")[0], 0.5);
+    // sRGB's curve at 1, ½ and 0.2 (IEC 61966-2-1), of the colour without its alpha.
+    assert!((float("R")[0] - 0.5).abs() < 1e-6);
+    assert!((float("G")[0] - 0.5 * 0.214_041).abs() < 1e-5);
+    assert!((float("G")[4] - 0.033_105).abs() < 1e-5);
+    assert!((float("B")[4] - 0.03 / 12.92).abs() < 1e-6);
+}
+
+#[test]
+fn a_file_that_cannot_be_written_is_named() {
+    let error = sample().write(std::path::Path::new("/nowhere/at/all.png"), None).unwrap_err();
+    assert!(error.to_string().contains("/nowhere/at/all.png"), "{error}");
+    assert!(matches!(sample().write(std::path::Path::new("a.gif"), None), Err(ImageError::UnknownFormat { .. })));
+}

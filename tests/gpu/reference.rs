@@ -1,0 +1,336 @@
+//! The picture by the book: every ray, every sample, in f64, on dense arrays.
+//!
+//! Written from the conventions of the picture: samples at t = k·step along the unit ray, half-open intervals, box faces at
+//! −½ and n−½, opacity 1 − (1−α)^(step/unit), rays end under a transmittance of 1/256, overlapping bodies add extinctions.
+
+use burin::gpu::{Body, Fields, Frame, Image, Mask};
+use burin::math::{DMat3, DVec2, DVec3, Plane, Ray};
+use burin::volume::*;
+use rayon::prelude::*;
+
+/// Fields as plain arrays, x fastest.
+pub struct Dense {
+    grid: Grid,
+    density: Vec<f64>,
+    selection: Vec<f64>,
+    colour: Vec<[f64; 4]>,
+    labels: Vec<u16>,
+}
+
+/// One pixel.
+#[derive(Clone, Copy, Debug)]
+pub struct Pixel {
+    pub colour: [f64; 4],
+    pub depth_mm: f64,
+    pub object: u32,
+}
+
+const NOTHING: Pixel = Pixel { colour: [0.0; 4], depth_mm: f64::INFINITY, object: 0 };
+
+impl Dense {
+    pub fn of(fields: &Fields<'_>, grid: &Grid) -> Self {
+        let texels = |f: &Field| {
+            let bytes = f.format().bytes();
+            let all = f.read(0, [0; 3], grid.dims).unwrap();
+            let texel = |t: &[u8]| std::array::from_fn::<u8, 4, _>(|i| t.get(i).copied().unwrap_or(0));
+            all.chunks_exact(bytes).map(texel).collect::<Vec<[u8; 4]>>()
+        };
+        let unorm = |b: u8| f64::from(b) / 255.0;
+        Self {
+            grid: *grid,
+            density: texels(fields.density).iter().map(|&t| fields.density.map().decode(t)).collect(),
+            selection: texels(fields.selection).iter().map(|t| unorm(t[0])).collect(),
+            colour: texels(fields.colour).iter().map(|t| t.map(unorm)).collect(),
+            labels: texels(fields.labels).iter().map(|t| u16::from_le_bytes([t[0], t[1]])).collect(),
+        }
+    }
+
+    fn index(&self, v: [i64; 3]) -> usize {
+        let d = self.grid.dims.map(i64::from);
+        let c: [i64; 3] = std::array::from_fn(|a| v[a].clamp(0, d[a] - 1));
+        (c[0] + d[0] * (c[1] + d[1] * c[2])) as usize
+    }
+
+    fn linear(&self, values: impl Fn(usize) -> f64, p: DVec3) -> f64 {
+        let lo = p.floor();
+        let f = p - lo;
+        let tap = |x: i64, y: i64, z: i64| values(self.index([lo.x as i64 + x, lo.y as i64 + y, lo.z as i64 + z]));
+        let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
+        let plane = |z| mix(mix(tap(0, 0, z), tap(1, 0, z), f.x), mix(tap(0, 1, z), tap(1, 1, z), f.x), f.y);
+        mix(plane(0), plane(1), f.z)
+    }
+
+    fn density(&self, p: DVec3) -> f64 {
+        self.linear(|i| self.density[i], p)
+    }
+
+    fn selection(&self, p: DVec3) -> f64 {
+        self.linear(|i| self.selection[i], p)
+    }
+
+    fn gradient(&self, value: impl Fn(DVec3) -> f64, p: DVec3) -> DVec3 {
+        let along = |axis: DVec3| {
+            let d = value(p + axis * 0.5) - value(p - axis * 0.5);
+            if d.is_nan() { 0.0 } else { d }
+        };
+        DVec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z))
+    }
+}
+
+/// A body as seen from one ray.
+struct Met<'a> {
+    body: &'a Body,
+    index: Ray,
+    index_from_world: DMat3,
+    entry: f64,
+    exit: f64,
+    entry_normal: DVec3,
+}
+
+impl Met<'_> {
+    fn at(&self, t: f64) -> DVec3 {
+        self.index.at(t)
+    }
+}
+
+fn meet<'a>(dense: &Dense, body: &'a Body, ray: &Ray) -> Option<Met<'a>> {
+    let rest = body.pose.unapply_ray(ray);
+    let map = dense.grid.index_from_world();
+    let index = Ray { origin: map.transform_point3(rest.origin), dir: map.transform_vector3(rest.dir) };
+    // Faces of the box in index space, brought to the world as (normal there, its planes in index space).
+    let n = dense.grid.dims_f64();
+    let mut faces: Vec<(f64, f64, DVec3)> = Vec::new();
+    for (axis, extent) in [(DVec3::X, n.x), (DVec3::Y, n.y), (DVec3::Z, n.z)] {
+        for (normal, offset) in [(axis, extent - 0.5), (-axis, 0.5)] {
+            let world = (map.matrix3.transpose() * normal).normalize();
+            faces.push((normal.dot(index.origin) - offset, normal.dot(index.dir), world));
+        }
+    }
+    for Plane { normal, offset } in &body.region {
+        faces.push((normal.dot(rest.origin) - offset, normal.dot(rest.dir), *normal));
+    }
+    let mut met =
+        Met { body, index, index_from_world: map.matrix3, entry: 0.0, exit: f64::INFINITY, entry_normal: -rest.dir };
+    for (distance, slope, normal) in faces {
+        if slope < 0.0 && -distance / slope > met.entry {
+            met.entry = -distance / slope;
+            met.entry_normal = normal;
+        } else if slope > 0.0 {
+            met.exit = met.exit.min(-distance / slope);
+        } else if slope == 0.0 && distance > 0.0 {
+            return None;
+        }
+    }
+    met.entry_normal = body.pose.rotation * met.entry_normal;
+    (met.entry < met.exit).then_some(met)
+}
+
+/// The share of a body in matter of selection s.
+fn weight(mask: Mask, s: f64) -> f64 {
+    match mask {
+        Mask::None => 1.0,
+        Mask::Selection => s,
+        Mask::Background => 1.0 - s,
+    }
+}
+
+fn shade(frame: &Frame, rgb: [f64; 3], cosine: f64) -> [f64; 3] {
+    let Some(l) = frame.lighting else { return rgb };
+    let c = cosine.abs();
+    let white = f64::from(l.specular) * c.powf(f64::from(l.power));
+    rgb.map(|x| x * (f64::from(l.ambient) + f64::from(l.diffuse) * c) + white)
+}
+
+/// Cosine of a gradient in index space with the ray.
+fn cosine(met: &Met<'_>, ray: &Ray, gradient: DVec3) -> f64 {
+    let world = met.body.pose.rotation * (met.index_from_world.transpose() * gradient);
+    if world == DVec3::ZERO { 1.0 } else { world.normalize().dot(ray.dir) }
+}
+
+fn painted(dense: &Dense, frame: &Frame, body: &Body, rgb: [f32; 3], p: DVec3) -> [f64; 3] {
+    let mut c = rgb.map(f64::from);
+    let over = |c: [f64; 3], paint: [f64; 3], a: f64| std::array::from_fn(|i| c[i] + (paint[i] - c[i]) * a);
+    let paint: [f64; 4] = std::array::from_fn(|i| dense.linear(|v| dense.colour[v][i], p));
+    c = over(c, [paint[0], paint[1], paint[2]], paint[3] * f64::from(frame.overlay.colour));
+    let voxel = (p + 0.5).floor();
+    let label = dense.labels[dense.index([voxel.x as i64, voxel.y as i64, voxel.z as i64])];
+    if let Some(s) = frame.overlay.segments.get(label).filter(|s| s.visible) {
+        c = over(c, s.colour.map(f64::from), f64::from(frame.overlay.labels));
+    }
+    let tint = frame.overlay.selection_colour.map(f64::from);
+    c = over(c, tint, dense.selection(p) * f64::from(frame.overlay.selection));
+    let own = body.tint.unwrap_or([1.0; 3]);
+    std::array::from_fn(|i| c[i] * f64::from(own[i]))
+}
+
+fn dvr(dense: &Dense, frame: &Frame, met: &[Met<'_>], ray: &Ray) -> Pixel {
+    let step = frame.step_mm;
+    let mut pixel = NOTHING;
+    let mut clear = 1.0;
+    let first = met.iter().map(|m| m.entry).fold(f64::INFINITY, f64::min);
+    let last = met.iter().map(|m| m.exit).fold(0.0, f64::max);
+    let mut k = (first / step).ceil();
+    while k * step < last && clear >= 1.0 / 256.0 {
+        let t = k * step;
+        let (mut extinction, mut light) = (0.0, [0.0; 3]);
+        let mut strongest = (0.0, 0);
+        for m in met.iter().filter(|m| m.entry <= t && t < m.exit) {
+            let p = m.at(t);
+            let value = dense.density(p);
+            if value.is_nan() {
+                continue;
+            }
+            let alpha = frame.transfer.opacity_of_step(value, step);
+            let own = -(1.0 - alpha).max(1e-300).ln() * weight(m.body.mask, dense.selection(p));
+            if own <= 0.0 {
+                continue;
+            }
+            let mut rgb = painted(dense, frame, m.body, frame.transfer.colour_at(value), p);
+            if frame.lighting.is_some() {
+                let g = dense.gradient(|p| dense.density(p), p);
+                rgb = shade(frame, rgb, cosine(m, ray, g));
+            }
+            extinction += own;
+            light = std::array::from_fn(|i| light[i] + rgb[i] * own);
+            if own > strongest.0 {
+                strongest = (own, m.body.id + 1);
+            }
+        }
+        if extinction > 0.0 {
+            let alpha = 1.0 - f64::exp(-extinction);
+            for (i, l) in light.iter().enumerate() {
+                pixel.colour[i] += clear * alpha * l / extinction;
+            }
+            if clear > 0.5 && clear * (1.0 - alpha) <= 0.5 {
+                pixel.depth_mm = t;
+                pixel.object = strongest.1;
+            }
+            clear *= 1.0 - alpha;
+        }
+        k += 1.0;
+    }
+    pixel.colour[3] = 1.0 - clear;
+    pixel
+}
+
+fn iso(dense: &Dense, frame: &Frame, met: &[Met<'_>], ray: &Ray, iso: f64) -> Pixel {
+    let step = frame.step_mm;
+    let mut best = NOTHING;
+    for m in met {
+        let dense_at = |t: f64| dense.density(m.at(t)) >= iso;
+        let owned_at = |t: f64| match m.body.mask {
+            Mask::None => true,
+            Mask::Selection => dense.selection(m.at(t)) >= 0.5,
+            Mask::Background => dense.selection(m.at(t)) < 0.5,
+        };
+        let inside = |t: f64| dense_at(t) && owned_at(t);
+        let mut hit = None;
+        if inside(m.entry) {
+            hit = Some((m.entry, m.entry_normal.dot(ray.dir)));
+        } else {
+            let mut k = (m.entry / step).ceil();
+            while k * step < m.exit && !inside(k * step) {
+                k += 1.0;
+            }
+            if k * step < m.exit {
+                let (mut outer, mut inner) = (((k - 1.0) * step).max(m.entry), k * step);
+                for _ in 0..40 {
+                    let middle = 0.5 * (outer + inner);
+                    if inside(middle) { inner = middle } else { outer = middle }
+                }
+                let p = m.at(inner);
+                let by_mask = m.body.mask != Mask::None && dense_at(outer);
+                let g = if by_mask {
+                    dense.gradient(|p| dense.selection(p), p)
+                } else {
+                    dense.gradient(|p| dense.density(p), p)
+                };
+                hit = Some((inner, cosine(m, ray, g)));
+            }
+        }
+        if let Some((t, cosine)) = hit.filter(|h| h.0 < best.depth_mm) {
+            let rgb = painted(dense, frame, m.body, frame.transfer.colour_at(iso), m.at(t));
+            let [r, g, b] = shade(frame, rgb, cosine);
+            best = Pixel { colour: [r, g, b, 1.0], depth_mm: t, object: m.body.id + 1 };
+        }
+    }
+    best
+}
+
+fn mip(dense: &Dense, frame: &Frame, met: &[Met<'_>]) -> Pixel {
+    let mut best: Option<(f64, f64, &Met<'_>)> = None;
+    for m in met {
+        let mut k = (m.entry / frame.step_mm).ceil();
+        while k * frame.step_mm < m.exit {
+            let p = m.at(k * frame.step_mm);
+            let value = dense.density(p);
+            if weight(m.body.mask, if dense.selection(p) >= 0.5 { 1.0 } else { 0.0 }) > 0.0
+                && !value.is_nan()
+                && best.is_none_or(|b| value > b.0)
+            {
+                best = Some((value, k * frame.step_mm, m));
+            }
+            k += 1.0;
+        }
+    }
+    let Some((value, t, m)) = best else { return NOTHING };
+    let alpha = f64::from(frame.transfer.opacity_at(value));
+    let rgb = painted(dense, frame, m.body, frame.transfer.colour_at(value), m.at(t));
+    if alpha == 0.0 {
+        return NOTHING;
+    }
+    Pixel { colour: [rgb[0] * alpha, rgb[1] * alpha, rgb[2] * alpha, alpha], depth_mm: t, object: m.body.id + 1 }
+}
+
+/// The pixel whose centre is at `px`.
+pub fn pixel(dense: &Dense, frame: &Frame, px: DVec2) -> Pixel {
+    let ray = frame.camera.ray(px, frame.size);
+    let met: Vec<_> = frame.bodies.iter().filter_map(|b| meet(dense, b, &ray)).collect();
+    match frame.mode {
+        Mode::Dvr => dvr(dense, frame, &met, &ray),
+        Mode::Iso(value) => iso(dense, frame, &met, &ray, value),
+        Mode::Mip => mip(dense, frame, &met),
+    }
+}
+
+/// All pixels, row by row.
+pub fn picture(dense: &Dense, frame: &Frame) -> Vec<Pixel> {
+    let [w, h] = frame.size;
+    (0..w * h)
+        .into_par_iter()
+        .map(|i| pixel(dense, frame, DVec2::new(f64::from(i % w) + 0.5, f64::from(i / w) + 0.5)))
+        .collect()
+}
+
+/// How far an image is from the reference, in 8-bit steps of colour and alpha.
+#[derive(Clone, Copy, Debug)]
+pub struct Difference {
+    pub largest: f64,
+    pub mean: f64,
+    /// Share of pixels that differ by more than 1.
+    pub beyond_one: f64,
+    /// Share of pixels whose object differs, or whose depth differs by more than a step.
+    pub misplaced: f64,
+    /// Share of pixels with anything in them.
+    pub covered: f64,
+}
+
+pub fn difference(image: &Image, reference: &[Pixel], step_mm: f64) -> Difference {
+    let count = reference.len() as f64;
+    let mut d = Difference { largest: 0.0, mean: 0.0, beyond_one: 0.0, misplaced: 0.0, covered: 0.0 };
+    for (i, r) in reference.iter().enumerate() {
+        let here = (0..4)
+            .map(|c| (f64::from(image.colour[i][c]).clamp(0.0, 1.0) - r.colour[c].clamp(0.0, 1.0)).abs() * 255.0)
+            .fold(0.0, f64::max);
+        d.largest = d.largest.max(here);
+        d.mean += here / count;
+        d.beyond_one += f64::from(u8::from(here > 1.0)) / count;
+        let off = match (f64::from(image.depth_mm[i]), r.depth_mm) {
+            (a, b) if a.is_infinite() || b.is_infinite() => a != b,
+            (a, b) => (a - b).abs() > 1.01 * step_mm,
+        };
+        d.misplaced += f64::from(u8::from(off || image.object[i] != r.object)) / count;
+        d.covered += f64::from(u8::from(r.colour[3] > 0.0)) / count;
+    }
+    d
+}
