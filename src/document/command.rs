@@ -90,9 +90,10 @@ pub enum ProjectCommand {
     Save {
         #[serde(default)]
         path: Option<PathBuf>,
-        /// Whether the project holds all of the density or names the file it came from.
+        /// Whether the project holds all of the density or names the file it came from; as it was if left out, and all of it the
+        /// first time.
         #[serde(default)]
-        density: DensityKeeping,
+        density: Option<DensityKeeping>,
     },
     /// Lists unsaved documents that crashes left behind.
     Lost {},

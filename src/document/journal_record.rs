@@ -13,7 +13,7 @@ use serde_json::{Map, Value};
 pub(super) const RECORD_HEAD: usize = 12;
 const BRICK_HEAD: usize = 14;
 /// Bricks of a large step are cut into records of about this size.
-const RECORD_BYTES: usize = 32 << 20;
+const RECORD_BYTES: usize = 4 << 20;
 
 /// What a record says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

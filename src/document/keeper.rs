@@ -59,7 +59,7 @@ impl Keeper {
     pub fn create(
         path: &Path,
         state: &State,
-        density: DensityKeeping,
+        density: Option<DensityKeeping>,
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> Result<(Self, Saved), KeepError> {
         let mut store = Store::create(path)?;
@@ -147,7 +147,7 @@ impl Keeper {
     }
 
     /// Saves: the next generation of the project, or a new project in `path`, which is the document's from then on. Not while a
-    /// stroke runs. `progress` gets the share done and answers whether to go on.
+    /// stroke runs. `density` says whether the project holds the density, as before if `None`. `progress` gets the share done and answers whether to go on.
     ///
     /// # Errors
     /// If the disk refuses, `path` is taken, or none is given for the first save. The project is then as it was before.
@@ -155,7 +155,7 @@ impl Keeper {
         &mut self,
         path: Option<&Path>,
         state: &State,
-        density: DensityKeeping,
+        density: Option<DensityKeeping>,
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> Result<Saved, KeepError> {
         let elsewhere = path.filter(|p| !self.project_dir().is_some_and(|dir| same_folder(p, dir)));
@@ -208,7 +208,7 @@ impl Keeper {
 fn save_into(
     store: &mut Store,
     state: &State,
-    density: DensityKeeping,
+    density: Option<DensityKeeping>,
     progress: &(dyn Fn(f32) -> bool + Sync),
 ) -> Result<(Journal, Saved), KeepError> {
     let dir = store.dir().to_owned();

@@ -68,12 +68,16 @@ impl KeptDocument {
                 None => field.remove(&index),
             };
         }
-        let scene = if replay.scene.is_empty() {
+        let mut scene = if replay.scene.is_empty() {
             manifest.scene.clone()
         } else {
             with_parts(&manifest.scene, replay.scene)
                 .map_err(|e| KeepError::malformed(journal, "scene", e, "parts of a scene"))?
         };
+        if let LoadedDensity::Linked(path) = &density {
+            // The document may have been opened by a path that means nothing here.
+            scene.origin.path.clone_from(path);
+        }
         Ok(Self {
             scene,
             grid,

@@ -76,7 +76,7 @@ impl Document {
     pub fn save(
         &mut self,
         path: Option<&Path>,
-        density: DensityKeeping,
+        density: Option<DensityKeeping>,
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> Result<super::Saved, DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;

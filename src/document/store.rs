@@ -147,15 +147,19 @@ impl Store {
     }
 
     /// Writes the next generation and makes it the current one. `before` is called with its number when everything is on
-    /// disk and only the rename is left. `progress` gets the share done and answers whether to go on.
+    /// disk and only the rename is left. `keeping` is as before if `None`, whole the first time. `progress` gets the share done and answers whether to go on.
     pub fn save(
         &mut self,
         state: &State,
-        keeping: DensityKeeping,
+        keeping: Option<DensityKeeping>,
         before: impl FnOnce(u64) -> Result<(), KeepError>,
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> Result<Saved, KeepError> {
         let generation = self.generation + 1;
+        let keeping = keeping.unwrap_or(match self.manifest.as_ref().map(|m| &m.volume.kept) {
+            Some(Kept::Linked(_)) => DensityKeeping::Linked,
+            _ => DensityKeeping::Whole,
+        });
         let previous = self.manifest.as_ref().map(|_| self.dir.join(generation_name(self.generation)));
         let at = self.dir.join(generation_name(generation));
         let written = Writer::new(at.clone(), previous).and_then(|writer| {
@@ -213,7 +217,7 @@ impl Store {
                 write_density(writer, &grid, state.source.as_ref(), &tick)?;
                 Kept::Whole
             }
-            (DensityKeeping::Linked, Some(Kept::Linked(link))) if link.path == state.scene.origin.path => {
+            (DensityKeeping::Linked, Some(Kept::Linked(link))) if link.names(&state.scene.origin.path) => {
                 Kept::Linked(link.clone())
             }
             (DensityKeeping::Linked, _) => Kept::Linked(Link::to(&state.scene.origin.path)?),

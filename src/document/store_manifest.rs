@@ -104,6 +104,11 @@ impl Link {
         Ok(Self { path, bytes, modified_ns, blake3: None })
     }
 
+    /// Whether a path leads to the linked file.
+    pub fn names(&self, path: &Path) -> bool {
+        std::fs::canonicalize(path).is_ok_and(|p| p == self.path)
+    }
+
     /// Fails unless the file is the one that was linked.
     pub fn check(&self) -> Result<(), KeepError> {
         let (bytes, modified_ns) = identity(&self.path)?;

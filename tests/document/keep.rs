@@ -17,7 +17,7 @@ fn state_of(kept: KeptDocument) -> State {
 }
 
 fn save(keeper: &mut Keeper, path: Option<&Path>, state: &State) -> burin::document::Saved {
-    keeper.save(path, state, DensityKeeping::Whole, &|_| true).unwrap()
+    keeper.save(path, state, None, &|_| true).unwrap()
 }
 
 /// A saved project in `dir/project`, with a private recovery folder.
@@ -185,7 +185,7 @@ fn density_may_stay_in_its_file_as_long_as_that_is_the_same() {
     paint_all(&mut state);
     let project = dir.path().join("project");
     let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
-    keeper.save(Some(&project), &state, DensityKeeping::Linked, &|_| true).unwrap();
+    keeper.save(Some(&project), &state, Some(DensityKeeping::Linked), &|_| true).unwrap();
     assert!(!project.join("generation-000001/density").exists());
     drop(keeper);
     let (mut keeper, kept) = Keeper::open(&project).unwrap();
@@ -194,14 +194,16 @@ fn density_may_stay_in_its_file_as_long_as_that_is_the_same() {
     let source = state.source.clone();
     let again = kept.into_state(|_| Ok(source), &|_| true).unwrap();
     assert_same(&state, &again, "linked");
-    // Linked may become whole.
+    // It stays so until told otherwise, and may become whole.
     save(&mut keeper, None, &again);
+    assert!(!project.join("generation-000002/density").exists());
+    keeper.save(None, &again, Some(DensityKeeping::Whole), &|_| true).unwrap();
     drop(keeper);
     assert_same(&state, &reopened(&project).1, "whole");
 
     let other = dir.path().join("other");
     let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
-    keeper.save(Some(&other), &state, DensityKeeping::Linked, &|_| true).unwrap();
+    keeper.save(Some(&other), &state, Some(DensityKeeping::Linked), &|_| true).unwrap();
     drop(keeper);
     std::fs::write(&state.scene.origin.path, b"the file that was opeNed").unwrap();
     let message = Keeper::open(&other).unwrap_err().to_string();
@@ -225,8 +227,8 @@ fn a_new_project_takes_no_folder_with_something_in_it() {
     let dir = tempfile::tempdir().unwrap();
     let state = state(DIMS, dir.path());
     let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
-    let refused = keeper.save(Some(dir.path()), &state, DensityKeeping::Whole, &|_| true).unwrap_err();
+    let refused = keeper.save(Some(dir.path()), &state, None, &|_| true).unwrap_err();
     assert!(matches!(&refused, KeepError::NotEmpty { found, .. } if found == "origin.bin"), "{refused}");
-    assert!(matches!(keeper.save(None, &state, DensityKeeping::Whole, &|_| true), Err(KeepError::NoPath)));
+    assert!(matches!(keeper.save(None, &state, None, &|_| true), Err(KeepError::NoPath)));
     keeper.discard().unwrap();
 }

@@ -1,7 +1,7 @@
 //! Damaged projects and refusing disks: an error that says what and where, and nothing lost.
 
 use super::keep_support::*;
-use burin::document::{Command, DensityKeeping, KeepError, Keeper, State, StrokeCommand};
+use burin::document::{Command, KeepError, Keeper, State, StrokeCommand};
 use burin::volume::*;
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,7 @@ const SMALL: [u32; 3] = [70, 33, 40];
 fn saved(dir: &Path, state: &State) -> PathBuf {
     let project = dir.join("project");
     let mut keeper = Keeper::unsaved(dir, state).unwrap();
-    keeper.save(Some(&project), state, DensityKeeping::Whole, &|_| true).unwrap();
+    keeper.save(Some(&project), state, None, &|_| true).unwrap();
     project
 }
 
@@ -127,9 +127,9 @@ fn a_place_that_cannot_be_written_is_refused_and_the_document_goes_on() {
     paint_all(&mut state);
     let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
     let below_a_file = state.scene.origin.path.join("project");
-    let refused = keeper.save(Some(&below_a_file), &state, DensityKeeping::Whole, &|_| true).unwrap_err();
+    let refused = keeper.save(Some(&below_a_file), &state, None, &|_| true).unwrap_err();
     assert!(matches!(&refused, KeepError::Io { path, .. } if *path == below_a_file), "{refused}");
-    keeper.save(Some(&dir.path().join("project")), &state, DensityKeeping::Whole, &|_| true).unwrap();
+    keeper.save(Some(&dir.path().join("project")), &state, None, &|_| true).unwrap();
     drop(keeper);
     assert_same(&state, &opened(&dir.path().join("project")), "saved elsewhere");
 }
@@ -142,7 +142,7 @@ fn a_save_that_is_stopped_leaves_the_project_as_it_was() {
     let before = state.clone();
     let (mut keeper, _) = Keeper::open(&project).unwrap();
     paint_all(&mut state);
-    let stopped = keeper.save(None, &state, DensityKeeping::Whole, &|share| share < 0.2);
+    let stopped = keeper.save(None, &state, None, &|share| share < 0.2);
     assert!(matches!(stopped, Err(KeepError::Stopped)));
     assert!(!project.join("generation-000002").exists());
     drop(keeper);
@@ -182,7 +182,7 @@ mod full_disk {
         let touched = noise(&mut state, 3);
         let told = keeper.record(&end(), &state, &touched, true).unwrap_err();
         println!("record: {told}");
-        let told = keeper.save(None, &state, DensityKeeping::Whole, &|_| true).unwrap_err();
+        let told = keeper.save(None, &state, None, &|_| true).unwrap_err();
         println!("save: {told}");
         assert!(!Path::new(&project).join("generation-000002").exists());
         assert!(!Path::new(&project).join("journal-000002").exists());

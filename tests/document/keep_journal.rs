@@ -1,7 +1,7 @@
 //! The journal: what was done since the last save comes back, whole steps only, once.
 
 use super::keep_support::*;
-use burin::document::{BrushCommand, Command, DensityKeeping, KeepError, Keeper, State, StrokeCommand, recovery};
+use burin::document::{BrushCommand, Command, KeepError, Keeper, State, StrokeCommand, recovery};
 use burin::math::DVec3;
 use burin::paint::Sample;
 use burin::volume::*;
@@ -28,7 +28,7 @@ fn reopened(project: &Path) -> (State, burin::document::Recovered) {
 fn project(dir: &Path, state: &State) -> (Keeper, PathBuf) {
     let project = dir.join("project");
     let mut keeper = Keeper::unsaved(dir, state).unwrap();
-    keeper.save(Some(&project), state, DensityKeeping::Whole, &|_| true).unwrap();
+    keeper.save(Some(&project), state, None, &|_| true).unwrap();
     (keeper, project)
 }
 
@@ -91,7 +91,7 @@ fn a_journal_goes_on_after_a_recovery_and_ends_with_a_save() {
     assert_same(&state, &again, "two sittings");
     assert_eq!(recovered.steps, 2);
     let (mut keeper, _) = Keeper::open(&project).unwrap();
-    keeper.save(None, &state, DensityKeeping::Whole, &|_| true).unwrap();
+    keeper.save(None, &state, None, &|_| true).unwrap();
     let touched = step(&mut state, 3);
     keeper.record(&command(), &state, &touched, true).unwrap();
     drop(keeper);
@@ -156,6 +156,66 @@ fn a_damaged_record_ends_the_journal_and_a_copy_is_set_aside() {
 }
 
 #[test]
+fn a_record_that_is_there_twice_is_taken_once() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(SMALL, dir.path());
+    let (mut keeper, project) = project(dir.path(), &state);
+    let journal = project.join("journal-000001");
+    let mut start = 0;
+    for n in 1..=2 {
+        start = std::fs::metadata(&journal).unwrap().len() as usize;
+        let touched = step(&mut state, n);
+        keeper.record(&command(), &state, &touched, false).unwrap();
+    }
+    drop(keeper);
+    let mut bytes = std::fs::read(&journal).unwrap();
+    let end = bytes.len();
+    bytes.extend_from_within(start..);
+    std::fs::write(&journal, &bytes).unwrap();
+    let (again, recovered) = reopened(&project);
+    assert_same(&state, &again, "doubled");
+    assert_eq!(recovered.steps, 2);
+    assert!(recovered.set_aside.unwrap().1.contains(&format!("record at byte {end}: it is not the one after 2")));
+}
+
+#[test]
+fn a_step_larger_than_a_record_is_there_whole_or_not_at_all() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state([160, 64, 160], dir.path());
+    let (mut keeper, project) = project(dir.path(), &state);
+    let journal = project.join("journal-000001");
+    let before = state.clone();
+    // 6 MiB that do not compress.
+    let touched: Vec<_> = state
+        .colour
+        .brick_indices(0)
+        .into_iter()
+        .enumerate()
+        .map(|(i, index)| paint(&mut state, FieldKind::Colour, index.0, 5 * i as u64 + 1))
+        .map(|(kind, index, _)| (kind, index))
+        .collect();
+    keeper.record(&command(), &state, &touched, false).unwrap();
+    drop(keeper);
+    let whole = std::fs::read(&journal).unwrap();
+    assert_same(&state, &reopened(&project).0, "whole");
+    // The first record ends where its length says; what is left of the step is not done.
+    let length = u32::from_le_bytes(std::array::from_fn(|i| whole[28 + i])) as usize;
+    let first_end = 28 + 12 + length;
+    assert!(first_end < whole.len() - (1 << 20), "{first_end} of {}", whole.len());
+    std::fs::write(&journal, &whole[..first_end]).unwrap();
+    let (again, recovered) = reopened(&project);
+    assert_same(&before, &again, "its first part");
+    assert_eq!((recovered.steps, recovered.torn_bytes as usize), (0, first_end - 28));
+    // And what is noted afterwards follows what was whole.
+    let (mut keeper, _) = Keeper::open(&project).unwrap();
+    let mut state = before;
+    let touched = step(&mut state, 1);
+    keeper.record(&command(), &state, &touched, false).unwrap();
+    drop(keeper);
+    assert_same(&state, &reopened(&project).0, "the step after");
+}
+
+#[test]
 fn a_journal_of_another_generation_is_never_replayed() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
@@ -165,7 +225,7 @@ fn a_journal_of_another_generation_is_never_replayed() {
     let old = std::fs::read(project.join("journal-000001")).unwrap();
     // The user takes the step back by hand and saves: replaying the old journal would bring it back.
     state.field_mut(touched[0].0).swap(vec![(touched[0].1, None)]).unwrap();
-    keeper.save(None, &state, DensityKeeping::Whole, &|_| true).unwrap();
+    keeper.save(None, &state, None, &|_| true).unwrap();
     drop(keeper);
     assert!(!project.join("journal-000001").exists());
     std::fs::write(project.join("journal-000001"), &old).unwrap();
@@ -244,7 +304,7 @@ fn another_density_map_comes_back_with_all_edits_in_it() {
     assert_eq!(again.density.format(), TexelFormat::R32Float);
     // And a save over it writes edits of the new map only.
     let (mut keeper, _) = Keeper::open(&project).unwrap();
-    keeper.save(None, &again, DensityKeeping::Whole, &|_| true).unwrap();
+    keeper.save(None, &again, None, &|_| true).unwrap();
     drop(keeper);
     assert_same(&state, &reopened(&project).0, "widened and saved");
 }
@@ -259,7 +319,7 @@ fn a_scene_that_json_cannot_say_is_refused_and_nothing_is_lost() {
     let good = state.clone();
     state.scene.window.level = f64::NAN;
     assert!(matches!(keeper.record(&command(), &state, &[], true), Err(KeepError::Scene { .. })));
-    let refused = keeper.save(None, &state, DensityKeeping::Whole, &|_| true).unwrap_err();
+    let refused = keeper.save(None, &state, None, &|_| true).unwrap_err();
     assert!(matches!(&refused, KeepError::Scene { .. }), "{refused}");
     drop(keeper);
     assert_same(&good, &reopened(&project).0, "after a refusal");
@@ -282,7 +342,7 @@ fn an_unsaved_document_is_found_at_the_next_start() {
     let source = state.source.clone();
     assert_same(&state, &kept.into_state(|_| Ok(source), &|_| true).unwrap(), "recovered");
     // Saved, it is lost no more.
-    keeper.save(Some(&dir.path().join("project")), &state, DensityKeeping::Whole, &|_| true).unwrap();
+    keeper.save(Some(&dir.path().join("project")), &state, None, &|_| true).unwrap();
     assert_eq!(recovery::list(dir.path()).unwrap(), []);
     drop(keeper);
     assert_eq!(recovery::list(dir.path()).unwrap(), []);
@@ -323,7 +383,7 @@ fn saving_elsewhere_takes_unsaved_steps_along() {
     let touched = step(&mut state, 1);
     keeper.record(&command(), &state, &touched, true).unwrap();
     let second = dir.path().join("second");
-    keeper.save(Some(&second), &state, DensityKeeping::Whole, &|_| true).unwrap();
+    keeper.save(Some(&second), &state, None, &|_| true).unwrap();
     assert_eq!(keeper.project_dir(), Some(second.as_path()));
     drop(keeper);
     assert_same(&saved, &reopened(&first).0, "the first as it was saved");

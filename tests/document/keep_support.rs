@@ -81,19 +81,33 @@ pub fn paint_all(state: &mut State) {
     }
 }
 
-/// All level-0 texels and edits of two documents are the same, and all else but the source behind them.
-pub fn assert_same(a: &State, b: &State, what: &str) {
-    assert_eq!(a.scene, b.scene, "{what}");
-    assert_eq!(a.grid(), b.grid(), "{what}");
-    assert_eq!(a.density.map(), b.density.map(), "{what}");
+/// What differs between two documents: scene, grid, map, level-0 texels and edits of every field.
+pub fn difference(a: &State, b: &State) -> Option<String> {
+    if a.scene != b.scene {
+        return Some(format!("scene: {:?}\n{:?}", a.scene, b.scene));
+    }
+    if a.grid() != b.grid() || a.density.map() != b.density.map() {
+        return Some("grid or density map".into());
+    }
     for kind in FieldKind::ALL {
         let painted = |s: &State| {
             let edits = s.field(kind).edits().into_iter().map(|(i, b)| (i, b.clone()));
             edits.filter(|(_, b)| kind == FieldKind::Density || *b != Brick::Uniform([0; 4])).collect::<Vec<_>>()
         };
-        assert!(painted(a) == painted(b), "{what}: edits of {}", kind.name());
+        if painted(a) != painted(b) {
+            return Some(format!("edits of {}", kind.name()));
+        }
         let dims = a.field(kind).dims(0);
-        let (x, y) = (a.field(kind).read(0, [0; 3], dims).unwrap(), b.field(kind).read(0, [0; 3], dims).unwrap());
-        assert!(x == y, "{what}: texels of {}", kind.name());
+        if a.field(kind).read(0, [0; 3], dims).unwrap() != b.field(kind).read(0, [0; 3], dims).unwrap() {
+            return Some(format!("texels of {}", kind.name()));
+        }
+    }
+    None
+}
+
+/// Fails if anything differs.
+pub fn assert_same(a: &State, b: &State, what: &str) {
+    if let Some(difference) = difference(a, b) {
+        panic!("{what}: {difference}");
     }
 }

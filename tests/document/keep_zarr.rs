@@ -1,7 +1,7 @@
 //! Another Zarr reader reads a project's arrays: zarr-python 3, skipped where Python lacks it.
 
 use super::keep_support::*;
-use burin::document::{DensityKeeping, Keeper};
+use burin::document::Keeper;
 use burin::volume::*;
 use std::process::Command as Process;
 
@@ -49,7 +49,7 @@ fn zarr_python_reads_every_array() {
     paint_all(&mut state);
     let project = dir.path().join("project");
     let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
-    keeper.save(Some(&project), &state, DensityKeeping::Whole, &|_| true).unwrap();
+    keeper.save(Some(&project), &state, None, &|_| true).unwrap();
     let out = Process::new(&python).args(["-c", SCRIPT]).arg(project.join("generation-000001")).output().unwrap();
     assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
     let said: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();

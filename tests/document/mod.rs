@@ -5,6 +5,7 @@ mod keep;
 mod keep_faults;
 mod keep_journal;
 mod keep_kill;
+mod keep_program;
 mod keep_support;
 mod keep_zarr;
 mod maker;
