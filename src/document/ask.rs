@@ -1,6 +1,10 @@
 //! Questions; they change nothing.
 
+use super::frame::WHOLE;
+use super::place::check_size;
+use super::view::checked;
 use super::{Document, DocumentError, Question, State};
+use crate::math::DVec2;
 use crate::volume::{BRICK, BrickKey, FieldKind, SourceError};
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -16,8 +20,8 @@ impl Document {
                 Ok(json!({ "degree": explosion.degree, "parts": explosion.parts }))
             }
             Question::Voxel { at } => {
-                let world = self.resolve(at)?.position;
-                voxel(self.open()?, world)
+                let world = self.resolve(at)?.map(|sample| sample.position);
+                world.map_or(Ok(json!({ "inside": false })), |world| voxel(self.open()?, world))
             }
             Question::Field { field } => Ok(sums(self.open()?, field)?),
             Question::History {} => {
@@ -30,10 +34,35 @@ impl Document {
                     "budget": self.history.budget_bytes(),
                 }))
             }
-            Question::Pick { .. } | Question::Visibility { .. } => Err(DocumentError::NoGpu {
-                what: "looking through the 3D view",
-                reason: "this build has no caster".into(),
-            }),
+            Question::Pick { px, size } => {
+                let Some(hit) = self.pick(DVec2::from_array(px), size)? else { return Ok(json!({ "hit": null })) };
+                let state = self.open()?;
+                let index = state.grid().index_from_world().transform_point3(hit.rest);
+                Ok(json!({ "hit": {
+                    "mm": hit.world.to_array(),
+                    "rest_mm": hit.rest.to_array(),
+                    "index": index.to_array(),
+                    "part": state.part_at(hit.body, hit.rest)?,
+                    "selection": hit.body == WHOLE && !state.selection.is_blank(),
+                    "depth_mm": hit.depth_mm,
+                } }))
+            }
+            Question::Visibility { camera, size } => {
+                let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
+                let views = &state.scene.views;
+                let camera = checked(camera.unwrap_or(views.camera))?;
+                let size = check_size(size.unwrap_or(views.size))?;
+                let frame = state.parted_frame(&state.scene.explosion, &camera, size);
+                let seen = self.graphics.visibility(state, &frame)?;
+                let hidden: Vec<Value> =
+                    seen.hidden_by.iter().map(|(id, px)| json!({ "part": id, "pixels": px })).collect();
+                Ok(json!({
+                    "share": seen.share(),
+                    "selected": seen.selected,
+                    "visible": seen.visible,
+                    "hidden_by": hidden,
+                }))
+            }
         }
     }
 }

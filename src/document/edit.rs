@@ -39,6 +39,13 @@ impl Edit {
         self.follows = true;
     }
 
+    /// Parts moved while this was recorded, by the simulation: that is not part of the step.
+    pub(super) fn motion_is_not_mine(&mut self, scene: &Scene) {
+        if let Some(before) = &mut self.scene {
+            before.explosion = scene.explosion.clone();
+        }
+    }
+
     /// Voxels that hold another value than before, and bricks with at least one.
     pub(super) fn counts(&self) -> (u64, usize) {
         (self.voxels, self.bricks)
@@ -96,7 +103,7 @@ impl Edit {
     /// Takes everything back.
     pub(super) fn roll_back(mut self, state: &mut State) -> Result<Refreshed, SourceError> {
         if let Some(before) = self.scene.take() {
-            state.scene = before;
+            SceneDelta::between(before, &state.scene).exchange(&mut state.scene);
         }
         let mut refreshed = self.step.exchange(state)?;
         refreshed.join(self.refreshed);

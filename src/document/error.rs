@@ -1,10 +1,10 @@
 //! Why a command was refused. A command that fails has changed nothing.
 
 use crate::explode::ExplodeError;
+use crate::gpu::{GpuError, ImageError};
 use crate::io::IoError;
 use crate::paint::PaintError;
 use crate::volume::SourceError;
-use std::path::PathBuf;
 
 /// See the module's head.
 #[derive(Debug, thiserror::Error)]
@@ -33,14 +33,6 @@ pub enum DocumentError {
     /// The command does not fit what is going on.
     #[error("{0}")]
     NotNow(String),
-    /// A file could not be read or written.
-    #[error("{}: {reason}", path.display())]
-    File {
-        /// File.
-        path: PathBuf,
-        /// What happened, and what to do.
-        reason: String,
-    },
     /// A brush or a stroke that cannot be painted.
     #[error(transparent)]
     Paint(#[from] PaintError),
@@ -53,6 +45,12 @@ pub enum DocumentError {
     /// A volume file that cannot be read or written.
     #[error(transparent)]
     Io(IoError),
+    /// The GPU failed.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// A picture could not be written.
+    #[error(transparent)]
+    Image(#[from] ImageError),
     /// The voxels behind the volume failed.
     #[error(transparent)]
     Source(#[from] SourceError),

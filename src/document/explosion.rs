@@ -4,6 +4,9 @@ use super::edit::Edit;
 use super::{Document, DocumentError, ExplosionCommand};
 use serde_json::{Value, json};
 
+/// Steps of one command: more than a minute of animation is a slip.
+const MOST_STEPS: u32 = 3600;
+
 impl Document {
     pub(super) fn explosion(&mut self, command: ExplosionCommand, edit: &mut Edit) -> Result<Value, DocumentError> {
         let explosion = &mut self.open_mut()?.scene.explosion;
@@ -25,9 +28,38 @@ impl Document {
                 explosion.seed = value;
                 Ok(json!({ "seed": value }))
             }
-            ExplosionCommand::Settle {} | ExplosionCommand::Step { .. } => {
-                Err(DocumentError::NotNow("this build has no simulation".into()))
+            ExplosionCommand::Settle {} => {
+                let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
+                let settled = self.motion.settle(state, &mut self.graphics)?;
+                self.open_mut()?.scene.explosion.set_poses(&settled.poses);
+                edit.follows();
+                Ok(json!({
+                    "poses": self.poses()?,
+                    "gains": settled.gains,
+                    "rounds": settled.rounds,
+                    "steps": settled.steps,
+                    "at_rest": settled.at_rest,
+                    "visible": settled.visible,
+                }))
+            }
+            ExplosionCommand::Step { steps } => {
+                if steps > MOST_STEPS {
+                    return Err(DocumentError::invalid("steps", steps, format!("at most {MOST_STEPS}")));
+                }
+                let live = self.live_selection()?;
+                let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
+                self.motion.follow(state, &live);
+                let moved = self.motion.step(state, &mut self.graphics, steps)?;
+                self.open_mut()?.scene.explosion.set_poses(&moved.poses);
+                edit.follows();
+                Ok(json!({ "poses": self.poses()?, "moving": moved.moving, "visible": moved.visible }))
             }
         }
+    }
+
+    /// Poses by id of part.
+    fn poses(&self) -> Result<Vec<Value>, DocumentError> {
+        let parts = &self.open()?.scene.explosion.parts;
+        Ok(parts.iter().map(|p| json!({ "id": p.id, "pose": p.pose })).collect())
     }
 }

@@ -11,6 +11,8 @@ mod defaults;
 mod edit;
 mod error;
 mod explosion;
+mod frame;
+mod graphics;
 mod history;
 mod journal;
 mod journal_record;
@@ -18,12 +20,14 @@ mod journal_replay;
 mod keep_error;
 mod keeper;
 mod kept;
+mod motion;
 mod open;
 mod packed;
 mod part;
 mod place;
 mod project;
 pub mod recovery;
+mod render;
 mod scene;
 mod segment;
 mod selection;
@@ -38,6 +42,7 @@ mod store_files;
 mod store_lock;
 mod store_manifest;
 mod store_source;
+mod stroke;
 mod transfer;
 mod undo;
 mod view;
@@ -58,9 +63,12 @@ pub use store::{DensityKeeping, LoadedDensity, Saved};
 pub use store_source::ZarrSource;
 
 use edit::Edit;
+use graphics::Graphics;
+use motion::Motion;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use step::Refreshed;
+use stroke::Running;
 use view_history::ViewHistory;
 
 /// See the module's head.
@@ -69,6 +77,9 @@ pub struct Document {
     state: Option<State>,
     history: History,
     views: ViewHistory,
+    graphics: Graphics,
+    motion: Motion,
+    running: Option<Running>,
     keeper: Option<Keeper>,
     unsaved_in: Option<PathBuf>,
     save_to: Option<PathBuf>,
@@ -84,7 +95,10 @@ impl Document {
 
     /// Takes a volume that was read elsewhere as a new, unsaved document; past steps are forgotten.
     pub fn adopt(&mut self, state: State) {
+        self.drop_stroke();
         self.state = Some(state);
+        self.graphics.forget();
+        self.motion.forget();
         self.keeper = None;
         self.unsaved = false;
         self.history.clear();
@@ -117,7 +131,12 @@ impl Document {
     /// # Errors
     /// If the command cannot be done; nothing was changed then.
     pub fn apply(&mut self, command: Command) -> Result<Value, DocumentError> {
+        if self.running.is_some() && !stroke::leaves_running(&command) {
+            self.settle()?;
+        }
         let answer = match command {
+            Command::Stroke(command) => return self.stroke(command),
+            Command::Render(command) => return self.render(command),
             Command::Project(command) => self.project(command)?,
             Command::History(command) => self.travel(command)?,
             Command::Volume(command) => self.volume(command)?,
@@ -142,20 +161,25 @@ impl Document {
             Command::Selection(command) => self.selection(command, &mut edit),
             Command::Part(command) => self.part(command, &mut edit),
             Command::Explosion(command) => self.explosion(command, &mut edit),
-            other => Err(DocumentError::NotNow(format!("this build cannot do {other:?}"))),
+            // `apply` has sent these elsewhere.
+            Command::Project(_)
+            | Command::Volume(_)
+            | Command::Stroke(_)
+            | Command::History(_)
+            | Command::Ask(_)
+            | Command::Render(_) => Ok(json!({})),
         };
-        let state = self.state.as_mut().ok_or(DocumentError::NothingOpen);
+        let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
         let mut answer = match result {
             Ok(answer) => answer,
             Err(error) => {
-                if let Ok(state) = state {
-                    edit.roll_back(state)?;
-                }
+                let refreshed = edit.roll_back(state)?;
+                self.mirror(&refreshed);
                 return Err(error);
             }
         };
         let (voxels, bricks) = edit.counts();
-        let (step, refreshed) = edit.finish(state?);
+        let (step, refreshed) = edit.finish(state);
         self.mirror(&refreshed);
         if let (Some(before), true, Some(state)) = (views, moves_view, &self.state) {
             self.views.moved(before, &state.scene.views, self.history.in_group());
@@ -171,15 +195,19 @@ impl Document {
             self.unsaved = true;
             warnings.extend(self.history.push(step)?);
         }
-        warnings.extend(self.note(&said, &refreshed.bricks, synced));
+        if !matches!(said, Command::Explosion(ExplosionCommand::Step { .. })) || answer["moving"] == json!(false) {
+            // Frames of an animation are worth nothing; where it ends is.
+            warnings.extend(self.note(&said, &refreshed.bricks, synced));
+        }
         warn(&mut answer, warnings);
         Ok(answer)
     }
 
     /// Hands changed voxels on to their mirrors.
     fn mirror(&mut self, refreshed: &Refreshed) {
-        if refreshed.remapped || !refreshed.slots.is_empty() {
-            self.revision += 1;
+        if let Some(state) = &self.state {
+            self.graphics.mirror(state, refreshed);
+            self.motion.mirror(state, refreshed);
         }
     }
 

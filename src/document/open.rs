@@ -119,15 +119,19 @@ impl Document {
         answer
     }
 
-    /// A stroke that was running: of its samples nothing is kept but what the journal's bricks hold.
+    /// Finishes the stroke that was running when the document was lost; answers what became of it.
     fn finish_recovered(&mut self, recovered: &Recovered, warnings: &mut Vec<String>) -> &'static str {
         if recovered.stroke.is_empty() {
             return "none";
         }
-        if let Some(Err(error)) = self.keeper.as_mut().map(Keeper::no_stroke) {
-            warnings.push(error.to_string());
+        match self.begin_stroke(&recovered.stroke, 0).and_then(|_| self.settle()) {
+            Ok(_) => "painted",
+            Err(error) => {
+                warnings.push(format!("the stroke that was running is lost: {error}"));
+                self.drop_stroke();
+                "lost"
+            }
         }
-        "dropped"
     }
 }
 

@@ -2,8 +2,9 @@
 
 use super::edit::Edit;
 use super::place::check_size;
+use super::view::nothing_there;
 use super::{Document, DocumentError, PartCommand, Splitter};
-use crate::explode::{Explosion, Part, PartId};
+use crate::explode::{Explosion, Part, PartId, axis_plane, depth_plane};
 use crate::math::{DVec2, DVec3, Plane};
 use serde_json::{Value, json};
 
@@ -96,10 +97,22 @@ impl Document {
                 }
                 Ok(halves)
             }
-            Splitter::Axis { .. } | Splitter::Depth { .. } => Err(DocumentError::NoGpu {
-                what: "a splitter on the picture",
-                reason: "this build has no caster".into(),
-            }),
+            Splitter::Axis { px, axis } => {
+                let (part, hit) = self.part_under(px, size)?;
+                let plane = axis_plane(&camera, DVec2::from_array(px), size, axis, hit)?;
+                Ok(self.open_mut()?.scene.explosion.split(part, &plane)?.into_iter().collect())
+            }
+            Splitter::Depth { px } => {
+                let (part, hit) = self.part_under(px, size)?;
+                let plane = depth_plane(&camera, hit)?;
+                Ok(self.open_mut()?.scene.explosion.split(part, &plane)?.into_iter().collect())
+            }
         }
+    }
+
+    /// The part that is hit first by a visible sample, and where, world mm as it is seen.
+    fn part_under(&mut self, px: [f64; 2], size: [u32; 2]) -> Result<(PartId, DVec3), DocumentError> {
+        let hit = self.pick(DVec2::from_array(px), Some(size))?.ok_or_else(|| nothing_there(px))?;
+        Ok((self.open()?.part_at(hit.body, hit.rest)?, hit.world))
     }
 }

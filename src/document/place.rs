@@ -1,20 +1,22 @@
 //! From what a command says of a place to a point of the volume at rest.
 
 use super::{Document, DocumentError, Place, SlicePlane, ViewName};
+use crate::gpu::Hit;
 use crate::math::{DVec2, DVec3};
 use crate::paint::Sample;
 
 impl Document {
-    /// A place as a sample of pressure 1. The normal is that of the slice under a pixel, otherwise of the axial slice.
+    /// A place as a sample of pressure 1; `None` if it is a pixel of the 3D view that shows nothing. The normal is that of the slice
+    /// under a pixel, otherwise of the axial slice.
     ///
     /// # Errors
-    /// If numbers are not finite, or a pixel of the 3D view shows nothing.
-    pub(super) fn resolve(&mut self, place: Place) -> Result<Sample, DocumentError> {
+    /// If numbers are not finite, or there is no GPU to look at the 3D view with.
+    pub(super) fn resolve(&mut self, place: Place) -> Result<Option<Sample>, DocumentError> {
         let state = self.open()?;
         let normal = |view: ViewName| {
             SlicePlane::new(state.grid(), &state.scene.views, view).map_or(DVec3::Z, |p| p.towards_viewer)
         };
-        let sample = |position: DVec3, normal: DVec3| Sample { position, normal, pressure: 1.0 };
+        let sample = |position: DVec3, normal: DVec3| Some(Sample { position, normal, pressure: 1.0 });
         let finite = |field: &str, v: &[f64]| {
             if v.iter().all(|x| x.is_finite()) {
                 Ok(())
@@ -40,14 +42,27 @@ impl Document {
                 }
                 match SlicePlane::new(state.grid(), &views, view) {
                     Some(plane) => Ok(sample(plane.world(DVec2::from_array(px)), plane.towards_viewer)),
-                    None => self.resolve_pixel(px, size),
+                    None => {
+                        let normal = normal(ViewName::Axial);
+                        let hit = self.pick(DVec2::from_array(px), size)?;
+                        Ok(hit.and_then(|hit| sample(hit.rest, normal)))
+                    }
                 }
             }
         }
     }
 
-    fn resolve_pixel(&mut self, _px: [f64; 2], _size: Option<[u32; 2]>) -> Result<Sample, DocumentError> {
-        Err(DocumentError::NoGpu { what: "a pixel of the 3D view", reason: "this build has no caster".into() })
+    /// The first visible surface under a pixel of the 3D view as it is drawn now, running stroke included.
+    ///
+    /// # Errors
+    /// Without a GPU, or whatever the GPU or the source fails with.
+    pub fn pick(&mut self, px: DVec2, size: Option<[u32; 2]>) -> Result<Option<Hit>, DocumentError> {
+        let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
+        let size = check_size(size.unwrap_or(state.scene.views.size))?;
+        if !px.is_finite() {
+            return Err(DocumentError::invalid("px", px, "two finite numbers"));
+        }
+        self.graphics.pick(state, &state.frame(&state.scene.views.camera, size), px)
     }
 }
 

@@ -86,7 +86,8 @@ impl SceneDelta {
         *self == Self::default()
     }
 
-    fn exchange(&mut self, scene: &mut Scene) {
+    /// Exchanges what it holds with what the scene holds.
+    pub(super) fn exchange(&mut self, scene: &mut Scene) {
         components!(self, scene, slot, now => if let Some(held) = slot { std::mem::swap(held, now) });
     }
 

@@ -25,7 +25,7 @@ impl ViewCommand {
 impl Document {
     pub(super) fn view(&mut self, command: ViewCommand, edit: &mut Edit) -> Result<Value, DocumentError> {
         if let ViewCommand::Crosshair { at } = command {
-            let world = self.resolve(at)?.position;
+            let world = self.resolve(at)?.ok_or_else(|| nothing_there(at))?.position;
             let state = self.open_mut()?;
             state.scene.views.crosshair = clamp_to_volume(state, world);
             return Ok(crosshair(state));
@@ -145,6 +145,11 @@ impl Document {
             ViewCommand::Crosshair { .. } | ViewCommand::Back {} | ViewCommand::Forward {} => Ok(json!({})),
         }
     }
+}
+
+/// What a command says that needs a surface where there is none.
+pub(super) fn nothing_there(at: impl std::fmt::Debug) -> DocumentError {
+    DocumentError::invalid("at", format!("{at:?}, where nothing is visible"), "a pixel on a visible surface")
 }
 
 fn set_layer(state: &mut State, layer: Layer) -> Result<(), DocumentError> {

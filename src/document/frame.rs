@@ -1,0 +1,95 @@
+//! From the scene to what the GPU is asked to draw: one place for the window, renders, picks and measurements.
+
+use super::{DocumentError, SlicePlane, State, ViewName};
+use crate::explode::{Explosion, PartId};
+use crate::gpu::{Body, Frame, Mask, Overlay, SliceFrame};
+use crate::math::{Camera, DVec3, Pose};
+use crate::volume::FieldKind;
+
+/// Id of the body that is not a part: the whole volume, or the selection among its parts. Parts' ids begin at 1.
+pub(super) const WHOLE: u32 = 0;
+
+/// Tint of the selection, display-referred.
+const SELECTION_COLOUR: [f32; 3] = [1.0, 0.6, 0.15];
+
+impl State {
+    /// What the 3D view shows.
+    pub(super) fn frame(&self, camera: &Camera, size: [u32; 2]) -> Frame {
+        let explosion = &self.scene.explosion;
+        let plain = explosion.parts.iter().all(|p| p.visible && p.pose == Pose::IDENTITY && p.colour.is_none());
+        let bodies = if plain { vec![Body::whole(WHOLE)] } else { self.bodies(explosion) };
+        self.frame_of(bodies, camera, size)
+    }
+
+    /// The selection and every visible part as a body of its own, also where all are at rest.
+    pub(super) fn parted_frame(&self, explosion: &Explosion, camera: &Camera, size: [u32; 2]) -> Frame {
+        self.frame_of(self.bodies(explosion), camera, size)
+    }
+
+    fn frame_of(&self, bodies: Vec<Body>, camera: &Camera, size: [u32; 2]) -> Frame {
+        let look = &self.scene.look;
+        Frame {
+            camera: *camera,
+            size,
+            step_mm: look.step_voxels * self.grid().voxel_mm(),
+            mode: look.mode,
+            lighting: look.lighting,
+            transfer: self.scene.transfer.clone(),
+            bodies,
+            overlay: self.overlay(),
+        }
+    }
+
+    fn bodies(&self, explosion: &Explosion) -> Vec<Body> {
+        let selected = !self.selection.is_blank();
+        let mask = if selected { Mask::Background } else { Mask::None };
+        let parts = explosion.parts.iter().filter(|p| p.visible).map(|part| Body {
+            id: part.id.0,
+            pose: part.pose,
+            // The volume's own box is every body's.
+            region: part.faces.iter().filter(|f| f.cut).map(|f| f.plane).collect(),
+            mask,
+            tint: part.colour,
+        });
+        let selection = selected.then(|| Body { mask: Mask::Selection, ..Body::whole(WHOLE) });
+        selection.into_iter().chain(parts).collect()
+    }
+
+    /// What a slice view shows in a picture of another size; `None` for the 3D view.
+    pub(super) fn slice_frame(&self, view: ViewName, size: [u32; 2]) -> Option<SliceFrame> {
+        let mut views = self.scene.views.clone();
+        views.slices[view.slice()?].size = size;
+        let plane = SlicePlane::new(self.grid(), &views, view)?;
+        let window = self.scene.window;
+        let at = (plane.axis, plane.index);
+        let grey = (window.level, window.width);
+        Some(SliceFrame::new(self.grid(), at, size, |px| plane.world(px), grey, self.overlay()))
+    }
+
+    fn overlay(&self) -> Overlay {
+        let strength = |kind: FieldKind| {
+            let layer = self.scene.layers.iter().find(|l| l.field == kind);
+            layer.filter(|l| l.visible).map_or(0.0, |l| l.opacity)
+        };
+        Overlay {
+            colour: strength(FieldKind::Colour),
+            labels: strength(FieldKind::Labels),
+            selection: strength(FieldKind::Selection),
+            selection_colour: SELECTION_COLOUR,
+            segments: self.scene.segments.clone(),
+        }
+    }
+
+    /// The part that a picked body is, or that holds the point of a body that is none.
+    pub(super) fn part_at(&self, body: u32, rest: DVec3) -> Result<PartId, DocumentError> {
+        let parts = &self.scene.explosion.parts;
+        if body != WHOLE {
+            return Ok(PartId(body));
+        }
+        let outside = |faces: &[crate::explode::Face]| {
+            faces.iter().map(|f| f.plane.distance(rest)).fold(f64::NEG_INFINITY, f64::max)
+        };
+        let nearest = parts.iter().min_by(|a, b| outside(&a.faces).total_cmp(&outside(&b.faces)));
+        nearest.map(|p| p.id).ok_or(DocumentError::NothingOpen)
+    }
+}

@@ -1,0 +1,190 @@
+//! The document's GPU: asked for when first needed, made again after a loss, always from the host's fields.
+//!
+//! Owns device, pools, casters and painter. What is here can be thrown away at any time but a running stroke's dabs, which the
+//! painter keeps and paints again.
+
+use super::step::Refreshed;
+use super::{DocumentError, State};
+use crate::gpu::{
+    Caster, FieldPools, Fields, Frame, Gpu, GpuError, Hit, Image, Painter, SliceCaster, SliceFrame, Visibility,
+};
+use crate::math::DVec2;
+use crate::paint::{Brush, Dab};
+use crate::volume::{Brick, BrickIndex, FieldKind, Refresh};
+
+/// Memory for pools of bricks on the GPU, all fields together.
+const BUDGET_BYTES: u64 = 512 << 20;
+
+/// What works on one device.
+#[derive(Debug)]
+struct Tools {
+    gpu: Gpu,
+    pools: FieldPools,
+    caster: Caster,
+    slices: SliceCaster,
+}
+
+/// See the module's head.
+#[derive(Debug, Default)]
+pub(super) struct Graphics {
+    gpu: Option<Gpu>,
+    tools: Option<Tools>,
+    painter: Option<Painter>,
+}
+
+fn fields(state: &State) -> Fields<'_> {
+    Fields { density: &state.density, colour: &state.colour, selection: &state.selection, labels: &state.labels }
+}
+
+impl Graphics {
+    /// Works on this device instead of one of its own.
+    pub(super) fn use_gpu(&mut self, gpu: Gpu) {
+        *self = Self { gpu: Some(gpu), ..Self::default() };
+    }
+
+    /// The device's name, or why there is none.
+    pub(super) fn describe(&mut self) -> Result<String, GpuError> {
+        Ok(self.gpu()?.describe())
+    }
+
+    /// Another volume is open.
+    pub(super) fn forget(&mut self) {
+        self.tools = None;
+        self.painter = None;
+    }
+
+    /// Hands changed voxels on. What fails here is made again when it is next needed.
+    pub(super) fn mirror(&mut self, state: &State, refreshed: &Refreshed) {
+        if refreshed.remapped {
+            self.tools = None;
+        }
+        let Some(tools) = &mut self.tools else { return };
+        let refresh = |tools: &mut Tools| {
+            refreshed
+                .slots
+                .iter()
+                .try_for_each(|(kind, slots)| tools.pools.refresh(&tools.gpu, state.field(*kind), slots))
+        };
+        if let Err(error) = refresh(tools) {
+            tracing::warn!("{error}");
+            self.tools = None;
+        }
+    }
+
+    pub(super) fn image(&mut self, state: &State, frame: &Frame) -> Result<Image, DocumentError> {
+        self.with(state, "a picture", |t, _| t.caster.image(&t.gpu, &mut t.pools, &fields(state), frame))
+    }
+
+    pub(super) fn slice(&mut self, state: &State, frame: &SliceFrame) -> Result<Image, DocumentError> {
+        let colour = self.with(state, "a slice", |t, _| {
+            t.slices.pixels(&t.gpu, &mut t.pools, &fields(state), frame)
+        })?;
+        Ok(Image { colour, ..Image::empty(frame.size) })
+    }
+
+    pub(super) fn pick(&mut self, state: &State, frame: &Frame, px: DVec2) -> Result<Option<Hit>, DocumentError> {
+        self.with(state, "a pixel of the 3D view", |t, _| {
+            t.caster.pick(&t.gpu, &mut t.pools, &fields(state), frame, px)
+        })
+    }
+
+    pub(super) fn visibility(&mut self, state: &State, frame: &Frame) -> Result<Visibility, DocumentError> {
+        self.with(state, "visibility", |t, _| {
+            t.caster.visibility(&t.gpu, &mut t.pools, &fields(state), frame)
+        })
+    }
+
+    pub(super) fn begin(&mut self, state: &State, brush: &Brush) -> Result<(), DocumentError> {
+        self.with(state, "painting", |_, painter| {
+            painter.begin(state.grid(), &fields(state), brush, &state.scene.segments)
+        })
+    }
+
+    pub(super) fn extend(&mut self, state: &State, dabs: &[Dab]) -> Result<Vec<BrickIndex>, DocumentError> {
+        self.with(state, "painting", |t, painter| painter.extend(&mut t.pools, &fields(state), dabs))
+    }
+
+    pub(super) fn finish(&mut self, state: &State) -> Result<Vec<(BrickIndex, Brick)>, DocumentError> {
+        self.with(state, "painting", |t, painter| painter.finish(&mut t.pools, &fields(state)))
+    }
+
+    /// Takes the running stroke back; nothing of it is left even if the device fails meanwhile.
+    pub(super) fn cancel(&mut self, state: &State, kind: FieldKind) {
+        let (Some(tools), Some(painter)) = (&mut self.tools, &mut self.painter) else { return };
+        let done = painter.cancel(&mut tools.pools, &fields(state)).map(|slots: Refresh| Refreshed {
+            slots: vec![(kind, slots)],
+            ..Refreshed::default()
+        });
+        match done {
+            Ok(refreshed) => self.mirror(state, &refreshed),
+            Err(error) => {
+                tracing::warn!("{error}");
+                self.forget();
+            }
+        }
+    }
+
+    /// A brick as the running stroke shows it, if it shows there.
+    pub(super) fn live(&mut self, state: &State, brick: BrickIndex) -> Result<Option<Brick>, DocumentError> {
+        self.with(state, "painting", |t, painter| painter.live(&mut t.pools, &fields(state), brick))
+    }
+
+    /// Bricks that the running stroke shows in.
+    pub(super) fn touched(&self) -> Vec<BrickIndex> {
+        self.painter.as_ref().map(Painter::touched).unwrap_or_default()
+    }
+
+    fn gpu(&mut self) -> Result<&Gpu, GpuError> {
+        if self.gpu.as_ref().is_none_or(Gpu::lost) {
+            self.gpu = Some(Gpu::headless()?);
+        }
+        self.gpu.as_ref().ok_or(GpuError::NoAdapter { reason: "none asked for".into() })
+    }
+
+    /// Does `work`; if the device is lost on the way, once more on a new one.
+    fn with<T>(
+        &mut self,
+        state: &State,
+        what: &'static str,
+        mut work: impl FnMut(&mut Tools, &mut Painter) -> Result<T, GpuError>,
+    ) -> Result<T, DocumentError> {
+        let mut again = true;
+        loop {
+            let done = self.ready(state).map_err(|error| match error {
+                GpuError::NoAdapter { .. } | GpuError::NoDevice { .. } => {
+                    DocumentError::NoGpu { what, reason: error.to_string() }
+                }
+                other => other.into(),
+            })?;
+            match work(done.0, done.1) {
+                Err(GpuError::Lost { reason }) if again => {
+                    tracing::warn!("the graphics device was lost ({reason}) and is asked for again");
+                    again = false;
+                    self.tools = None;
+                }
+                other => return Ok(other?),
+            }
+        }
+    }
+
+    fn ready(&mut self, state: &State) -> Result<(&mut Tools, &mut Painter), GpuError> {
+        let gpu = self.gpu()?.clone();
+        if self.tools.as_ref().is_some_and(|t| t.gpu.lost()) {
+            self.tools = None;
+        }
+        if self.tools.is_none() {
+            let mut pools = FieldPools::new(&gpu, state.grid(), &state.density, BUDGET_BYTES)?;
+            match &mut self.painter {
+                // A stroke that was running goes on.
+                Some(painter) => painter.replay(&gpu, &mut pools, &fields(state))?,
+                None => self.painter = Some(Painter::new(&gpu)?),
+            }
+            let (caster, slices) = (Caster::new(&gpu)?, SliceCaster::new(&gpu)?);
+            self.tools = Some(Tools { gpu, pools, caster, slices });
+        }
+        match (&mut self.tools, &mut self.painter) {
+            (Some(tools), Some(painter)) => Ok((tools, painter)),
+            _ => Err(GpuError::NoAdapter { reason: "none asked for".into() }),
+        }
+    }
+}

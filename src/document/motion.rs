@@ -1,0 +1,211 @@
+//! Where forces take the parts: at once for a script, step by step for the window.
+//!
+//! Rest poses are always searched from the rest pose at the present camera, so they depend on nothing that came before; the window
+//! leads its bodies towards what was found last while it searches on. Owns octrees, explosion points and the window's bodies.
+
+use super::graphics::Graphics;
+use super::step::Refreshed;
+use super::{DocumentError, State};
+use crate::explode::{
+    Explosion, ExplosionPoint, Measured, Octrees, Progress, Search, Settled, Simulation, settle_with_gain,
+};
+use crate::math::{Camera, Pose};
+use crate::volume::{Brick, BrickIndex, FieldKind, TransferFunction};
+
+/// Longest edge of the picture that visibility is measured in.
+const MEASURED_PX: f64 = 256.0;
+/// Steps of the search for each step of the window's animation.
+const SEARCH_STEPS: u32 = 100;
+
+/// What rest poses depend on.
+#[derive(Clone, Debug, PartialEq)]
+struct Cause {
+    /// Poses of parts that are not pinned are the identity here.
+    explosion: Explosion,
+    camera: Camera,
+    points: Vec<ExplosionPoint>,
+}
+
+/// See the module's head.
+#[derive(Default)]
+pub(super) struct Motion {
+    octrees: Option<Octrees>,
+    points: Option<(TransferFunction, u64, Vec<ExplosionPoint>)>,
+    bodies: Option<Bodies>,
+    search: Option<(Cause, Search)>,
+    reached: Option<(Cause, Settled)>,
+}
+
+/// The window's simulation, and what it was made of.
+struct Bodies {
+    simulation: Simulation,
+    made_of: Explosion,
+    poses: Vec<Pose>,
+}
+
+/// What some steps of the window's animation did.
+pub(super) struct Moved {
+    pub poses: Vec<Pose>,
+    /// Whether anything still moves or is searched for.
+    pub moving: bool,
+    /// By the last search that ended.
+    pub visible: Option<f64>,
+}
+
+impl std::fmt::Debug for Motion {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Motion").field("points", &self.points.as_ref().map(|p| p.2.len())).finish_non_exhaustive()
+    }
+}
+
+impl Motion {
+    /// Another volume is open.
+    pub(super) fn forget(&mut self) {
+        *self = Self::default();
+    }
+
+    /// What was painted and taken back again is read anew.
+    pub(super) fn forget_points(&mut self) {
+        self.octrees = None;
+        self.points = None;
+    }
+
+    /// Follows changed voxels.
+    pub(super) fn mirror(&mut self, state: &State, refreshed: &Refreshed) {
+        let slots = refreshed.slots.iter().filter(|(kind, _)| matches!(kind, FieldKind::Density | FieldKind::Selection));
+        let bricks: Vec<BrickIndex> =
+            slots.flat_map(|(_, r)| r.slots.iter().filter(|k| k.level == 0).map(|k| k.index)).collect();
+        if bricks.is_empty() && !refreshed.remapped {
+            return;
+        }
+        self.points = None;
+        let updated = self.octrees.as_mut().map(|o| o.update(&state.density, &state.selection, &bricks));
+        if let Some(Err(error)) = updated {
+            tracing::warn!("{error}");
+            self.octrees = None;
+        }
+    }
+
+    /// Follows a stroke on the selection that is still running.
+    pub(super) fn follow(&mut self, state: &State, live: &[(BrickIndex, Brick)]) {
+        let Some(octrees) = &mut self.octrees else { return };
+        live.iter().for_each(|(index, brick)| octrees.paint(&state.density, *index, brick));
+        self.points = if live.is_empty() { self.points.take() } else { None };
+    }
+
+    fn points(&mut self, state: &State) -> Result<&[ExplosionPoint], DocumentError> {
+        let (transfer, seed) = (&state.scene.transfer, state.scene.explosion.seed);
+        if self.points.as_ref().is_none_or(|(t, s, _)| t != transfer || *s != seed) {
+            if self.octrees.is_none() {
+                self.octrees = Some(Octrees::new(state.grid(), &state.density, &state.selection)?);
+            }
+            let found = self.octrees.as_ref().map(|o| o.points(transfer, seed)).unwrap_or_default();
+            self.points = Some((transfer.clone(), seed, found));
+        }
+        Ok(self.points.as_ref().map_or(&[], |(.., points)| points))
+    }
+
+    /// Rest poses, at once.
+    pub(super) fn settle(&mut self, state: &State, graphics: &mut Graphics) -> Result<Settled, DocumentError> {
+        let points = self.points(state)?.to_vec();
+        let (explosion, camera) = (&state.scene.explosion, state.scene.views.camera);
+        let settled = settle_with_gain(explosion, &points, &camera, &mut |poses: &[Pose]| {
+            measure(state, graphics, poses)
+        })?;
+        self.reached = Some((Cause { explosion: at_rest(explosion), camera, points }, settled.clone()));
+        self.search = None;
+        self.bodies = None;
+        Ok(settled)
+    }
+
+    /// Steps of 1/60 s of the window's animation.
+    pub(super) fn step(
+        &mut self,
+        state: &State,
+        graphics: &mut Graphics,
+        steps: u32,
+    ) -> Result<Moved, DocumentError> {
+        let points = self.points(state)?.to_vec();
+        let (explosion, camera) = (&state.scene.explosion, state.scene.views.camera);
+        let cause = Cause { explosion: at_rest(explosion), camera, points };
+        // A search that runs is ended before the next begins: while someone paints or turns, causes change every frame.
+        if self.search.is_none() && self.reached.as_ref().is_none_or(|(reached, _)| *reached != cause) {
+            let search = Search::new(explosion, &cause.points, &camera)?;
+            self.search = Some((cause, search));
+        }
+        for _ in 0..steps.max(1) {
+            let Some((_, search)) = &mut self.search else { break };
+            match search.advance(SEARCH_STEPS) {
+                Progress::Moving => {}
+                Progress::Measure(poses) => {
+                    // A change of parts since the search began makes its measurement meaningless, not wrong.
+                    let measured = if poses.len() == explosion.parts.len() {
+                        measure(state, graphics, &poses)?
+                    } else {
+                        Measured { visible: 1.0, hidden: vec![0.0; poses.len()] }
+                    };
+                    search.measured(&measured);
+                }
+                Progress::Done => {
+                    let settled = search.settled();
+                    self.reached = self.search.take().map(|(cause, _)| (cause, settled));
+                }
+            }
+        }
+        let poses = explosion.poses();
+        let mut bodies = match self.bodies.take() {
+            Some(b) if b.made_of == at_rest(explosion) && b.poses == poses => b,
+            Some(b) if alike(&b.made_of, explosion) && b.poses == poses => Bodies { made_of: at_rest(explosion), ..b },
+            _ => Bodies { simulation: Simulation::new(explosion, &[])?, made_of: at_rest(explosion), poses },
+        };
+        let target = self.reached.as_ref().filter(|(cause, _)| alike(&cause.explosion, explosion));
+        let now = explosion.poses();
+        bodies.simulation.lead(Some(target.map_or(&now, |(_, settled)| &settled.poses)));
+        let mut moving = false;
+        for _ in 0..steps {
+            moving = bodies.simulation.step(&camera);
+        }
+        bodies.poses = bodies.simulation.poses();
+        let moved = Moved {
+            poses: bodies.poses.clone(),
+            moving: moving || self.search.is_some(),
+            visible: self.reached.as_ref().and_then(|(_, settled)| settled.visible),
+        };
+        self.bodies = Some(bodies);
+        Ok(moved)
+    }
+}
+
+/// The explosion without what a simulation decides.
+fn at_rest(explosion: &Explosion) -> Explosion {
+    let mut explosion = explosion.clone();
+    explosion.parts.iter_mut().filter(|p| !p.pinned).for_each(|p| p.pose = Pose::IDENTITY);
+    explosion
+}
+
+/// Whether two explosions have the same bodies: forces and degree may differ.
+fn alike(a: &Explosion, b: &Explosion) -> bool {
+    a.parts.len() == b.parts.len()
+        && a.parts.iter().zip(&b.parts).all(|(a, b)| {
+            a.id == b.id
+                && a.pinned == b.pinned
+                && a.importance == b.importance
+                && a.faces == b.faces
+                && (!a.pinned || a.pose == b.pose)
+        })
+}
+
+/// What the picture shows of the selection with the parts at these poses.
+fn measure(state: &State, graphics: &mut Graphics, poses: &[Pose]) -> Result<Measured, DocumentError> {
+    let mut explosion = state.scene.explosion.clone();
+    explosion.set_poses(poses);
+    let views = &state.scene.views;
+    let longest = f64::from(views.size[0].max(views.size[1]));
+    let size = views.size.map(|s| (f64::from(s) * MEASURED_PX / longest).round().max(1.0) as u32);
+    let seen = graphics.visibility(state, &state.parted_frame(&explosion, &views.camera, size))?;
+    let share = |pixels: u64| pixels as f64 / seen.selected.max(1) as f64;
+    let hidden = explosion.parts.iter().map(|part| {
+        seen.hidden_by.iter().find(|(id, _)| *id == part.id.0).map_or(0.0, |(_, pixels)| share(*pixels))
+    });
+    Ok(Measured { visible: seen.share(), hidden: hidden.collect() })
+}

@@ -1,0 +1,57 @@
+//! Pictures: to files by command, and for the window.
+
+use super::place::check_size;
+use super::view::checked;
+use super::{Document, DocumentError, RenderCommand, ViewName};
+use crate::gpu::Image;
+use crate::math::Camera;
+use serde_json::{Value, json};
+
+impl Document {
+    pub(super) fn render(&mut self, command: RenderCommand) -> Result<Value, DocumentError> {
+        let RenderCommand::Image { path, view, size, camera, transparent } = command;
+        let views = &self.open()?.scene.views;
+        let size = check_size(size.unwrap_or(views.slice(view).map_or(views.size, |s| s.size)))?;
+        if view != ViewName::ThreeD && camera.is_some() {
+            return Err(DocumentError::invalid("camera", format!("one for the {} view", view.name()), "none for a slice"));
+        }
+        let image = self.picture(view, size, camera)?;
+        let background = self.open()?.scene.look.background;
+        image.write(&path, (!transparent).then_some(background))?;
+        let shown = image.colour.iter().filter(|c| c[3] > 0.0).count();
+        Ok(json!({ "path": path, "size": size, "covered": shown as f64 / image.colour.len() as f64 }))
+    }
+
+    /// A view as it is now, with a running stroke, in `size` pixels; by another camera than the 3D view's if given.
+    ///
+    /// # Errors
+    /// Without a GPU, or whatever the GPU or the source fails with.
+    pub fn picture(
+        &mut self,
+        view: ViewName,
+        size: [u32; 2],
+        camera: Option<Camera>,
+    ) -> Result<Image, DocumentError> {
+        let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
+        match state.slice_frame(view, check_size(size)?) {
+            Some(frame) => self.graphics.slice(state, &frame),
+            None => {
+                let camera = checked(camera.unwrap_or(state.scene.views.camera))?;
+                self.graphics.image(state, &state.frame(&camera, size))
+            }
+        }
+    }
+
+    /// The graphics adapter, or why there is none and what to do.
+    ///
+    /// # Errors
+    /// The reason, in words.
+    pub fn describe_gpu(&mut self) -> Result<String, String> {
+        self.graphics.describe().map_err(|e| e.to_string())
+    }
+
+    /// Draws on this device instead of one of its own.
+    pub fn use_gpu(&mut self, gpu: crate::gpu::Gpu) {
+        self.graphics.use_gpu(gpu);
+    }
+}

@@ -1,0 +1,215 @@
+//! Painting: from the points of a command to a step of history.
+//!
+//! While a stroke runs, questions, moves of the view and steps of the simulation leave it running; every other command ends it
+//! first, as `stroke.end` would. The GPU holds its texels until [`Document::settle`], which is the one place that waits for them.
+
+use super::edit::Edit;
+use super::state::{map_over, unit};
+use super::{Command, Document, DocumentError, ExplosionCommand, Place, StrokeCommand, StrokePoint, warn};
+use crate::paint::{Brush, Sample, StrokePath, Target};
+use crate::volume::{BrickIndex, FieldKind};
+use serde_json::{Value, json};
+
+/// A stroke that has begun.
+#[derive(Debug)]
+pub(super) struct Running {
+    brush: Brush,
+    path: StrokePath,
+    /// What came before the first dab: a segment that was missing, a map that was too narrow.
+    edit: Edit,
+    samples: Vec<Sample>,
+    dabs: u64,
+    missed: u64,
+}
+
+impl Running {
+    /// The field that it paints.
+    pub(super) fn field(&self) -> FieldKind {
+        self.brush.target.field()
+    }
+}
+
+/// Whether a command leaves a running stroke running.
+pub(super) fn leaves_running(command: &Command) -> bool {
+    match command {
+        Command::Ask(_) | Command::Stroke(_) | Command::Explosion(ExplosionCommand::Step { .. }) => true,
+        Command::View(view) => view.moves_view() || matches!(view, super::ViewCommand::Size { .. }),
+        _ => false,
+    }
+}
+
+impl Document {
+    pub(super) fn stroke(&mut self, command: StrokeCommand) -> Result<Value, DocumentError> {
+        self.open()?;
+        let running = self.running.is_some();
+        match command {
+            StrokeCommand::Begin { .. } | StrokeCommand::Paint { .. } if running => {
+                Err(DocumentError::NotNow("a stroke is running; end it (stroke.end) or cancel it first".into()))
+            }
+            StrokeCommand::Begin { points } => {
+                let (samples, missed) = self.samples(&points)?;
+                self.begin_stroke(&samples, missed)
+            }
+            StrokeCommand::Paint { points } => {
+                let (samples, missed) = self.samples(&points)?;
+                self.begin_stroke(&samples, missed)?;
+                self.settle()
+            }
+            StrokeCommand::Extend { .. } | StrokeCommand::End {} | StrokeCommand::Cancel {} if !running => {
+                Err(DocumentError::NotNow("no stroke is running; stroke.begin starts one".into()))
+            }
+            StrokeCommand::Extend { points } => {
+                let (samples, missed) = self.samples(&points)?;
+                self.extend_stroke(&samples, missed)
+            }
+            StrokeCommand::End {} => self.settle(),
+            StrokeCommand::Cancel {} => {
+                self.drop_stroke();
+                Ok(json!({ "cancelled": true, "step": null }))
+            }
+        }
+    }
+
+    /// Whether a stroke runs.
+    pub fn is_painting(&self) -> bool {
+        self.running.is_some()
+    }
+
+    /// Ends the running stroke: waits for the GPU, takes its bricks into the field and makes a step of them. The answer is that
+    /// of `stroke.end`. Without a stroke it does nothing.
+    ///
+    /// # Errors
+    /// If the device fails or the source does; the stroke then still runs.
+    pub fn settle(&mut self) -> Result<Value, DocumentError> {
+        let (Some(running), Some(state)) = (&mut self.running, &mut self.state) else { return Ok(json!({})) };
+        let kind = running.brush.target.field();
+        let changes: Vec<_> =
+            self.graphics.finish(state)?.into_iter().map(|(index, brick)| (index, Some(brick))).collect();
+        let Some(mut running) = self.running.take() else { return Ok(json!({})) };
+        let swapped = running.edit.swap(state, kind, changes);
+        let (voxels, bricks) = running.edit.counts();
+        if swapped.is_err() || voxels == 0 {
+            // Nothing painted: the segment or the wider map that was made for it goes too.
+            let refreshed = running.edit.roll_back(state)?;
+            self.mirror(&refreshed);
+            self.no_stroke();
+            swapped?;
+            return Ok(json!({ "step": null, "dabs": running.dabs, "missed": running.missed, "voxels_changed": 0 }));
+        }
+        running.edit.motion_is_not_mine(&state.scene);
+        let (step, refreshed) = running.edit.finish(state);
+        let mut answer = json!({
+            "step": step.as_ref().map(|s| s.name.clone()),
+            "dabs": running.dabs,
+            "missed": running.missed,
+            "voxels_changed": voxels,
+            "bricks_touched": bricks,
+        });
+        self.mirror(&refreshed);
+        let mut warnings = Vec::new();
+        if let Some(step) = step {
+            self.unsaved = true;
+            warnings.extend(self.history.push(step)?);
+        }
+        let at = |s: &Sample| StrokePoint { at: Place::Mm(s.position.to_array()), pressure: s.pressure };
+        let said = Command::Stroke(StrokeCommand::Paint { points: running.samples.iter().map(at).collect() });
+        warnings.extend(self.note(&said, &refreshed.bricks, true));
+        warn(&mut answer, warnings);
+        self.revision += 1;
+        Ok(answer)
+    }
+
+    /// Takes the running stroke back.
+    pub(super) fn drop_stroke(&mut self) {
+        let (Some(running), Some(state)) = (self.running.take(), &mut self.state) else { return };
+        self.graphics.cancel(state, running.field());
+        // Of a stroke there is at most a segment and a map to take back; a source that fails leaves the wider map.
+        match running.edit.roll_back(state) {
+            Ok(refreshed) => self.mirror(&refreshed),
+            Err(error) => tracing::warn!("{error}"),
+        }
+        self.motion.forget_points();
+        self.no_stroke();
+        self.revision += 1;
+    }
+
+    /// Starts a stroke with resolved samples.
+    pub(super) fn begin_stroke(&mut self, samples: &[Sample], missed: u64) -> Result<Value, DocumentError> {
+        let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
+        let brush = state.scene.brush;
+        let path = StrokePath::new(&brush, state.grid())?;
+        let mut edit = Edit::new(Some(state));
+        edit.name(format!("{} {}", if brush.erase { "Erase" } else { "Paint" }, brush.target.field().name()));
+        if let (Target::Label(id), false) = (brush.target, brush.erase) {
+            state.scene.segments.ensure(id);
+        }
+        let mut begun = Ok(());
+        if let Some([lo, hi]) = brush.range_needed(&state.density) {
+            let map = map_over(lo, hi, unit(state.source.as_ref()), None);
+            begun = edit.remap(state, map).map_err(DocumentError::from);
+            self.graphics.forget();
+        }
+        let begun = begun.and_then(|()| self.graphics.begin(state, &brush));
+        self.running = Some(Running { brush, path, edit, samples: Vec::new(), dabs: 0, missed });
+        let first = begun.and_then(|()| self.extend_stroke(samples, 0));
+        if first.is_err() {
+            self.drop_stroke();
+        }
+        first
+    }
+
+    fn extend_stroke(&mut self, samples: &[Sample], missed: u64) -> Result<Value, DocumentError> {
+        let (Some(running), Some(state)) = (&mut self.running, &self.state) else { return Ok(json!({})) };
+        let mut path = running.path.clone();
+        let dabs = path.extend(samples)?;
+        let bricks = if dabs.is_empty() { Vec::new() } else { self.graphics.extend(state, &dabs)? };
+        running.path = path;
+        running.samples.extend_from_slice(samples);
+        running.dabs += dabs.len() as u64;
+        running.missed += missed;
+        let mut answer = json!({
+            "dabs": dabs.len(),
+            "missed": missed,
+            "bricks_touched": bricks.len(),
+            "length_mm": running.path.length_mm(),
+        });
+        let noted = if samples.is_empty() { None } else { self.keeper.as_mut().map(|k| k.samples(samples)) };
+        if let Some(Err(error)) = noted {
+            warn(&mut answer, vec![error.to_string()]);
+        }
+        self.revision += 1;
+        Ok(answer)
+    }
+
+    /// Bricks of the selection as a running stroke shows them.
+    pub(super) fn live_selection(&mut self) -> Result<Vec<(BrickIndex, crate::volume::Brick)>, DocumentError> {
+        let (Some(running), Some(state)) = (&self.running, &self.state) else { return Ok(Vec::new()) };
+        if running.field() != FieldKind::Selection {
+            return Ok(Vec::new());
+        }
+        let mut live = Vec::new();
+        for index in self.graphics.touched() {
+            live.extend(self.graphics.live(state, index)?.map(|brick| (index, brick)));
+        }
+        Ok(live)
+    }
+
+    /// Resolves a command's points; those where the 3D view shows nothing are counted and left out.
+    fn samples(&mut self, points: &[StrokePoint]) -> Result<(Vec<Sample>, u64), DocumentError> {
+        let mut samples = Vec::with_capacity(points.len());
+        let mut missed = 0;
+        for point in points {
+            match self.resolve(point.at)? {
+                Some(sample) => samples.push(Sample { pressure: point.pressure, ..sample }),
+                None => missed += 1,
+            }
+        }
+        Ok((samples, missed))
+    }
+
+    fn no_stroke(&mut self) {
+        if let Some(Err(error)) = self.keeper.as_mut().map(super::Keeper::no_stroke) {
+            tracing::warn!("{error}");
+        }
+    }
+}
