@@ -2,9 +2,10 @@
 //!
 //! Answers go to stdout, what is wrong to stderr; exit code 0 is done, 2 is not.
 
-use burin::document::{Document, DocumentError, ProjectCommand};
+use burin::document::{Document, DocumentError, Opened, Origin, ProjectCommand};
 use burin::script;
 use clap::{Parser, Subcommand};
+use serde_json::{Value, json};
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -32,6 +33,29 @@ enum Command {
         /// Goes on after a command that failed; the exit code is 2 all the same.
         #[arg(long)]
         keep_going: bool,
+    },
+    /// Draws a project or a volume file to a picture. Nothing is changed on disk but the picture.
+    Render {
+        /// A project folder or a volume file.
+        path: PathBuf,
+        /// PNG or EXR, by extension.
+        #[arg(short, long)]
+        output: PathBuf,
+        /// Width and height in pixels, e.g. 800x600; the view's own if left out.
+        #[arg(long, value_parser = size)]
+        size: Option<[u32; 2]>,
+        /// From where: x,y,z, the direction from the volume to the eye in RAS; or a camera as JSON, as scripts have it.
+        #[arg(long, allow_hyphen_values = true)]
+        camera: Option<String>,
+        /// Degree of explosion, settled before the picture is drawn.
+        #[arg(long)]
+        degree: Option<f64>,
+        /// 3d, axial, coronal or sagittal.
+        #[arg(long, default_value = "3d")]
+        view: String,
+        /// Transparent instead of the look's background.
+        #[arg(long)]
+        transparent: bool,
     },
     /// Tells what is in a volume file.
     Info {
@@ -64,6 +88,12 @@ fn perform(arguments: Arguments) -> Result<(), String> {
         None => Err("this build has no window; `burin run SCRIPT` does the same commands".into()),
         Some(Command::Run { script, project, keep_going }) => run(&script, project, keep_going),
         Some(Command::Info { file, json }) => info(&file, json),
+        Some(Command::Render { path, output, size, camera, degree, view, transparent }) => render(
+            &path,
+            camera,
+            degree,
+            &json!({ "path": output, "size": size, "view": view, "transparent": transparent }),
+        ),
         Some(Command::Schema) => {
             let schema = serde_json::to_string_pretty(&script::schema()).map_err(|e| e.to_string())?;
             println!("{schema}");
@@ -93,6 +123,49 @@ fn run(path: &Path, project: Option<PathBuf>, keep_going: bool) -> Result<(), St
     match outcome.failed {
         0 => Ok(()),
         n => Err(format!("{}: {n} of {} commands failed", path.display(), n + outcome.done)),
+    }
+}
+
+/// Says the same to a document as a script would.
+fn render(path: &Path, camera: Option<String>, degree: Option<f64>, image: &Value) -> Result<(), String> {
+    let mut document = Document::new();
+    let opened = if path.is_dir() {
+        Opened::project_to_read(path, &|_| true)
+    } else {
+        Opened::volume(Origin { path: path.into(), component: 0, frame: 0 }, None, None, &|_| true)
+    };
+    document.take(opened.map_err(said)?);
+    let mut lines = Vec::new();
+    if let Some(text) = camera {
+        lines.push(match serde_json::from_str::<Value>(&text) {
+            Ok(camera) if camera.is_object() => json!({ "view": { "camera": { "camera": camera } } }),
+            _ => {
+                let numbers: Result<Vec<f64>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+                let from = numbers.ok().filter(|n| n.len() == 3);
+                let from = from.ok_or(format!("--camera: {text} found, x,y,z or a camera as JSON expected"))?;
+                json!({ "view": { "frame": { "from": from } } })
+            }
+        });
+    }
+    if let Some(value) = degree {
+        lines.push(json!({ "explosion": { "degree": { "value": value } } }));
+        lines.push(json!({ "explosion": { "settle": {} } }));
+    }
+    lines.push(json!({ "render": { "image": image } }));
+    for line in lines {
+        let answer = script::perform(&mut document, &line.to_string())?;
+        if line.get("render").is_some() {
+            println!("{answer}");
+        }
+    }
+    Ok(())
+}
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let parts: Vec<_> = text.split(['x', 'X']).map(str::parse).collect();
+    match parts[..] {
+        [Ok(width), Ok(height)] => Ok([width, height]),
+        _ => Err(format!("{text} found, WIDTHxHEIGHT expected, e.g. 800x600")),
     }
 }
 

@@ -63,7 +63,7 @@ impl Graphics {
             refreshed
                 .slots
                 .iter()
-                .try_for_each(|(kind, slots)| tools.pools.refresh(&tools.gpu, state.field(*kind), slots))
+                .try_for_each(|(kind, slots)| tools.pools.refresh(&tools.gpu, *kind, state.field(*kind), slots))
         };
         if let Err(error) = refresh(tools) {
             tracing::warn!("{error}");
@@ -76,9 +76,8 @@ impl Graphics {
     }
 
     pub(super) fn slice(&mut self, state: &State, frame: &SliceFrame) -> Result<Image, DocumentError> {
-        let colour = self.with(state, "a slice", |t, _| {
-            t.slices.pixels(&t.gpu, &mut t.pools, &fields(state), frame)
-        })?;
+        let colour =
+            self.with(state, "a slice", |t, _| t.slices.pixels(&t.gpu, &mut t.pools, &fields(state), frame))?;
         Ok(Image { colour, ..Image::empty(frame.size) })
     }
 
@@ -89,9 +88,7 @@ impl Graphics {
     }
 
     pub(super) fn visibility(&mut self, state: &State, frame: &Frame) -> Result<Visibility, DocumentError> {
-        self.with(state, "visibility", |t, _| {
-            t.caster.visibility(&t.gpu, &mut t.pools, &fields(state), frame)
-        })
+        self.with(state, "visibility", |t, _| t.caster.visibility(&t.gpu, &mut t.pools, &fields(state), frame))
     }
 
     pub(super) fn begin(&mut self, state: &State, brush: &Brush) -> Result<(), DocumentError> {
@@ -111,10 +108,9 @@ impl Graphics {
     /// Takes the running stroke back; nothing of it is left even if the device fails meanwhile.
     pub(super) fn cancel(&mut self, state: &State, kind: FieldKind) {
         let (Some(tools), Some(painter)) = (&mut self.tools, &mut self.painter) else { return };
-        let done = painter.cancel(&mut tools.pools, &fields(state)).map(|slots: Refresh| Refreshed {
-            slots: vec![(kind, slots)],
-            ..Refreshed::default()
-        });
+        let done = painter
+            .cancel(&mut tools.pools)
+            .map(|slots: Refresh| Refreshed { slots: vec![(kind, slots)], ..Refreshed::default() });
         match done {
             Ok(refreshed) => self.mirror(state, &refreshed),
             Err(error) => {
@@ -126,7 +122,7 @@ impl Graphics {
 
     /// A brick as the running stroke shows it, if it shows there.
     pub(super) fn live(&mut self, state: &State, brick: BrickIndex) -> Result<Option<Brick>, DocumentError> {
-        self.with(state, "painting", |t, painter| painter.live(&mut t.pools, &fields(state), brick))
+        self.with(state, "painting", |t, painter| painter.live(&t.pools, &fields(state), brick))
     }
 
     /// Bricks that the running stroke shows in.

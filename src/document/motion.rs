@@ -72,14 +72,15 @@ impl Motion {
 
     /// Follows changed voxels.
     pub(super) fn mirror(&mut self, state: &State, refreshed: &Refreshed) {
-        let slots = refreshed.slots.iter().filter(|(kind, _)| matches!(kind, FieldKind::Density | FieldKind::Selection));
+        let slots =
+            refreshed.slots.iter().filter(|(kind, _)| matches!(kind, FieldKind::Density | FieldKind::Selection));
         let bricks: Vec<BrickIndex> =
             slots.flat_map(|(_, r)| r.slots.iter().filter(|k| k.level == 0).map(|k| k.index)).collect();
         if bricks.is_empty() && !refreshed.remapped {
             return;
         }
         self.points = None;
-        let updated = self.octrees.as_mut().map(|o| o.update(&state.density, &state.selection, &bricks));
+        let updated = self.octrees.as_mut().map(|o| o.update(&state.density, &state.selection, bricks.iter().copied()));
         if let Some(Err(error)) = updated {
             tracing::warn!("{error}");
             self.octrees = None;
@@ -109,9 +110,8 @@ impl Motion {
     pub(super) fn settle(&mut self, state: &State, graphics: &mut Graphics) -> Result<Settled, DocumentError> {
         let points = self.points(state)?.to_vec();
         let (explosion, camera) = (&state.scene.explosion, state.scene.views.camera);
-        let settled = settle_with_gain(explosion, &points, &camera, &mut |poses: &[Pose]| {
-            measure(state, graphics, poses)
-        })?;
+        let settled =
+            settle_with_gain(explosion, &points, &camera, &mut |poses: &[Pose]| measure(state, graphics, poses))?;
         self.reached = Some((Cause { explosion: at_rest(explosion), camera, points }, settled.clone()));
         self.search = None;
         self.bodies = None;
@@ -119,12 +119,7 @@ impl Motion {
     }
 
     /// Steps of 1/60 s of the window's animation.
-    pub(super) fn step(
-        &mut self,
-        state: &State,
-        graphics: &mut Graphics,
-        steps: u32,
-    ) -> Result<Moved, DocumentError> {
+    pub(super) fn step(&mut self, state: &State, graphics: &mut Graphics, steps: u32) -> Result<Moved, DocumentError> {
         let points = self.points(state)?.to_vec();
         let (explosion, camera) = (&state.scene.explosion, state.scene.views.camera);
         let cause = Cause { explosion: at_rest(explosion), camera, points };
@@ -204,8 +199,9 @@ fn measure(state: &State, graphics: &mut Graphics, poses: &[Pose]) -> Result<Mea
     let size = views.size.map(|s| (f64::from(s) * MEASURED_PX / longest).round().max(1.0) as u32);
     let seen = graphics.visibility(state, &state.parted_frame(&explosion, &views.camera, size))?;
     let share = |pixels: u64| pixels as f64 / seen.selected.max(1) as f64;
-    let hidden = explosion.parts.iter().map(|part| {
-        seen.hidden_by.iter().find(|(id, _)| *id == part.id.0).map_or(0.0, |(_, pixels)| share(*pixels))
-    });
+    let hidden = explosion
+        .parts
+        .iter()
+        .map(|part| seen.hidden_by.iter().find(|(id, _)| *id == part.id.0).map_or(0.0, |(_, pixels)| share(*pixels)));
     Ok(Measured { visible: seen.share(), hidden: hidden.collect() })
 }

@@ -77,6 +77,16 @@ impl Opened {
         Self::kept(keeper, kept, progress)
     }
 
+    /// The same to look at: whatever is done to it is noted nowhere, and the project is free again for others.
+    ///
+    /// # Errors
+    /// As [`project`](Self::project).
+    pub fn project_to_read(dir: &Path, progress: &(dyn Fn(f32) -> bool + Sync)) -> Result<Self, DocumentError> {
+        let mut opened = Self::project(dir, progress)?;
+        opened.keeper = None;
+        Ok(opened)
+    }
+
     /// A document of [`recovery::list`](super::recovery::list).
     ///
     /// # Errors

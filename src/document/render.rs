@@ -13,7 +13,11 @@ impl Document {
         let views = &self.open()?.scene.views;
         let size = check_size(size.unwrap_or(views.slice(view).map_or(views.size, |s| s.size)))?;
         if view != ViewName::ThreeD && camera.is_some() {
-            return Err(DocumentError::invalid("camera", format!("one for the {} view", view.name()), "none for a slice"));
+            return Err(DocumentError::invalid(
+                "camera",
+                format!("one for the {} view", view.name()),
+                "none for a slice",
+            ));
         }
         let image = self.picture(view, size, camera)?;
         let background = self.open()?.scene.look.background;
@@ -26,12 +30,7 @@ impl Document {
     ///
     /// # Errors
     /// Without a GPU, or whatever the GPU or the source fails with.
-    pub fn picture(
-        &mut self,
-        view: ViewName,
-        size: [u32; 2],
-        camera: Option<Camera>,
-    ) -> Result<Image, DocumentError> {
+    pub fn picture(&mut self, view: ViewName, size: [u32; 2], camera: Option<Camera>) -> Result<Image, DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
         match state.slice_frame(view, check_size(size)?) {
             Some(frame) => self.graphics.slice(state, &frame),

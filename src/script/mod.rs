@@ -53,7 +53,10 @@ pub fn run(
 }
 
 /// Does one line.
-fn perform(document: &mut Document, line: &str) -> Result<Value, String> {
+///
+/// # Errors
+/// What is wrong with the line, or why it cannot be done, in words.
+pub fn perform(document: &mut Document, line: &str) -> Result<Value, String> {
     let command: Command =
         serde_json::from_str(line).map_err(|e| format!("not a command: {e}; `burin schema` lists them"))?;
     document.apply(command).map_err(|e| e.to_string())
