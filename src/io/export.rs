@@ -7,13 +7,13 @@
 //! as the bytes it is kept in (255 is wholly selected: nothing is lost, and a threshold in another program is a number a
 //! person can guess); labels as `unsigned short` with the segments' names in 3D Slicer's keys; colour as RGBA.
 
+use super::deflate::Gzip;
 use super::layout::to_native;
 use super::replace::replace;
 use super::{IoError, Progress};
 use crate::math::{DAffine3, DMat3, DVec3};
 use crate::volume::{BRICK, BrickSource, DensityMap, Field, FieldKind, Grid, Segments, Value, VoxelType, Voxels};
 use crate::with_voxels;
-use flate2::write::GzEncoder;
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::Path;
@@ -89,9 +89,9 @@ pub fn export(
         match compression {
             Compression::Raw => write(out),
             Compression::Gzip => {
-                let mut gzip = GzEncoder::new(out, flate2::Compression::new(4));
+                let mut gzip = Gzip::new(out).map_err(IoError::system(path, "write the file"))?;
                 write(&mut gzip)?;
-                gzip.finish().map(|_| ()).map_err(IoError::system(path, "write the file"))
+                gzip.finish().map_err(IoError::system(path, "write the file"))
             }
         }
     })?;

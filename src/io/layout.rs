@@ -137,11 +137,11 @@ impl Layout {
             Encoding::Raw { start } => {
                 let mut file = open_file(&self.path)?;
                 file.seek(SeekFrom::Start(start)).map_err(IoError::system(&self.path, "read the file"))?;
-                Ok(Stream { layout: self, from: From::File(file), passed: 0 })
+                Ok(Stream { layout: self, from: Input::File(file), passed: 0 })
             }
             Encoding::Gzip { start, skip } => {
                 let inflate = Inflate::open(&self.path, start)?;
-                let mut stream = Stream { layout: self, from: From::Gzip(Box::new(inflate)), passed: 0 };
+                let mut stream = Stream { layout: self, from: Input::Gzip(Box::new(inflate)), passed: 0 };
                 stream.skip(skip)?;
                 stream.passed = 0;
                 Ok(stream)
@@ -208,7 +208,7 @@ impl Contents for Layout {
     }
 }
 
-enum From {
+enum Input {
     File(File),
     Gzip(Box<Inflate>),
 }
@@ -216,7 +216,7 @@ enum From {
 /// The block, read from its first byte on.
 struct Stream<'a> {
     layout: &'a Layout,
-    from: From,
+    from: Input,
     passed: u64,
 }
 
@@ -240,8 +240,8 @@ impl Stream<'_> {
         let bytes: &mut [u8] = bytemuck::cast_slice_mut(out);
         self.passed += bytes.len() as u64;
         let read = match &mut self.from {
-            From::File(file) => file.read_exact(bytes),
-            From::Gzip(inflate) => inflate.read_exact(bytes),
+            Input::File(file) => file.read_exact(bytes),
+            Input::Gzip(inflate) => inflate.read_exact(bytes),
         };
         read.map_err(|e| self.failed(e))?;
         to_native(bytes, size_of::<T>(), self.layout.big_endian);
@@ -251,11 +251,11 @@ impl Stream<'_> {
     fn skip(&mut self, bytes: u64) -> Result<(), IoError> {
         self.passed += bytes;
         let skipped = match &mut self.from {
-            From::File(file) => i64::try_from(bytes)
+            Input::File(file) => i64::try_from(bytes)
                 .map_err(|_| std::io::ErrorKind::UnexpectedEof.into())
                 .and_then(|n| file.seek_relative(n))
                 .map(|()| bytes),
-            From::Gzip(inflate) => std::io::copy(&mut inflate.take(bytes), &mut std::io::sink()),
+            Input::Gzip(inflate) => std::io::copy(&mut inflate.take(bytes), &mut std::io::sink()),
         };
         match skipped {
             Ok(n) if n == bytes => Ok(()),
@@ -267,8 +267,8 @@ impl Stream<'_> {
     /// Reads on to the end of a gzip stream, if it is near, so that its checksum is looked at.
     fn check_end(&mut self) -> Result<(), IoError> {
         match &mut self.from {
-            From::File(_) => Ok(()),
-            From::Gzip(inflate) => std::io::copy(&mut inflate.take(CHUNK as u64), &mut std::io::sink())
+            Input::File(_) => Ok(()),
+            Input::Gzip(inflate) => std::io::copy(&mut inflate.take(CHUNK as u64), &mut std::io::sink())
                 .map(|_| ())
                 .map_err(|e| self.failed(e)),
         }

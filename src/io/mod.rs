@@ -7,6 +7,7 @@
 //!
 //! [`Grid`]: crate::volume::Grid
 
+mod deflate;
 mod error;
 mod export;
 mod inflate;

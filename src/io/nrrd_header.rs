@@ -15,7 +15,10 @@ use std::path::Path;
 const MAX_HEADER_BYTES: u64 = 16 << 20;
 
 /// Most axes, as the format has it.
-const MAX_AXES: u64 = 16;
+const MAX_AXES: usize = 16;
+
+/// Unknown fields that are named; a hostile header may hold millions.
+const MAX_UNKNOWN: usize = 10;
 
 /// Fields whose spelling without a space is the same field.
 const SPELLINGS: [(&str, &str); 11] = [
@@ -95,7 +98,11 @@ impl Header {
             if number == 1 {
                 let version = text.trim_end().strip_prefix("NRRD");
                 if !version.is_some_and(|v| ["0001", "0002", "0003", "0004", "0005", "00.01"].contains(&v)) {
-                    return Err(wrong("magic", text, "NRRD0001 to NRRD0005"));
+                    return Err(wrong(
+                        "magic",
+                        text,
+                        "NRRD0001 to NRRD0005; unpack the file if it is compressed as a whole",
+                    ));
                 }
                 continue;
             }
@@ -127,7 +134,9 @@ impl Header {
         let name = name.trim().to_ascii_lowercase();
         let name = SPELLINGS.iter().find(|(other, _)| *other == name).map_or(name, |(_, usual)| (*usual).into());
         if !FIELDS.contains(&name.as_str()) && name != "sample units" {
-            warnings.push(format!("header line {number}: field \"{}\" is not known and not used", shown(&name)));
+            if warnings.len() < MAX_UNKNOWN {
+                warnings.push(format!("header line {number}: field \"{}\" is not known and not used", shown(&name)));
+            }
             return Ok(());
         }
         match self.fields.insert(name.clone(), value.trim().into()) {
@@ -157,7 +166,7 @@ impl Header {
         let Some(text) = self.get(field) else { return Ok(None) };
         let mut words = Vec::new();
         let mut rest = text.trim_start();
-        while !rest.is_empty() {
+        while !rest.is_empty() && words.len() <= MAX_AXES {
             let (word, after) = match rest.strip_prefix('"') {
                 Some(quoted) => quoted.split_once('"').unwrap_or((quoted, "")),
                 None => rest.split_once(char::is_whitespace).unwrap_or((rest, "")),
@@ -205,7 +214,7 @@ impl Header {
         let expected = format!("vectors of {len} numbers like (1,0,0), or none");
         let mut vectors = Vec::new();
         let mut rest = text.trim_start();
-        while !rest.is_empty() {
+        while !rest.is_empty() && vectors.len() <= MAX_AXES {
             if let Some(after) = rest.get(..4).filter(|w| w.eq_ignore_ascii_case("none")).map(|_| &rest[4..]) {
                 vectors.push(None);
                 rest = after.trim_start();

@@ -115,7 +115,7 @@ fn roles(
 
 /// The space that directions and origin are given in.
 struct Space {
-    /// Numbers per vector; the fourth, if any, is time.
+    /// Numbers per vector, 2 to 4; the fourth is time.
     dimension: usize,
     /// RAS from the space, one sign per axis.
     signs: DVec3,
@@ -149,17 +149,18 @@ impl Space {
             };
             (if time { 4 } else { 3 }, signs)
         } else if let Some(n) = header.number("space dimension")? {
-            if n != 3 {
-                return Err(header.wrong("space dimension", n, "3"));
+            if !(2..=4).contains(&n) {
+                return Err(header.wrong("space dimension", n, "2 to 4"));
             }
-            warnings.push("`space dimension` names no sides: x, y, z are taken as right, anterior, superior".into());
-            (3, DVec3::ONE)
+            // Such files come from ITK, for pictures and series: it means its own frame, and time as fourth.
+            warnings.push("`space dimension` names no sides: x, y, z are taken as left, posterior, superior".into());
+            (n as usize, DVec3::new(-1.0, -1.0, 1.0))
         } else {
             return Ok(None);
         };
         let mut mm = DVec3::ONE;
         if let Some(units) = header.words_for("space units", dimension)? {
-            for a in 0..3 {
+            for a in 0..dimension.min(3) {
                 mm[a] = mm_per_unit("space units", &units[a], warnings);
             }
         }
@@ -174,7 +175,7 @@ impl Space {
             return Err(header.wrong("space directions", found, format!("{}, one per axis", header.dimension)));
         }
         let in_space = |v: Vec<f64>| {
-            let along = DVec3::new(v[0], v[1], v[2]);
+            let along = point(&v);
             let time = v.get(3).is_some_and(|&t| t != 0.0);
             match (time, along == DVec3::ZERO) {
                 (true, true) => Ok(None),
@@ -188,7 +189,7 @@ impl Space {
     fn origin(&self, header: &Header) -> Result<DVec3, IoError> {
         match header.vectors("space origin", self.dimension)?.as_deref() {
             None => Ok(DVec3::ZERO),
-            Some([Some(v)]) => Ok(DVec3::new(v[0], v[1], v[2])),
+            Some([Some(v)]) => Ok(point(v)),
             Some(_) => {
                 let found = header.get("space origin").unwrap_or_default();
                 Err(header.wrong("space origin", found, format!("one vector of {} finite numbers", self.dimension)))
@@ -199,6 +200,11 @@ impl Space {
     fn world_from(&self, space_from_index: DAffine3) -> DAffine3 {
         DAffine3::from_mat3(DMat3::from_diagonal(self.signs * self.mm)) * space_from_index
     }
+}
+
+/// A vector's part in space; a third number that is not there is 0.
+fn point(vector: &[f64]) -> DVec3 {
+    DVec3::new(vector[0], vector[1], vector.get(2).copied().unwrap_or(0.0))
 }
 
 fn mm_per_unit(field: &str, unit: &str, warnings: &mut Vec<String>) -> f64 {

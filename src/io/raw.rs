@@ -102,7 +102,13 @@ impl BrickSource for RawSource {
         };
         let out = voxels.as_bytes_mut();
         let out_row = nx as usize * width;
-        if sx == 1 && (ny == 1 || sy == nx) && (nz == 1 || sz == nx * ny) {
+        if sx > 1 && sx * w > GAP {
+            // Voxels far apart: rows of them would be mostly other components.
+            for (i, voxel) in out.chunks_exact_mut(width).enumerate() {
+                let (x, y, z) = (i as u64 % nx, i as u64 / nx % ny, i as u64 / (nx * ny));
+                self.read_at(voxel, place(y, z) + x * sx * w)?;
+            }
+        } else if sx == 1 && (ny == 1 || sy == nx) && (nz == 1 || sz == nx * ny) {
             self.read_at(out, place(0, 0))?;
         } else {
             // Rows gathered into one call: as many as lie close together.

@@ -74,6 +74,21 @@ fn components_of_nrrd_lie_on_any_axis() {
 }
 
 #[test]
+fn a_voxel_of_many_components_is_read_by_component() {
+    let folder = tempfile::tempdir().unwrap();
+    let sizes = [4000, 4, 3, 2];
+    let voxels = noise(VoxelType::U16, sizes.iter().product(), 5);
+    let lines =
+        ["type: uint16", "dimension: 4", "sizes: 4000 4 3 2", "kinds: list domain domain domain", "endian: big"];
+    for (encoding, data) in
+        [("encoding: raw", bytes_of(&voxels, true)), ("encoding: gz", gzip(&bytes_of(&voxels, true)))]
+    {
+        let path = keep(&folder, "a.nrrd", &nrrd(&[&lines[..], &[encoding]].concat(), &data));
+        check(&path, [4, 3, 2], 3998, 0, &reference(&voxels, &sizes, &[Some(3998), None, None, None]));
+    }
+}
+
+#[test]
 fn two_axes_beside_space_are_components_and_frames() {
     let folder = tempfile::tempdir().unwrap();
     let sizes = [2, 5, 4, 3, 6];
@@ -121,6 +136,11 @@ fn axes_without_directions_go_by_kind_and_place() {
     assert_eq!(count(&[&sizes4[..], &none_first].concat()), ([5, 6, 7], 4, 1));
     let time = ["space: RAST", "space directions: (1,0,0,0) (0,1,0,0) (0,0,1,0) (0,0,0,2)"];
     assert_eq!(count(&[&sizes4[..], &time, &["kinds: domain domain domain time"]].concat()), ([4, 5, 6], 1, 7));
+    // As ITK writes series and pictures.
+    let itk = ["space dimension: 4", "space directions: (1,0,0,0) (0,1,0,0) (0,0,1,0) (0,0,0,2)"];
+    assert_eq!(count(&[&sizes4[..], &itk, &["space origin: (1,2,3,4)"]].concat()), ([4, 5, 6], 1, 7));
+    let flat = ["space dimension: 2", "space directions: (1,0) (0,2)", "space origin: (1,2)"];
+    assert_eq!(count(&[&["dimension: 2", "sizes: 8 9"], &flat[..]].concat()), ([8, 9, 1], 1, 1));
     assert_eq!(count(&["dimension: 2", "sizes: 8 9"]), ([8, 9, 1], 1, 1));
     assert_eq!(count(&["dimension: 1", "sizes: 9", "spacings: 2"]), ([9, 1, 1], 1, 1));
     let flat = ["dimension: 2", "sizes: 8 9", "space: LPS", "space directions: (0,2,0) (0,0,3)"];

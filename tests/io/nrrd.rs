@@ -74,7 +74,8 @@ fn headers_that_cannot_be_are_refused_by_field() {
     bad("encoding: ascii", "encoding", "ascii");
     bad("encoding: hex", "encoding", "hex");
     bad("space: left", "space", "left");
-    bad("space dimension: 2", "space dimension", "2");
+    bad("space dimension: 5", "space dimension", "5");
+    bad("space dimension: 1", "space dimension", "1");
     bad("space directions: (1,0,0) (0,1,0) (0,0,1)", "space", "nothing");
     bad("kinds: domain domain", "kinds", "2 entries");
     bad("kinds: list list list", "kinds", "0 axes of space");

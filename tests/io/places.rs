@@ -242,12 +242,12 @@ fn nrrd_without_a_space_has_its_spacings_and_says_so() {
     let opened = open_nrrd(&folder, &["space: LPS", "spacings: 0.5 2 3", "space origin: (1,2,3)"]);
     let expected = affine([[-0.5, 0.0, 0.0], [0.0, -2.0, 0.0], [0.0, 0.0, 3.0]], [-1.0, -2.0, 3.0]);
     assert_eq!(opened.grid.world_from_index, expected);
-    for space in ["space: scanner-xyz", "space: 3D-right-handed", "space dimension: 3"] {
+    for (space, x) in [("space: scanner-xyz", 1e-3), ("space: 3D-right-handed", 1e-3), ("space dimension: 3", -1e-3)] {
         let opened = open_nrrd(
             &folder,
             &[space, "space directions: (1,0,0) (0,2,0) (0,0,3)", "space units: \"um\" \"um\" \"um\""],
         );
-        assert!(near(&opened.grid.world_from_index, &DAffine3::from_scale(DVec3::new(1e-3, 2e-3, 3e-3)), 1e-15));
+        assert!(near(&opened.grid.world_from_index, &DAffine3::from_scale(DVec3::new(x, 2.0 * x, 3e-3)), 1e-15));
         assert_eq!(opened.warnings.len(), 1, "{:?}", opened.warnings);
     }
 }
