@@ -5,15 +5,14 @@
 
 use super::{Gpu, GpuError};
 use crate::volume::{BrickKey, Field, FieldKind, SLOT, SLOT_VOXELS, TexelFormat};
-use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
+
+mod upload;
 
 /// Slots along an axis: a slot's place is a byte of a page, and textures end at 2048 texels on many adapters.
 const MOST_ALONG: u32 = 60;
 /// Larger textures fail on common drivers.
 const MOST_BYTES: u64 = (2 << 30) - 1;
-/// Bytes handed to the queue before it is told to start, so that staging memory stays small.
-const UPLOAD_BYTES: u64 = 32 << 20;
 
 /// A page: what a shader reads for a brick of level 0. See `page_of` in shaders/lib/field.wgsl.
 pub(super) type Page = [u32; 2];
@@ -46,6 +45,8 @@ pub(super) struct Pool {
     free: Vec<[u32; 3]>,
     clock: u64,
     bricks: [u32; 3],
+    /// Whether anything was ever written to the texture.
+    written: bool,
     pages: Vec<Page>,
     pub(super) page_texture: wgpu::Texture,
     /// Whether a texture was replaced since the bind group was made.
@@ -106,6 +107,7 @@ impl Pool {
             free: vec![[0; 3]],
             clock: 0,
             bricks,
+            written: false,
             pages: vec![UNWRITTEN; count],
             page_texture,
             replaced: true,
@@ -218,17 +220,32 @@ impl Pool {
         Ok(())
     }
 
-    /// A larger texture with the same slots at the same places.
+    /// A larger texture with the same slots at the same places. Where memory is short, as much as there is: the budget is then
+    /// what was reached.
     fn grow(&mut self, gpu: &Gpu, slots: usize) -> Result<(), GpuError> {
-        let grid = grow_grid(self.grid, slots, self.limit);
-        if grid == self.grid {
-            return Ok(());
+        let mut slots = slots;
+        loop {
+            let grid = grow_grid(self.grid, slots, self.limit);
+            if grid == self.grid {
+                return Ok(());
+            }
+            match self.grow_to(gpu, grid) {
+                Err(GpuError::OutOfMemory { .. }) => {
+                    let now: usize = self.grid.iter().map(|&n| n as usize).product();
+                    slots = now + (slots - now) / 2;
+                    self.limit = grow_grid(self.grid, slots, self.limit);
+                }
+                other => return other,
+            }
         }
-        let (kind, format, old, was_empty) = (self.kind, self.format, &self.texture, self.held.is_empty());
+    }
+
+    fn grow_to(&mut self, gpu: &Gpu, grid: [u32; 3]) -> Result<(), GpuError> {
+        let (kind, format, old, written) = (self.kind, self.format, &self.texture, self.written);
         let size = old.size();
         self.texture = gpu.scoped(&format!("a {} pool of {grid:?} slots", kind.name()), || {
             let texture = slots_texture(gpu, kind, format, grid);
-            if !was_empty {
+            if written {
                 let mut encoder =
                     gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("grow pool") });
                 encoder.copy_texture_to_texture(old.as_image_copy(), texture.as_image_copy(), size);
@@ -242,45 +259,6 @@ impl Pool {
         self.free.sort_unstable_by_key(|s| std::cmp::Reverse([s[2], s[1], s[0]]));
         self.grid = grid;
         self.replaced = true;
-        Ok(())
-    }
-
-    /// New texels for those of `keys` that are held.
-    pub(super) fn renew(&mut self, gpu: &Gpu, field: &Field, keys: &[BrickKey]) -> Result<(), GpuError> {
-        let uploads: Vec<_> = keys.iter().filter_map(|k| self.held.get(k).map(|h| (*k, h.slot))).collect();
-        self.upload(gpu, field, &uploads)
-    }
-
-    fn upload(&self, gpu: &Gpu, field: &Field, uploads: &[(BrickKey, [u32; 3])]) -> Result<(), GpuError> {
-        let bytes = self.format.bytes();
-        let widen = self.host != self.format;
-        let batch = (UPLOAD_BYTES as usize / (SLOT_VOXELS * bytes)).max(1);
-        for part in uploads.chunks(batch) {
-            let texels = part
-                .par_iter()
-                .map(|(key, _)| Ok(if widen { widened(&field.slot(*key)?) } else { field.slot(*key)? }))
-                .collect::<Result<Vec<_>, GpuError>>()?;
-            gpu.scoped(&format!("bricks of {}", self.kind.name()), || {
-                for ((_, slot), texels) in part.iter().zip(&texels) {
-                    let [x, y, z] = slot.map(|s| s * SLOT);
-                    gpu.queue.write_texture(
-                        wgpu::TexelCopyTextureInfo {
-                            origin: wgpu::Origin3d { x, y, z },
-                            ..self.texture.as_image_copy()
-                        },
-                        texels,
-                        wgpu::TexelCopyBufferLayout {
-                            offset: 0,
-                            bytes_per_row: Some(SLOT * bytes as u32),
-                            rows_per_image: Some(SLOT),
-                        },
-                        extent([SLOT; 3]),
-                    );
-                }
-                gpu.queue.submit([]);
-                Ok(())
-            })?;
-        }
         Ok(())
     }
 
@@ -377,9 +355,4 @@ fn slots_texture(gpu: &Gpu, kind: FieldKind, format: TexelFormat, grid: [u32; 3]
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::COPY_SRC,
         view_formats: &[],
     })
-}
-
-/// 16-bit codes as the floats that a `r16unorm` texture would read.
-fn widened(codes: &[u8]) -> Vec<u8> {
-    codes.chunks_exact(2).flat_map(|t| (f32::from(u16::from_le_bytes([t[0], t[1]])) / 65_535.0).to_le_bytes()).collect()
 }

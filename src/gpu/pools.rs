@@ -5,16 +5,20 @@
 //! `shaders/lib/field.wgsl` (group 1).
 
 use super::bindings::{self, FieldInfo};
-use super::occupancy::{Map, Shows, Skips};
-use super::pool::{self, Page, Pool};
+use super::occupancy::{Shows, Skips};
+use super::pool::Pool;
 use super::residency::{self, Need};
-use super::sight::{self, Sight};
+use super::sight::Sight;
 use super::{Frame, Gpu, GpuError};
 use crate::volume::{
-    BRICK, BrickIndex, BrickKey, Cells, DensityMap, Field, FieldKind, Grid, Mode, Refresh, TexelFormat,
+    BRICK, BrickIndex, BrickKey, DensityMap, Field, FieldKind, Grid, Mode, TexelFormat,
     TransferFunction,
 };
 use std::collections::{BTreeSet, HashSet};
+
+mod cells;
+mod edit;
+mod needs;
 
 /// The fields of one volume; blank ones cost nothing.
 #[derive(Clone, Copy, Debug)]
@@ -236,7 +240,7 @@ impl FieldPools {
             .brick_indices(0)
             .into_iter()
             .zip(needed)
-            .map(|(index, needed)| page(pool, field, &held, &cut.uniform, index, *needed))
+            .map(|(index, needed)| needs::page(pool, field, &held, &cut.uniform, index, *needed))
             .collect();
         let changed = pool.set_pages(gpu, pages)?;
         self.complete &= complete;
@@ -244,42 +248,6 @@ impl FieldPools {
             stale.extend(&changed);
         }
         Ok(uploaded || !changed.is_empty())
-    }
-
-    /// Renews the maps of empty space where bricks changed or are drawn from another level.
-    fn settle_cells(&mut self, gpu: &Gpu, fields: &Fields<'_>) -> Result<bool, GpuError> {
-        let bricks: Vec<usize> = match &self.stale_cells {
-            Some(some) => some.iter().copied().collect(),
-            None => (0..self.visible.len()).collect(),
-        };
-        self.stale_cells = Some(BTreeSet::new());
-        let (Some(look), [Some(density), _, selection, _]) = (&self.look, &self.pools) else {
-            self.stale_cells = None;
-            return Ok(false);
-        };
-        if bricks.is_empty() {
-            return Ok(false);
-        }
-        let (row, slab) = (self.bricks[0] as usize, (self.bricks[0] * self.bricks[1]) as usize);
-        let forced = &self.forced;
-        let of = |b: [u32; 3]| {
-            let i = b[0] as usize + row * b[1] as usize + slab * b[2] as usize;
-            let matter = CellsOf::new(fields.density, density.level_of(i), b);
-            let chosen = selection.as_ref().map(|pool| CellsOf::new(fields.selection, pool.level_of(i), b));
-            let (any, mixed) = (forced[0].contains(&i), forced[1].contains(&i));
-            std::array::from_fn(|cell| {
-                let [lo, hi] = matter.range(cell);
-                if !(any || look.shows.any(lo, hi)) {
-                    return 0;
-                }
-                let [least, most] = chosen.as_ref().map_or([0.0, 0.0], |c| c.range(cell));
-                let selected = u8::from(most > 0.0 || mixed) << Map::Selection as u8;
-                let left = u8::from(least < 1.0 || mixed) << Map::Background as u8;
-                1 << Map::Matter as u8 | selected | left
-            })
-        };
-        self.skips.update(gpu, &bricks, &of)?;
-        Ok(true)
     }
 
     fn new_pool(&self, gpu: &Gpu, field: &Field) -> Result<Pool, GpuError> {
@@ -290,155 +258,6 @@ impl FieldPools {
     fn brick_at(&self, b: BrickIndex) -> usize {
         let [nx, ny, _] = self.bricks.map(|n| n as usize);
         b.0[0] as usize + nx * (b.0[1] as usize + ny * b.0[2] as usize)
-    }
-
-    /// Whether the look shows any of a brick of level 0.
-    fn shows(&self, density: &Field, index: BrickIndex) -> bool {
-        let about = density.summary(BrickKey { level: 0, index });
-        self.look.as_ref().is_some_and(|l| l.shows.any(about.min, about.max))
-    }
-
-    /// What the look shows, what slices run through, and what is being painted.
-    fn needed(&self) -> Vec<bool> {
-        let mut needed = self.visible.clone();
-        let [nx, ny, _] = self.bricks.map(|n| n as usize);
-        for (i, needed) in needed.iter_mut().enumerate() {
-            let at = [i % nx, i / nx % ny, i / (nx * ny)];
-            *needed |= (0..3).any(|a| self.slices[a].is_some_and(|row| row as usize == at[a]));
-            *needed |= self.forced[0].contains(&i);
-        }
-        needed
-    }
-
-    fn urgency(&self, density: &Field) -> Vec<f32> {
-        let [nx, ny, _] = self.bricks.map(|n| n as usize);
-        let mut urgency = match (&self.sight, &self.look) {
-            (Some(sight), Some(look)) => {
-                let extinction = sight::extinctions(density, &self.grid, &look.transfer);
-                sight::urgency(sight, &self.grid, self.bricks, &extinction)
-            }
-            _ => vec![0.0; self.bricks.iter().map(|&b| b as usize).product()],
-        };
-        for (i, urgency) in urgency.iter_mut().enumerate() {
-            let at = [i % nx, i / nx % ny, i / (nx * ny)];
-            // A slice shows its voxels at about a pixel each.
-            if (0..3).any(|a| self.slices[a].is_some_and(|row| row as usize == at[a])) {
-                *urgency = urgency.max(1.0);
-            }
-        }
-        urgency
-    }
-
-    /// After [`Field::swap`]: uploads what is held and marks pages and cells for the next frame.
-    ///
-    /// # Errors
-    /// As [`make_resident`](Self::make_resident).
-    pub fn refresh(&mut self, gpu: &Gpu, kind: FieldKind, field: &Field, refresh: &Refresh) -> Result<(), GpuError> {
-        if let Some(pool) = &mut self.pools[place(kind)] {
-            pool.renew(gpu, field, &refresh.slots)?;
-        }
-        self.stale = true;
-        for key in &refresh.slots {
-            let below = key.index.0.map(|b| b << key.level);
-            let end: [u32; 3] = std::array::from_fn(|a| ((key.index.0[a] + 1) << key.level).min(self.bricks[a]));
-            for z in below[2]..end[2] {
-                for y in below[1]..end[1] {
-                    for x in below[0]..end[0] {
-                        self.renew_brick(field, BrickIndex([x, y, z]), key.level);
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn renew_brick(&mut self, field: &Field, index: BrickIndex, level: u8) {
-        let kind = field.kind();
-        let i = self.brick_at(index);
-        if level == 0 && kind == FieldKind::Density && !self.visible.is_empty() {
-            self.visible[i] = self.shows(field, index);
-        }
-        let map = match kind {
-            FieldKind::Density => 0,
-            FieldKind::Selection => 1,
-            FieldKind::Colour | FieldKind::Labels => return,
-        };
-        let drawn = self.pools[place(kind)].as_ref().map_or(0, |p| p.level_of(i));
-        if level == 0 {
-            self.forced[map].remove(&i);
-        }
-        if level == 0 || level == drawn {
-            if let Some(stale) = &mut self.stale_cells {
-                stale.insert(i);
-            }
-        }
-    }
-
-    /// While a stroke runs: these bricks' cells may show anything, until [`refresh`](Self::refresh) or
-    /// [`unpin`](Self::unpin). `bricks` are all whose slots the stroke writes, aprons included.
-    pub fn mark_occupied(&mut self, kind: FieldKind, bricks: &[BrickIndex]) {
-        let map = match kind {
-            FieldKind::Density => 0,
-            FieldKind::Selection => 1,
-            FieldKind::Colour | FieldKind::Labels => return,
-        };
-        for &brick in bricks {
-            let i = self.brick_at(brick);
-            if self.forced[map].insert(i) {
-                self.stale = true;
-                if let Some(stale) = &mut self.stale_cells {
-                    stale.insert(i);
-                }
-            }
-        }
-    }
-
-    /// For painting: these bricks of level 0 get slots of their own, also where they are of one value, and keep them until
-    /// [`unpin`](Self::unpin). Answers the first texel of each slot, apron included. The texture may be a new one
-    /// afterwards, with the same texels at the same places: take [`texture`](Self::texture) again. Pages follow with the
-    /// next call that makes bricks resident.
-    ///
-    /// # Errors
-    /// [`GpuError::PoolFull`] if they are more than three quarters of the pool; else as [`make_resident`](Self::make_resident).
-    pub fn pin(&mut self, gpu: &Gpu, field: &Field, bricks: &[BrickIndex]) -> Result<Vec<[u32; 3]>, GpuError> {
-        gpu.check()?;
-        let kind = field.kind();
-        if self.pools[place(kind)].is_none() {
-            self.pools[place(kind)] = Some(self.new_pool(gpu, field)?);
-            if kind == FieldKind::Selection {
-                self.stale_cells = None;
-            }
-        }
-        let Some(pool) = &mut self.pools[place(kind)] else { return Ok(Vec::new()) };
-        let keys: Vec<_> = bricks.iter().map(|&index| BrickKey { level: 0, index }).collect();
-        let mut pinned = pool.pinned();
-        pinned.extend(keys.iter().copied());
-        let room = (pool.most() * 3 / 4).max(1);
-        if pinned.len() > room {
-            return Err(GpuError::PoolFull { field: kind.name(), asked: pinned.len(), room });
-        }
-        pool.hold(gpu, field, &keys, true)?;
-        let origins = keys.iter().filter_map(|k| pool.texel_origin(*k)).collect();
-        self.stale = true;
-        self.rebind(gpu)?;
-        Ok(origins)
-    }
-
-    /// Ends the keep of pinned bricks and of cells marked as occupied.
-    pub fn unpin(&mut self, kind: FieldKind) {
-        if let Some(pool) = &mut self.pools[place(kind)] {
-            pool.unpin();
-        }
-        self.stale = true;
-        let map = match kind {
-            FieldKind::Density => 0,
-            FieldKind::Selection => 1,
-            FieldKind::Colour | FieldKind::Labels => return,
-        };
-        let forced = std::mem::take(&mut self.forced[map]);
-        if let Some(stale) = &mut self.stale_cells {
-            stale.extend(forced);
-        }
     }
 
     /// The grid of the volume.
@@ -526,70 +345,4 @@ impl FieldPools {
         self.pools.iter_mut().flatten().for_each(|p| p.replaced = false);
         Ok(())
     }
-}
-
-/// The cells of 4³ voxels of a brick of level 0, as the level that it is drawn from has them.
-struct CellsOf {
-    cells: Cells,
-    level: u8,
-    /// First cell of the brick within the coarse brick, in cells of level 0.
-    first: [u32; 3],
-}
-
-impl CellsOf {
-    fn new(field: &Field, level: u8, brick: [u32; 3]) -> Self {
-        let index = BrickIndex(brick.map(|b| b >> level));
-        let first = std::array::from_fn(|a| (brick[a] - (index.0[a] << level)) * 8);
-        Self { cells: field.cells(BrickKey { level, index }), level, first }
-    }
-
-    fn range(&self, cell: usize) -> [f32; 2] {
-        match &self.cells {
-            Cells::Uniform(range) => *range,
-            Cells::Dense(cells) => {
-                let at = [cell % 8, cell / 8 % 8, cell / 64];
-                let [x, y, z] = std::array::from_fn(|a| (self.first[a] as usize + at[a]) >> self.level);
-                cells[x + 8 * (y + 8 * z)]
-            }
-        }
-    }
-}
-
-/// Where a brick of level 0 is drawn from.
-fn page(
-    pool: &Pool,
-    field: &Field,
-    held: &HashSet<BrickKey>,
-    uniform: &HashSet<BrickKey>,
-    index: BrickIndex,
-    needed: bool,
-) -> Page {
-    let mut key = BrickKey { level: 0, index };
-    if let Some(page) = pool.pinned_page(key) {
-        return page;
-    }
-    let about = field.summary(key);
-    if let Some(texel) = about.uniform {
-        return pool::uniform_page(0, pool.bits(texel));
-    }
-    if !needed {
-        // Nothing of it shows under the look, its least value neither.
-        let texel = if field.kind() == FieldKind::Density { field.map().encode(f64::from(about.min)) } else { [0; 4] };
-        return pool::uniform_page(0, pool.bits(texel));
-    }
-    while key.level < field.level_count() {
-        if held.contains(&key)
-            && let Some(page) = pool.page(key)
-        {
-            return page;
-        }
-        if uniform.contains(&key)
-            && let Some(texel) = field.summary(key).uniform
-        {
-            return pool::uniform_page(key.level, pool.bits(texel));
-        }
-        key = BrickKey { level: key.level + 1, index: key.index.parent() };
-    }
-    // The cut covers every needed brick, so this is not reached.
-    pool::uniform_page(0, 0)
 }

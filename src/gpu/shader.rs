@@ -29,11 +29,20 @@ const KERNELS: &[(&str, &str)] = files![
     "slice.wgsl",
 ];
 
+/// Kernels of which exactly one of these conditions is set.
+const ONE_OF: &[(&str, &[&str])] =
+    &[("brush.wgsl", &["CODES", "CODES_IN_FLOATS", "COLOUR", "FLOATS", "LABELS", "SELECTION"])];
+
 static COMPOSER: Mutex<Option<Composer>> = Mutex::new(None);
 
 /// The files with entry points, by name under `shaders/`.
 pub fn kernels() -> impl Iterator<Item = &'static str> {
     KERNELS.iter().map(|k| k.0)
+}
+
+/// Conditions of a kernel of which exactly one is set; none for most kernels.
+pub fn one_of(file: &str) -> &'static [&'static str] {
+    ONE_OF.iter().find(|o| o.0 == file).map_or(&[], |o| o.1)
 }
 
 /// The conditions (`#ifdef`) that a kernel and what it imports ask for, in order.

@@ -3,6 +3,7 @@
 use burin::gpu::{Body, Frame, Overlay};
 use burin::math::{Camera, DVec3};
 use burin::volume::*;
+use rand::{Rng, SeedableRng};
 use std::sync::Arc;
 
 /// A grid with unit spacing, voxel (0, 0, 0) at the origin.
@@ -18,7 +19,6 @@ pub fn density_u16(grid: Grid, f: impl Fn([u32; 3]) -> u16) -> Field {
 }
 
 /// The same as 32-bit floats.
-#[allow(dead_code)]
 pub fn density_f32(grid: Grid, f: impl Fn([u32; 3]) -> f32) -> Field {
     let voxels = Voxels::F32(each(grid.dims, f));
     let source = MemorySource::new("synthetic", grid, voxels, (1.0, 0.0)).unwrap();
@@ -69,4 +69,46 @@ pub fn frame(grid: &Grid, transfer: TransferFunction, direction: DVec3, size: [u
         bodies: vec![Body::whole(0)],
         overlay: Overlay::default(),
     }
+}
+
+/// Linear interpolation of a level's texels at a place in level-0 voxels, taps clamped to the volume.
+pub fn trilinear(field: &Field, level: u8, p: [f32; 3], value: impl Fn([u8; 4]) -> f64) -> f64 {
+    let bytes = field.format().bytes();
+    let f = f64::from(1_u32 << level);
+    let q: [f64; 3] = std::array::from_fn(|a| (f64::from(p[a]) + 0.5) / f - 0.5);
+    let lo = q.map(|x| x.floor() as i64);
+    let taps = field.read(level, lo, [2; 3]).unwrap();
+    (0..8)
+        .map(|i| {
+            let mut texel = [0; 4];
+            texel[..bytes].copy_from_slice(&taps[i * bytes..(i + 1) * bytes]);
+            let weight: f64 = (0..3)
+                .map(|a| {
+                    let t = q[a] - lo[a] as f64;
+                    if i >> a & 1 == 1 { t } else { 1.0 - t }
+                })
+                .product();
+            if weight == 0.0 { 0.0 } else { weight * value(texel) }
+        })
+        .sum()
+}
+
+/// Seeded places: anywhere in the box, and on brick borders, volume faces and corners.
+pub fn places(dims: [u32; 3], count: usize) -> Vec<[f32; 3]> {
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(7);
+    let mut out: Vec<[f32; 3]> = (0..count)
+        .map(|i| {
+            std::array::from_fn(|a| {
+                let n = dims[a] as f32;
+                match (i + a) % 3 {
+                    0 => ((rng.random_range(0..=dims[a] / 32) * 32) as f32 - 0.5).min(n - 0.5),
+                    _ => rng.random_range(-0.5..n - 0.5),
+                }
+            })
+        })
+        .collect();
+    for i in 0..8 {
+        out.push(std::array::from_fn(|a| if i >> a & 1 == 1 { dims[a] as f32 - 0.501 } else { -0.5 }));
+    }
+    out
 }

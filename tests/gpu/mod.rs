@@ -4,6 +4,7 @@ mod brush;
 mod cast_image;
 mod cast_modes;
 mod cast_tiles;
+mod device;
 mod occupancy;
 mod pools;
 mod reference;

@@ -1,24 +1,30 @@
 //! Every shader under every condition: it composes, validates, and its buffers hold what Rust declares.
 
 use burin::gpu::layout::{Declared, Kind, all};
-use burin::gpu::shader::{Def, compose, conditions, kernels};
+use burin::gpu::shader::{Def, compose, conditions, kernels, one_of};
 use wgpu::naga;
 
-/// All subsets of few conditions; of many: none, all, each alone, each left out.
-fn variants(conditions: &[&'static str]) -> Vec<Vec<(&'static str, Def)>> {
-    let n = conditions.len();
-    let pick = |keep: &dyn Fn(usize) -> bool| {
-        (0..n).filter(|&i| keep(i)).map(|i| (conditions[i], Def::Bool(true))).collect::<Vec<_>>()
-    };
+/// All subsets of few conditions; of many: none, all, each alone, each left out. Of those that exclude each other one each time.
+fn variants(file: &str) -> Vec<Vec<(&'static str, Def)>> {
+    let exclusive = one_of(file);
+    let free: Vec<&'static str> = conditions(file).into_iter().filter(|c| !exclusive.contains(c)).collect();
+    let n = free.len();
+    let pick = |keep: &dyn Fn(usize) -> bool| (0..n).filter(|&i| keep(i)).map(|i| free[i]).collect::<Vec<_>>();
+    let mut sets = Vec::new();
     if n <= 4 {
-        return (0..1_usize << n).map(|set| pick(&|i| set >> i & 1 == 1)).collect();
+        sets.extend((0..1_usize << n).map(|set| pick(&|i| set >> i & 1 == 1)));
+    } else {
+        sets.extend([pick(&|_| false), pick(&|_| true)]);
+        for one in 0..n {
+            sets.extend([pick(&|i| i == one), pick(&|i| i != one)]);
+        }
     }
-    let mut out = vec![pick(&|_| false), pick(&|_| true)];
-    for one in 0..n {
-        out.push(pick(&|i| i == one));
-        out.push(pick(&|i| i != one));
+    let defined = |set: &[&'static str]| set.iter().map(|&name| (name, Def::Bool(true))).collect::<Vec<_>>();
+    if exclusive.is_empty() {
+        return sets.iter().map(|s| defined(s)).collect();
     }
-    out
+    let with = |set: &Vec<&'static str>, one: &'static str| defined(&[&set[..], &[one]].concat());
+    sets.iter().flat_map(|set| exclusive.iter().map(|one| with(set, one))).collect()
 }
 
 /// The name without the composer's decoration.
@@ -71,7 +77,7 @@ fn every_shader_composes_validates_and_shares_its_structs_with_rust() {
     let declared = all();
     let mut seen = std::collections::BTreeSet::new();
     for file in kernels() {
-        for defs in variants(&conditions(file)) {
+        for defs in variants(file) {
             let names: Vec<_> = defs.iter().map(|d| d.0).collect();
             let module = compose(file, &defs).unwrap_or_else(|e| panic!("{file} {names:?}: {e}"));
             let flags = naga::valid::ValidationFlags::all();

@@ -1,0 +1,140 @@
+//! Texels of bricks on their way into slots.
+//!
+//! Owns the two ways: slot by slot, and all of a new texture at once, since a device clears a texture before its first
+//! partial write. Staging memory is bounded in both.
+
+use super::{Pool, extent};
+use crate::gpu::{Gpu, GpuError};
+use crate::volume::{BrickKey, Field, SLOT, SLOT_VOXELS, TexelFormat};
+use rayon::prelude::*;
+
+/// Bytes handed to the queue before it is told to start.
+const BATCH_BYTES: usize = 32 << 20;
+/// A new texture up to this size is written at once.
+const WHOLE_BYTES: u64 = 512 << 20;
+
+/// A brick and the slot it goes to.
+pub(super) type Upload = (BrickKey, [u32; 3]);
+
+impl Pool {
+    /// New texels for those of `keys` that are held.
+    pub(in crate::gpu) fn renew(&mut self, gpu: &Gpu, field: &Field, keys: &[BrickKey]) -> Result<(), GpuError> {
+        let uploads: Vec<_> = keys.iter().filter_map(|k| self.held.get(k).map(|h| (*k, h.slot))).collect();
+        self.upload(gpu, field, &uploads)
+    }
+
+    pub(super) fn upload(&mut self, gpu: &Gpu, field: &Field, uploads: &[Upload]) -> Result<(), GpuError> {
+        if uploads.is_empty() {
+            return Ok(());
+        }
+        let pitch = (self.grid[0] * SLOT * self.format.bytes() as u32).next_multiple_of(256);
+        let whole = u64::from(pitch) * u64::from(self.grid[1] * SLOT) * u64::from(self.grid[2] * SLOT);
+        let at_once = !self.written && whole <= WHOLE_BYTES.min(gpu.device.limits().max_buffer_size);
+        if at_once {
+            self.upload_whole(gpu, field, uploads, (pitch, whole))?;
+        } else {
+            self.upload_slots(gpu, field, uploads)?;
+        }
+        self.written = true;
+        Ok(())
+    }
+
+    fn texels(&self, field: &Field, uploads: &[Upload]) -> Result<Vec<Vec<u8>>, GpuError> {
+        let widen = field.format() == TexelFormat::R16Unorm && self.format == TexelFormat::R32Float;
+        uploads
+            .par_iter()
+            .map(|(key, _)| {
+                let texels = field.slot(*key)?;
+                Ok(if widen { widened(&texels) } else { texels })
+            })
+            .collect()
+    }
+
+    fn upload_slots(&self, gpu: &Gpu, field: &Field, uploads: &[Upload]) -> Result<(), GpuError> {
+        let bytes = self.format.bytes();
+        for part in uploads.chunks((BATCH_BYTES / (SLOT_VOXELS * bytes)).max(1)) {
+            let texels = self.texels(field, part)?;
+            gpu.scoped(&format!("bricks of {}", self.kind.name()), || {
+                for ((_, slot), texels) in part.iter().zip(&texels) {
+                    let [x, y, z] = slot.map(|s| s * SLOT);
+                    gpu.queue.write_texture(
+                        wgpu::TexelCopyTextureInfo {
+                            origin: wgpu::Origin3d { x, y, z },
+                            ..self.texture.as_image_copy()
+                        },
+                        texels,
+                        wgpu::TexelCopyBufferLayout {
+                            offset: 0,
+                            bytes_per_row: Some(SLOT * bytes as u32),
+                            rows_per_image: Some(SLOT),
+                        },
+                        extent([SLOT; 3]),
+                    );
+                }
+                gpu.queue.submit([]);
+                Ok(())
+            })?;
+        }
+        Ok(())
+    }
+
+    fn upload_whole(
+        &self,
+        gpu: &Gpu,
+        field: &Field,
+        uploads: &[Upload],
+        (pitch, whole): (u32, u64),
+    ) -> Result<(), GpuError> {
+        let bytes = self.format.bytes();
+        let what = format!("bricks of {}", self.kind.name());
+        let buffer = gpu.scoped(&what, || {
+            Ok(gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("pool staging"),
+                size: whole,
+                usage: wgpu::BufferUsages::COPY_SRC,
+                mapped_at_creation: true,
+            }))
+        })?;
+        {
+            let mut view = buffer
+                .get_mapped_range_mut(..)
+                .map_err(|e| GpuError::Refused { what: what.clone(), reason: e.to_string() })?;
+            let row_bytes = SLOT as usize * bytes;
+            for part in uploads.chunks((BATCH_BYTES / (SLOT_VOXELS * bytes)).max(1)) {
+                for ((_, slot), texels) in part.iter().zip(self.texels(field, part)?) {
+                    let [x, y, z] = slot.map(|s| (s * SLOT) as usize);
+                    let rows = (self.grid[1] * SLOT) as usize;
+                    for (i, row) in texels.chunks_exact(row_bytes).enumerate() {
+                        let (dy, dz) = (i % SLOT as usize, i / SLOT as usize);
+                        let at = (y + dy + rows * (z + dz)) * pitch as usize + x * bytes;
+                        view.slice(at..at + row_bytes).copy_from_slice(row);
+                    }
+                }
+            }
+        }
+        gpu.scoped(&what, || {
+            buffer.unmap();
+            let mut encoder =
+                gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("fill pool") });
+            encoder.copy_buffer_to_texture(
+                wgpu::TexelCopyBufferInfo {
+                    buffer: &buffer,
+                    layout: wgpu::TexelCopyBufferLayout {
+                        offset: 0,
+                        bytes_per_row: Some(pitch),
+                        rows_per_image: Some(self.grid[1] * SLOT),
+                    },
+                },
+                self.texture.as_image_copy(),
+                self.texture.size(),
+            );
+            gpu.queue.submit([encoder.finish()]);
+            Ok(())
+        })
+    }
+}
+
+/// 16-bit codes as the floats that a `r16unorm` texture would read.
+fn widened(codes: &[u8]) -> Vec<u8> {
+    codes.chunks_exact(2).flat_map(|t| (f32::from(u16::from_le_bytes([t[0], t[1]])) / 65_535.0).to_le_bytes()).collect()
+}

@@ -1,0 +1,73 @@
+//! The fields' cell minima and maxima as bits for the maps of empty space, at the level that each brick is drawn from.
+
+use super::{FieldPools, Fields};
+use crate::gpu::GpuError;
+use crate::gpu::Gpu;
+use crate::gpu::occupancy::Map;
+use crate::volume::{BrickIndex, BrickKey, Cells, Field};
+use std::collections::BTreeSet;
+
+impl FieldPools {
+    /// Renews the maps of empty space where bricks changed or are drawn from another level.
+    pub(super) fn settle_cells(&mut self, gpu: &Gpu, fields: &Fields<'_>) -> Result<bool, GpuError> {
+        let bricks: Vec<usize> = match &self.stale_cells {
+            Some(some) => some.iter().copied().collect(),
+            None => (0..self.visible.len()).collect(),
+        };
+        self.stale_cells = Some(BTreeSet::new());
+        let (Some(look), [Some(density), _, selection, _]) = (&self.look, &self.pools) else {
+            self.stale_cells = None;
+            return Ok(false);
+        };
+        if bricks.is_empty() {
+            return Ok(false);
+        }
+        let (row, slab) = (self.bricks[0] as usize, (self.bricks[0] * self.bricks[1]) as usize);
+        let forced = &self.forced;
+        let of = |b: [u32; 3]| {
+            let i = b[0] as usize + row * b[1] as usize + slab * b[2] as usize;
+            let matter = CellsOf::new(fields.density, density.level_of(i), b);
+            let chosen = selection.as_ref().map(|pool| CellsOf::new(fields.selection, pool.level_of(i), b));
+            let (any, mixed) = (forced[0].contains(&i), forced[1].contains(&i));
+            std::array::from_fn(|cell| {
+                let [lo, hi] = matter.range(cell);
+                if !(any || look.shows.any(lo, hi)) {
+                    return 0;
+                }
+                let [least, most] = chosen.as_ref().map_or([0.0, 0.0], |c| c.range(cell));
+                let selected = u8::from(most > 0.0 || mixed) << Map::Selection as u8;
+                let left = u8::from(least < 1.0 || mixed) << Map::Background as u8;
+                1 << Map::Matter as u8 | selected | left
+            })
+        };
+        self.skips.update(gpu, &bricks, &of)?;
+        Ok(true)
+    }
+}
+
+/// The cells of 4³ voxels of a brick of level 0, as the level that it is drawn from has them.
+struct CellsOf {
+    cells: Cells,
+    level: u8,
+    /// First cell of the brick within the coarse brick, in cells of level 0.
+    first: [u32; 3],
+}
+
+impl CellsOf {
+    fn new(field: &Field, level: u8, brick: [u32; 3]) -> Self {
+        let index = BrickIndex(brick.map(|b| b >> level));
+        let first = std::array::from_fn(|a| (brick[a] - (index.0[a] << level)) * 8);
+        Self { cells: field.cells(BrickKey { level, index }), level, first }
+    }
+
+    fn range(&self, cell: usize) -> [f32; 2] {
+        match &self.cells {
+            Cells::Uniform(range) => *range,
+            Cells::Dense(cells) => {
+                let at = [cell % 8, cell / 8 % 8, cell / 64];
+                let [x, y, z] = std::array::from_fn(|a| (self.first[a] as usize + at[a]) >> self.level);
+                cells[x + 8 * (y + 8 * z)]
+            }
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! The device's failures are answers.
+
+use crate::common::gpu::{gpu, sample};
+use crate::common::volumes::*;
+use burin::gpu::{FieldPools, Fields, Gpu, GpuError};
+use burin::math::DVec3;
+use burin::volume::*;
+
+#[test]
+fn a_lost_device_is_an_answer_and_everything_can_be_made_again() {
+    if gpu().is_none() {
+        return;
+    }
+    let gpu = Gpu::headless().unwrap();
+    let grid = unit_grid([40, 40, 40]);
+    let density = density_u16(grid, |v| (v[0] * 100 + v[1]) as u16);
+    let blank = [FieldKind::Colour, FieldKind::Selection, FieldKind::Labels].map(|kind| Field::blank(kind, &grid));
+    let fields = Fields { density: &density, colour: &blank[0], selection: &blank[1], labels: &blank[2] };
+    let frame = frame(&grid, ramp(-1.0, 4000.0), DVec3::NEG_Y, [32, 32]);
+    let mut pools = FieldPools::new(&gpu, &grid, &density, 16 << 20).unwrap();
+    pools.make_resident(&gpu, &fields, &frame).unwrap();
+    let before = sample(&gpu, &pools, &[[20.0, 7.0, 3.0]]);
+    assert!(!gpu.lost());
+    gpu.raw().0.destroy();
+    let _ = gpu.raw().0.poll(wgpu::PollType::Poll);
+    assert!(gpu.lost());
+    let error = pools.make_slice_resident(&gpu, &fields, 0, 3).unwrap_err();
+    assert!(matches!(error, GpuError::Lost { .. }), "{error}");
+    assert!(matches!(FieldPools::new(&gpu, &grid, &density, 16 << 20), Err(GpuError::Lost { .. })));
+    let gpu = Gpu::headless().unwrap();
+    let mut pools = FieldPools::new(&gpu, &grid, &density, 16 << 20).unwrap();
+    pools.make_resident(&gpu, &fields, &frame).unwrap();
+    assert_eq!(sample(&gpu, &pools, &[[20.0, 7.0, 3.0]]), before);
+}
+
+#[test]
+fn no_memory_and_bad_calls_are_answers_and_the_device_goes_on() {
+    let Some(gpu) = gpu() else { return };
+    let side = gpu.raw().0.limits().max_texture_dimension_3d.min(2048);
+    let texture = |width: u32, what: &str| {
+        gpu.scoped(what, || {
+            Ok(gpu.raw().0.create_texture(&wgpu::TextureDescriptor {
+                label: None,
+                size: wgpu::Extent3d { width, height: side, depth_or_array_layers: side },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D3,
+                format: wgpu::TextureFormat::R32Float,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+                view_formats: &[],
+            }))
+        })
+    };
+    let error = texture(0, "a texture of nothing").unwrap_err();
+    assert!(matches!(&error, GpuError::Refused { what, .. } if what == "a texture of nothing"), "{error}");
+    // 32 GiB: beyond the machines that run this; where it does fit there is nothing to see.
+    if let Err(error) = texture(side, "a texture of everything") {
+        assert!(matches!(&error, GpuError::OutOfMemory { .. } | GpuError::Refused { .. }), "{error}");
+        assert!(error.to_string().contains("a texture of everything"), "{error}");
+    }
+    let small = gpu.scoped("a buffer", || {
+        Ok(gpu.raw().0.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: 16,
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        }))
+    });
+    assert_eq!(gpu.read_buffer(&small.unwrap(), "a buffer").unwrap(), [0; 16]);
+    assert!(gpu.describe().len() > 10);
+}
+
+#[test]
+fn no_adapter_says_what_to_install() {
+    let text = GpuError::NoAdapter { reason: "none".into() }.to_string();
+    assert!(text.contains("mesa-vulkan-drivers") && text.contains("none"), "{text}");
+}
