@@ -11,8 +11,7 @@ use super::residency::{self, Need};
 use super::sight::Sight;
 use super::{Frame, Gpu, GpuError};
 use crate::volume::{
-    BRICK, BrickIndex, BrickKey, DensityMap, Field, FieldKind, Grid, Mode, TexelFormat,
-    TransferFunction,
+    BRICK, BrickIndex, BrickKey, DensityMap, Field, FieldKind, Grid, Mode, TexelFormat, TransferFunction,
 };
 use std::collections::{BTreeSet, HashSet};
 

@@ -129,11 +129,20 @@ fn a_pool_that_holds_what_shows_draws_it_at_the_finest_level_and_moves_for_slice
     let Some(gpu) = gpu() else { return };
     let grid = unit_grid([96, 96, 96]);
     // Only the middle layer of bricks and what touches it shows; the rest varies below the ramp's foot.
-    let density = density_u16(grid, |v| if v[2] / 32 == 1 { 2000 + (v[0] * 31 % 900) as u16 } else { (v[1] % 90) as u16 });
+    let density =
+        density_u16(grid, |v| if v[2] / 32 == 1 { 2000 + (v[0] * 31 % 900) as u16 } else { (v[1] % 90) as u16 });
     let none = blanks(&grid);
-    let visible = density.brick_indices(0).iter().filter(|b| density.summary(BrickKey { level: 0, index: **b }).max > 500.0).count();
+    let visible = density
+        .brick_indices(0)
+        .iter()
+        .filter(|b| density.summary(BrickKey { level: 0, index: **b }).max > 500.0)
+        .count();
     assert_eq!(visible, 27, "aprons of the outer layers reach the middle");
-    let inner = density_u16(grid, |v| if (34..62).contains(&v[2]) { 2000 + (v[0] * 31 % 900) as u16 } else { (v[1] % 90) as u16 });
+    let inner =
+        density_u16(
+            grid,
+            |v| if (34..62).contains(&v[2]) { 2000 + (v[0] * 31 % 900) as u16 } else { (v[1] % 90) as u16 },
+        );
     let mut pools = FieldPools::new(&gpu, &grid, &inner, budget_of(9)).unwrap();
     let frame = frame(&grid, ramp(500.0, 4000.0), DVec3::new(1.0, -0.4, 0.3), [64, 64]);
     pools.make_resident(&gpu, &fields(&inner, &none), &frame).unwrap();

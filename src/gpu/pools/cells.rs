@@ -1,8 +1,8 @@
 //! The fields' cell minima and maxima as bits for the maps of empty space, at the level that each brick is drawn from.
 
 use super::{FieldPools, Fields};
-use crate::gpu::GpuError;
 use crate::gpu::Gpu;
+use crate::gpu::GpuError;
 use crate::gpu::occupancy::Map;
 use crate::volume::{BrickIndex, BrickKey, Cells, Field};
 use std::collections::BTreeSet;
