@@ -1,5 +1,6 @@
 //! Commands, history, journal, projects.
 
+mod exploded;
 mod history;
 mod keep;
 mod keep_faults;
@@ -9,9 +10,11 @@ mod keep_program;
 mod keep_support;
 mod keep_zarr;
 mod maker;
+mod maker_gpu;
 mod nouns;
 mod parts;
 mod projects;
 mod script;
 mod selection;
+mod strokes;
 mod volumes;

@@ -1,0 +1,172 @@
+//! Strokes by command, on the GPU.
+
+use super::maker::{bytes, run};
+use super::maker_gpu::block;
+use burin::document::{Document, ViewName};
+use burin::volume::FieldKind;
+use rand::{Rng, SeedableRng};
+use serde_json::{Value, json};
+
+fn paint(document: &mut Document, target: Value, mm: [f64; 3]) -> Value {
+    run(document, &json!({"brush":{"set":{"target":target,"radius_mm":5}}}).to_string()).unwrap();
+    run(document, &json!({"stroke":{"paint":{"points":[{"at":{"mm":mm}}]}}}).to_string()).unwrap()
+}
+
+#[test]
+fn strokes_on_every_field_come_back_byte_for_byte() {
+    for budget in [1 << 30, 0] {
+        let Some(mut document) = block() else { return };
+        run(&mut document, &json!({"history":{"budget":{"bytes":budget}}}).to_string()).unwrap();
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(3);
+        let mut states = vec![bytes(&document)];
+        for i in 0..16 {
+            let target = match i % 4 {
+                0 => json!({"density": rng.random_range(-50.0..400.0)}),
+                1 => json!({"colour": [0.1, 0.9, 0.2, 1.0]}),
+                2 => json!({"selection": 1.0}),
+                _ => json!({"label": i + 1}),
+            };
+            let at = |rng: &mut rand_chacha::ChaCha8Rng| json!({"at":{"index":[rng.random_range(-2.0..66.0), rng.random_range(-2.0..50.0), rng.random_range(0.0..40.0)]}});
+            let points = [at(&mut rng), at(&mut rng)];
+            let set = json!({"brush":{"set":{"target":target,"radius_mm":rng.random_range(0.0..9.0),"erase":i > 11}}});
+            run(&mut document, &set.to_string()).unwrap();
+            let answer = run(&mut document, &json!({"stroke":{"paint":{"points":points}}}).to_string()).unwrap();
+            if answer["step"] != Value::Null {
+                assert!(answer["voxels_changed"].as_u64().unwrap() > 0);
+                states.push(bytes(&document));
+            } else {
+                assert_eq!(bytes(&document), *states.last().unwrap());
+            }
+        }
+        assert!(states.len() > 12);
+        for way in ["undo", "redo"] {
+            let walk: Vec<_> =
+                if way == "undo" { states.iter().rev().skip(1).collect() } else { states.iter().skip(1).collect() };
+            for state in walk {
+                run(&mut document, &format!(r#"{{"history":{{"{way}":{{}}}}}}"#)).unwrap();
+                assert_eq!(bytes(&document), *state, "{way}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_stroke_that_changes_nothing_is_no_step() {
+    let Some(mut document) = block() else { return };
+    let before = (bytes(&document), document.history().undo_names().len());
+    // A label far outside would have made a segment, a density beyond the codes a wider map.
+    for target in [json!({"label": 9}), json!({"density": 5000.0})] {
+        let answer = paint(&mut document, target, [500.0, 0.0, 0.0]);
+        assert_eq!((&answer["step"], &answer["voxels_changed"]), (&Value::Null, &json!(0)));
+        assert_eq!((bytes(&document), document.history().undo_names().len()), before);
+    }
+    run(&mut document, r#"{"brush":{"set":{"erase":true}}}"#).unwrap();
+    assert_eq!(paint(&mut document, json!({"selection": 1.0}), [30.0, 20.0, 20.0])["step"], Value::Null);
+}
+
+#[test]
+fn density_beyond_its_codes_gets_wider_ones_and_keeps_what_was_painted() {
+    let Some(mut document) = block() else { return };
+    let value = |d: &mut Document, at: [u32; 3]| {
+        run(d, &json!({"ask":{"voxel":{"at":{"index":at}}}}).to_string()).unwrap()["density"].as_f64().unwrap()
+    };
+    run(&mut document, r#"{"brush":{"set":{"falloff":"hard"}}}"#).unwrap();
+    paint(&mut document, json!({"density": 150.0}), [20.0, 20.0, 20.0]);
+    let narrow = bytes(&document);
+    paint(&mut document, json!({"density": 70_000.0}), [45.0, 30.0, 20.0]);
+    // Exact: integers of a span over 65,535 are kept as 32-bit floats.
+    for (at, expected) in [([45, 30, 20], 70_000.0), ([20, 20, 20], 150.0), ([10, 30, 25], 200.0), ([1, 1, 1], 0.0)] {
+        assert_eq!(value(&mut document, at), expected, "{at:?}");
+    }
+    run(&mut document, r#"{"history":{"undo":{}}}"#).unwrap();
+    assert_eq!(bytes(&document), narrow);
+    run(&mut document, r#"{"history":{"redo":{}}}"#).unwrap();
+    assert_eq!(value(&mut document, [45, 30, 20]), 70_000.0);
+    // And the picture is drawn from the new codes.
+    assert!(document.picture(ViewName::ThreeD, [32, 32], None).unwrap().colour.iter().any(|c| c[3] > 0.5));
+}
+
+#[test]
+fn a_cancelled_stroke_leaves_nothing_but_was_seen() {
+    let Some(mut document) = block() else { return };
+    let picture = |d: &mut Document| d.picture(ViewName::ThreeD, [48, 48], None).unwrap().colour;
+    let (before, seen) = (bytes(&document), picture(&mut document));
+    run(&mut document, r#"{"brush":{"set":{"target":{"density":0},"radius_mm":12}}}"#).unwrap();
+    run(&mut document, r#"{"stroke":{"begin":{"points":[{"at":{"pixel":{"view":"3d","px":[48,48]}}}]}}}"#).unwrap();
+    run(&mut document, r#"{"stroke":{"extend":{"points":[{"at":{"mm":[20,39,20]}}]}}}"#).unwrap();
+    assert_ne!(picture(&mut document), seen);
+    run(&mut document, r#"{"stroke":{"cancel":{}}}"#).unwrap();
+    assert_eq!(picture(&mut document), seen);
+    assert_eq!(bytes(&document), before);
+    assert!(run(&mut document, r#"{"stroke":{"end":{}}}"#).unwrap_err().to_string().contains("no stroke is running"));
+}
+
+#[test]
+fn undo_shows_in_the_next_picture() {
+    let Some(mut document) = block() else { return };
+    let pictures = |d: &mut Document| {
+        [ViewName::ThreeD, ViewName::Axial, ViewName::Coronal, ViewName::Sagittal]
+            .map(|view| d.picture(view, [48, 48], None).unwrap().colour)
+    };
+    let before = pictures(&mut document);
+    paint(&mut document, json!({"density": 0.0}), [31.0, 39.0, 19.0]);
+    paint(&mut document, json!({"colour": [0.0, 0.0, 1.0, 1.0]}), [20.0, 39.0, 19.0]);
+    let after = pictures(&mut document);
+    assert_ne!(after, before);
+    run(&mut document, r#"{"history":{"undo":{"steps":2}}}"#).unwrap();
+    assert_eq!(pictures(&mut document), before);
+    run(&mut document, r#"{"history":{"redo":{"steps":2}}}"#).unwrap();
+    assert_eq!(pictures(&mut document), after);
+}
+
+#[test]
+fn other_commands_end_a_running_stroke_and_questions_do_not() {
+    let Some(mut document) = block() else { return };
+    run(&mut document, r#"{"stroke":{"begin":{"points":[{"at":{"mm":[30,20,20]}}]}}}"#).unwrap();
+    for line in [
+        r#"{"ask":{"voxel":{"at":{"mm":[1,1,1]}}}}"#,
+        r#"{"view":{"orbit":{"azimuth_deg":5,"elevation_deg":0}}}"#,
+        r#"{"explosion":{"step":{"steps":1}}}"#,
+    ] {
+        run(&mut document, line).unwrap();
+        assert!(document.is_painting(), "{line}");
+    }
+    assert!(run(&mut document, r#"{"stroke":{"begin":{"points":[]}}}"#).is_err());
+    run(&mut document, r#"{"view":{"window":{"level":7,"width":7}}}"#).unwrap();
+    assert!(!document.is_painting());
+    let names: Vec<_> = document.history().undo_names().skip(1).collect();
+    assert_eq!(names, ["Paint selection", "Window"]);
+}
+
+#[test]
+fn a_locked_segment_and_a_range_keep_their_voxels() {
+    let Some(mut document) = block() else { return };
+    run(&mut document, r#"{"brush":{"set":{"falloff":"hard","range":[100,300]}}}"#).unwrap();
+    paint(&mut document, json!({"label": 1}), [8.0, 20.0, 20.0]);
+    let label = |d: &Document, v: [u32; 3]| d.state().unwrap().labels.value(v).unwrap();
+    assert_eq!((label(&document, [9, 20, 20]), label(&document, [6, 20, 20])), (1.0, 0.0));
+    run(&mut document, r#"{"segment":{"set":{"id":1,"locked":true}}}"#).unwrap();
+    paint(&mut document, json!({"label": 2}), [11.0, 20.0, 20.0]);
+    assert_eq!((label(&document, [9, 20, 20]), label(&document, [15, 20, 20])), (1.0, 2.0));
+}
+
+#[test]
+fn a_stroke_outlives_the_loss_of_its_device() {
+    let Some(mut whole) = block() else { return };
+    let Some(mut broken) = block() else { return };
+    let gpu = burin::gpu::Gpu::headless().unwrap();
+    broken.use_gpu(gpu.clone());
+    for (document, breaks) in [(&mut whole, false), (&mut broken, true)] {
+        run(document, r#"{"brush":{"set":{"target":{"density":10},"radius_mm":6}}}"#).unwrap();
+        run(document, r#"{"stroke":{"begin":{"points":[{"at":{"mm":[20,20,20]}}]}}}"#).unwrap();
+        if breaks {
+            gpu.raw().0.destroy();
+            let _gone = gpu.raw().0.poll(wgpu::PollType::wait_indefinitely());
+            assert!(gpu.lost());
+        }
+        run(document, r#"{"stroke":{"extend":{"points":[{"at":{"mm":[40,25,20]}}]}}}"#).unwrap();
+        run(document, r#"{"stroke":{"end":{}}}"#).unwrap();
+    }
+    assert_eq!(bytes(&whole), bytes(&broken));
+    assert!(broken.state().unwrap().field(FieldKind::Density).edits().len() > 1);
+}
