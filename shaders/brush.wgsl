@@ -8,43 +8,39 @@ const SLOT_TEXELS: u32 = 39304u;
 // Words between rows of `start` and `next`: texture copies want rows of 256 bytes.
 const PITCH: u32 = 64u;
 
-// Texels in a word, words in a slot's row, and how many slots lie side by side in `start`.
+// Texels in a word, words in a slot's row, how many slots lie side by side in `start`, and what the storage holds in its own
+// steps. Without a condition: colour.
 #ifdef SELECTION
 const PER_WORD: u32 = 4u;
 const ROW: u32 = 9u;
 const LANES: u32 = 7u;
 const LOW: f32 = 0.0;
 const TOP: f32 = 255.0;
-#endif
-#ifdef LABELS
+#else ifdef LABELS
 const PER_WORD: u32 = 2u;
 const ROW: u32 = 17u;
 const LANES: u32 = 3u;
 const LOW: f32 = 0.0;
 const TOP: f32 = 65535.0;
-#endif
-#ifdef CODES
+#else ifdef CODES
 const PER_WORD: u32 = 2u;
 const ROW: u32 = 17u;
 const LANES: u32 = 3u;
 const LOW: f32 = 0.0;
 const TOP: f32 = 65535.0;
-#endif
-#ifdef CODES_IN_FLOATS
+#else ifdef CODES_IN_FLOATS
 const PER_WORD: u32 = 1u;
 const ROW: u32 = 34u;
 const LANES: u32 = 1u;
 const LOW: f32 = 0.0;
 const TOP: f32 = 65535.0;
-#endif
-#ifdef FLOATS
+#else ifdef FLOATS
 const PER_WORD: u32 = 1u;
 const ROW: u32 = 34u;
 const LANES: u32 = 1u;
 const LOW: f32 = -3.4028234e38;
 const TOP: f32 = 3.4028234e38;
-#endif
-#ifdef COLOUR
+#else
 const PER_WORD: u32 = 1u;
 const ROW: u32 = 34u;
 const LANES: u32 = 1u;
@@ -243,18 +239,31 @@ fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
 fn own_key(old: u32) -> u32 {
     return 0u;
 }
-#endif
-
-#ifdef CODES
+#else ifdef LABELS
+fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
+    if cover < 0.5 || ((locked[old >> 5u] >> (old & 31u)) & 1u) != 0u {
+        return old;
+    }
+    let label = u32(stroke.paint.x);
+    if stroke.operation == RESTORE {
+        return 0u;
+    }
+    if stroke.operation == SUBTRACT {
+        return select(old, 0u, old == label);
+    }
+    return label;
+}
+fn own_key(old: u32) -> u32 {
+    return 0u;
+}
+#else ifdef CODES
 fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
     return code(old, cover, place, row, x);
 }
 fn own_key(old: u32) -> u32 {
     return old;
 }
-#endif
-
-#ifdef CODES_IN_FLOATS
+#else ifdef CODES_IN_FLOATS
 fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
     let new_code = code(own_key(old), cover, place, row, x);
     return select(bitcast<u32>(f32(new_code) / TOP), old, new_code == own_key(old));
@@ -262,9 +271,7 @@ fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
 fn own_key(old: u32) -> u32 {
     return u32(floor(bitcast<f32>(old) * TOP + 0.5));
 }
-#endif
-
-#ifdef FLOATS
+#else ifdef FLOATS
 fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
     var back = old;
     if stroke.operation == RESTORE {
@@ -287,28 +294,7 @@ fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
 fn own_key(old: u32) -> u32 {
     return ordered(old);
 }
-#endif
-
-#ifdef LABELS
-fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
-    if cover < 0.5 || ((locked[old >> 5u] >> (old & 31u)) & 1u) != 0u {
-        return old;
-    }
-    let label = u32(stroke.paint.x);
-    if stroke.operation == RESTORE {
-        return 0u;
-    }
-    if stroke.operation == SUBTRACT {
-        return select(old, 0u, old == label);
-    }
-    return label;
-}
-fn own_key(old: u32) -> u32 {
-    return 0u;
-}
-#endif
-
-#ifdef COLOUR
+#else
 fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
     let p = unpack4x8unorm(old);
     let c = stroke.paint;

@@ -4,23 +4,19 @@
 //! after a loss of the device. The pools' slots show it in the same frame; the host's fields stay as they are until
 //! [`Painter::finish`]. Knows no history. Direct Volume Editing (2008) section 3, equations 1 and 2.
 
-use super::brush_frame::groups;
-use super::brush_kernel::{BrushDab, BrushItem, BrushStroke, GROUP, Kernels, MOST_DABS, MOST_ITEMS, PITCH, Variant};
-use super::brush_memory::{Chunk, Extras, at, next_capacity, rows};
+use super::brush_frame::{Plan, groups};
+use super::brush_kernel::{BrushStroke, DABS_BYTES, ITEMS_BYTES, Kernels, Variant};
+use super::brush_memory::{Chunk, at, rows};
+use super::brush_stroke::{Stroke, locked_bits};
 use super::{FieldPools, Fields, Gpu, GpuError, brush_readback};
-use crate::paint::{Brush, Dab, Operation, Target};
-use crate::volume::{Brick, BrickIndex, BrickKey, Field, FieldKind, Grid, Refresh, SLOT, Segments};
-use rayon::prelude::*;
+use crate::paint::{Brush, Dab};
+use crate::volume::{Brick, BrickIndex, BrickKey, Grid, Refresh, Segments};
 use std::collections::{BTreeSet, HashMap};
 
 /// Memory that one stroke may take unless [`Painter::set_budget`] says otherwise.
 const BUDGET: u64 = 512 << 20;
 /// Memory kept from stroke to stroke, so that a click does not wait for buffers.
 const KEPT: u64 = 64 << 20;
-const DABS_BYTES: u64 = (MOST_DABS * size_of::<BrushDab>()) as u64;
-const ITEMS_BYTES: u64 = (MOST_ITEMS * size_of::<BrushItem>()) as u64;
-/// Uniform offsets are multiples of this on every adapter.
-const ALIGNED: usize = 256;
 
 /// Paints strokes, one at a time. Long-lived: it keeps pipelines and some buffers.
 #[derive(Debug)]
@@ -36,42 +32,6 @@ pub struct Painter {
     spare: Vec<Chunk>,
     budget_bytes: u64,
     stroke: Option<Stroke>,
-}
-
-#[derive(Debug)]
-struct Stroke {
-    brush: Brush,
-    grid: Grid,
-    constants: BrushStroke,
-    locked: Vec<u32>,
-    dabs: Vec<Dab>,
-    chunks: Vec<Chunk>,
-    homes: HashMap<BrickIndex, Home>,
-}
-
-/// Where a touched brick is kept.
-#[derive(Clone, Copy, Debug)]
-struct Home {
-    chunk: usize,
-    /// Within the chunk.
-    place: u32,
-    /// First texel of its slot in the pool, which keeps it for as long as it is pinned.
-    slot: [u32; 3],
-}
-
-struct Dispatch {
-    chunk: usize,
-    dabs_at: u32,
-    items_at: u32,
-    groups: [u32; 2],
-    copies: Vec<Copy>,
-}
-
-struct Copy {
-    offset: u64,
-    rows: u32,
-    to: [u32; 3],
-    extent: wgpu::Extent3d,
 }
 
 impl Painter {
@@ -136,15 +96,11 @@ impl Painter {
             return Err(GpuError::BeyondRange { needed, held: [map.lo, map.hi()] });
         }
         let target = fields.get(brush.target.field());
-        let mut locked = vec![0_u32; 65_536 / 32];
-        for segment in segments.0.iter().filter(|s| s.locked) {
-            locked[usize::from(segment.id) / 32] |= 1 << (segment.id % 32);
-        }
         self.stroke = Some(Stroke {
             brush: *brush,
             grid: *grid,
             constants: BrushStroke::new(brush, grid, target, fields.density),
-            locked,
+            locked: locked_bits(segments),
             dabs: Vec::new(),
             chunks: Vec::new(),
             homes: HashMap::new(),
@@ -189,58 +145,30 @@ impl Painter {
 
         let mut encoder =
             self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("dabs") });
-        let first_dabs = stroke.dabs.is_empty();
+        let begins = stroke.homes.is_empty();
         stroke.take(&self.gpu, fields, &new, &slots, &mut encoder, texture)?;
 
-        let mut uniforms = padded(bytemuck::bytes_of(&stroke.constants), ALIGNED);
-        let mut dispatches = Vec::new();
-        let mut most_words = 0;
-        for (dabs, work) in &groups {
-            let dabs_at = uniforms.len() as u32;
-            let dabs: Vec<_> = dabs.iter().map(BrushDab::new).collect();
-            uniforms.extend(padded(bytemuck::cast_slice(&dabs), DABS_BYTES as usize));
-            for chunk in 0..stroke.chunks.len() {
-                let mut items = Vec::new();
-                let mut copies = Vec::new();
-                let (mut words, mut longest) = (0, 0);
-                for (brick, work) in work {
-                    let Some(home) = stroke.homes.get(brick).filter(|h| h.chunk == chunk) else { continue };
-                    let item = work.item(*brick, dims, home.place, variant.per_word(), words);
-                    copies.push(Copy::of(&item, home.slot, variant));
-                    words += item.size[1] * item.size[2] * (PITCH / 4);
-                    longest = longest.max(item.size.iter().product::<u32>().div_ceil(GROUP));
-                    items.push(item);
-                }
-                if items.is_empty() {
-                    continue;
-                }
-                let items_at = uniforms.len() as u32;
-                uniforms.extend(padded(bytemuck::cast_slice(&items), ITEMS_BYTES as usize));
-                most_words = most_words.max(words);
-                dispatches.push(Dispatch { chunk, dabs_at, items_at, groups: [longest, items.len() as u32], copies });
-            }
-        }
-
-        let Self { gpu, kernels, uniforms: uniform_buffer, next, locked, nothing, .. } = self;
+        let plan = Plan::new(stroke, &groups, variant);
+        let Self { gpu, kernels, uniforms, next, locked, nothing, .. } = self;
         let submitted = gpu.scoped("dabs", || {
             use wgpu::BufferUsages as Use;
-            grow(gpu, uniform_buffer, uniforms.len() as u64, Use::UNIFORM | Use::COPY_DST);
-            grow(gpu, next, u64::from(most_words) * 4, Use::STORAGE | Use::COPY_SRC);
-            gpu.queue.write_buffer(uniform_buffer, 0, &uniforms);
-            if first_dabs {
+            grow(gpu, uniforms, plan.uniforms.len() as u64, Use::UNIFORM | Use::COPY_DST);
+            grow(gpu, next, plan.next_bytes, Use::STORAGE | Use::COPY_SRC);
+            gpu.queue.write_buffer(uniforms, 0, &plan.uniforms);
+            if begins {
                 gpu.queue.write_buffer(locked, 0, bytemuck::cast_slice(&stroke.locked));
             }
             let groups: Vec<_> = stroke
                 .chunks
                 .iter()
-                .map(|chunk| bind(gpu, &kernels.layout, chunk, [&*uniform_buffer, next, locked, nothing]))
+                .map(|chunk| bind(gpu, &kernels.layout, chunk, [&*uniforms, next, locked, nothing]))
                 .collect();
-            for dispatch in &dispatches {
+            for dispatch in &plan.dispatches {
                 let mut pass = encoder
                     .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("dabs"), timestamp_writes: None });
                 pass.set_pipeline(&pipeline);
                 pass.set_bind_group(0, &groups[dispatch.chunk], &[dispatch.dabs_at, dispatch.items_at]);
-                pass.dispatch_workgroups(dispatch.groups[0], dispatch.groups[1], 1);
+                pass.dispatch_workgroups(dispatch.workgroups[0], dispatch.workgroups[1], 1);
                 drop(pass);
                 for copy in &dispatch.copies {
                     encoder.copy_buffer_to_texture(
@@ -263,7 +191,7 @@ impl Painter {
 
     /// Ends the stroke: waits for the GPU and answers the bricks whose own texels differ from those at its start, in order,
     /// with zeros beyond the volume. None: the stroke changed nothing. The slots show the stroke already; give the bricks to
-    /// [`Field::swap`] and the answer to [`FieldPools::refresh`] before anything else is drawn.
+    /// [`Field::swap`](crate::volume::Field::swap) and the answer to [`FieldPools::refresh`] before anything else is drawn.
     ///
     /// # Errors
     /// [`GpuError::Lost`] and others of the device. The stroke then goes on and can be replayed or cancelled.
@@ -345,122 +273,6 @@ impl Painter {
 
 const NOT_RUNNING: GpuError = GpuError::Stroke("none is running; begin one first");
 
-impl Stroke {
-    fn kind(&self) -> FieldKind {
-        self.brush.target.field()
-    }
-
-    /// Room for further slots, from spare chunks or new ones.
-    fn reserve(
-        &mut self,
-        gpu: &Gpu,
-        variant: Variant,
-        density: &Field,
-        count: usize,
-        spare: &mut Vec<Chunk>,
-        budget_bytes: u64,
-    ) -> Result<(), GpuError> {
-        let on_density = matches!(self.brush.target, Target::Density(_));
-        let extras = Extras {
-            base: (on_density && self.brush.effective() == Operation::Restore).then(|| density.format()),
-            density: (!on_density && self.brush.range.is_some()).then(|| density.format()),
-        };
-        loop {
-            let room: usize = self.chunks.iter().map(Chunk::room).sum();
-            if room >= count {
-                return Ok(());
-            }
-            if let Some(i) = spare.iter().position(|c| c.serves(variant, extras)) {
-                self.chunks.push(spare.swap_remove(i));
-                continue;
-            }
-            // What does not serve makes room for what does.
-            spare.clear();
-            let capacity = next_capacity(count - room, self.homes.len());
-            let held: u64 = self.chunks.iter().map(Chunk::bytes).sum();
-            let needed = held + u64::from(capacity) * super::brush_memory::slot_bytes(variant, extras);
-            if needed > budget_bytes {
-                return Err(GpuError::StrokeTooLarge { needed, budget: budget_bytes });
-            }
-            self.chunks.push(Chunk::new(gpu, variant, extras, capacity)?);
-        }
-    }
-
-    /// Places for new slots, with what the kernel reads of them.
-    fn take(
-        &mut self,
-        gpu: &Gpu,
-        fields: &Fields<'_>,
-        new: &[BrickIndex],
-        slots: &[[u32; 3]],
-        encoder: &mut wgpu::CommandEncoder,
-        texture: &wgpu::Texture,
-    ) -> Result<(), GpuError> {
-        let read = |wanted: bool, slot: &(dyn Fn(BrickIndex) -> Result<Vec<u8>, GpuError> + Sync)| {
-            if wanted { new.par_iter().map(|&b| slot(b)).collect::<Result<Vec<_>, _>>() } else { Ok(Vec::new()) }
-        };
-        let base = read(self.chunks.iter().any(|c| c.base.is_some()), &|b| Ok(fields.density.base_slot(b)?))?;
-        let density = read(self.chunks.iter().any(|c| c.density.is_some()), &|index| {
-            Ok(fields.density.slot(BrickKey { level: 0, index })?)
-        })?;
-        for (i, (brick, &slot)) in new.iter().zip(slots).enumerate() {
-            let Some(home) = self.chunks.iter().position(|c| c.room() > 0) else { continue };
-            let chunk = &mut self.chunks[home];
-            let place = chunk.take(encoder, *brick, texture, slot);
-            for (buffer, texels) in [(&chunk.base, base.get(i)), (&chunk.density, density.get(i))] {
-                if let (Some(buffer), Some(texels)) = (buffer, texels) {
-                    gpu.queue.write_buffer(buffer, u64::from(place) * texels.len() as u64, texels);
-                }
-            }
-            self.homes.insert(*brick, Home { chunk: home, place, slot });
-        }
-        Ok(())
-    }
-
-    /// Takes places back that were given last.
-    fn forget(&mut self, new: &[BrickIndex]) {
-        for brick in new {
-            if let Some(home) = self.homes.remove(brick) {
-                let bricks = &mut self.chunks[home.chunk].bricks;
-                bricks.truncate(bricks.len().min(home.place as usize));
-            }
-        }
-    }
-
-    /// Puts all slots back.
-    fn restore(&self, gpu: &Gpu, pools: &FieldPools) -> Result<(), GpuError> {
-        let Some(texture) = pools.texture(self.kind()) else { return Ok(()) };
-        gpu.scoped("a cancelled stroke", || {
-            let mut encoder =
-                gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("cancel") });
-            for home in self.homes.values() {
-                self.chunks[home.chunk].restore(&mut encoder, home.place, texture, home.slot);
-            }
-            gpu.queue.submit([encoder.finish()]);
-            Ok(())
-        })
-    }
-
-    /// These bricks with their slots.
-    fn slots(&self, bricks: &[BrickIndex]) -> Vec<(BrickIndex, [u32; 3])> {
-        bricks.iter().filter_map(|b| self.homes.get(b).map(|h| (*b, h.slot))).collect()
-    }
-}
-
-impl Copy {
-    /// From the new words of an item's box into its slot.
-    fn of(item: &BrushItem, slot: [u32; 3], variant: Variant) -> Self {
-        let x = item.lo[0] * variant.per_word();
-        let end = ((item.lo[0] + item.size[0]) * variant.per_word()).min(SLOT);
-        Self {
-            offset: u64::from(item.next) * 4,
-            rows: item.size[1],
-            to: [slot[0] + x, slot[1] + item.lo[1], slot[2] + item.lo[2]],
-            extent: wgpu::Extent3d { width: end - x, height: item.size[1], depth_or_array_layers: item.size[2] },
-        }
-    }
-}
-
 fn bind(
     gpu: &Gpu,
     layout: &wgpu::BindGroupLayout,
@@ -500,10 +312,4 @@ fn grow(gpu: &Gpu, held: &mut wgpu::Buffer, bytes: u64, usage: wgpu::BufferUsage
     if held.size() < bytes {
         *held = buffer(gpu, "brush", bytes.next_power_of_two(), usage);
     }
-}
-
-fn padded(bytes: &[u8], to: usize) -> Vec<u8> {
-    let mut out = bytes.to_vec();
-    out.resize(bytes.len().next_multiple_of(to), 0);
-    out
 }

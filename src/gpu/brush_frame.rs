@@ -1,11 +1,15 @@
-//! Which slots the dabs of one frame meet, and the box of work in each.
+//! Which slots the dabs of one frame meet, the box of work in each, and the dispatches that do it.
 //!
-//! Pure arithmetic: from footprints to [`Work`]. Its cost follows the dabs and the slots they meet, not the volume.
+//! Pure arithmetic: from footprints to a [`Plan`]. Its cost follows the dabs and the slots they meet, not the volume.
 
-use super::brush_kernel::{BrushItem, MOST_DABS};
+use super::brush_kernel::{BrushDab, BrushItem, DABS_BYTES, GROUP, ITEMS_BYTES, MOST_DABS, PITCH, Variant};
+use super::brush_stroke::Stroke;
 use crate::paint::{Footprint, IndexBox};
 use crate::volume::{BrickIndex, SLOT};
 use std::collections::BTreeMap;
+
+/// Uniform offsets are multiples of this on every adapter.
+const ALIGNED: usize = 256;
 
 /// A slot's share of up to [`MOST_DABS`] dabs that follow each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,8 +20,11 @@ pub(super) struct Work {
     dabs: [u32; 2],
 }
 
+/// Dabs that follow each other, and the slots they meet.
+pub(super) type Group<'a> = (&'a [Footprint], BTreeMap<BrickIndex, Work>);
+
 /// Dabs in groups of what a dispatch can take, each with the slots it meets.
-pub(super) fn groups(footprints: &[Footprint], dims: [u32; 3]) -> Vec<(&[Footprint], BTreeMap<BrickIndex, Work>)> {
+pub(super) fn groups(footprints: &[Footprint], dims: [u32; 3]) -> Vec<Group<'_>> {
     footprints
         .chunks(MOST_DABS)
         .map(|group| {
@@ -63,6 +70,86 @@ impl Work {
             unused_a: 0,
             unused_b: 0,
             unused_c: 0,
+        }
+    }
+}
+
+/// A frame's dispatches and the bytes that they read.
+pub(super) struct Plan {
+    /// The stroke's constants, then dabs and items at their offsets.
+    pub(super) uniforms: Vec<u8>,
+    pub(super) dispatches: Vec<Dispatch>,
+    /// Bytes of new words of the largest dispatch.
+    pub(super) next_bytes: u64,
+}
+
+/// The work of one group of dabs on the slots of one chunk.
+pub(super) struct Dispatch {
+    pub(super) chunk: usize,
+    /// Offsets within the uniforms.
+    pub(super) dabs_at: u32,
+    pub(super) items_at: u32,
+    pub(super) workgroups: [u32; 2],
+    pub(super) copies: Vec<Copy>,
+}
+
+/// From a box of new words into a slot.
+pub(super) struct Copy {
+    pub(super) offset: u64,
+    pub(super) rows: u32,
+    pub(super) to: [u32; 3],
+    pub(super) extent: wgpu::Extent3d,
+}
+
+impl Plan {
+    pub(super) fn new(stroke: &Stroke, groups: &[Group<'_>], variant: Variant) -> Self {
+        let mut plan = Self { uniforms: Vec::new(), dispatches: Vec::new(), next_bytes: 0 };
+        plan.append(bytemuck::bytes_of(&stroke.constants), ALIGNED);
+        for (dabs, work) in groups {
+            let dabs: Vec<_> = dabs.iter().map(BrushDab::new).collect();
+            let dabs_at = plan.append(bytemuck::cast_slice(&dabs), DABS_BYTES as usize);
+            for chunk in 0..stroke.chunks.len() {
+                let (mut items, mut copies) = (Vec::new(), Vec::new());
+                let (mut words, mut longest) = (0, 0);
+                for (brick, work) in work {
+                    let Some(home) = stroke.homes.get(brick).filter(|h| h.chunk == chunk) else { continue };
+                    let item = work.item(*brick, stroke.grid.dims, home.place, variant.per_word(), words);
+                    copies.push(Copy::of(&item, home.slot, variant));
+                    words += item.size[1] * item.size[2] * (PITCH / 4);
+                    longest = longest.max(item.size.iter().product::<u32>().div_ceil(GROUP));
+                    items.push(item);
+                }
+                if items.is_empty() {
+                    continue;
+                }
+                let items_at = plan.append(bytemuck::cast_slice(&items), ITEMS_BYTES as usize);
+                plan.next_bytes = plan.next_bytes.max(u64::from(words) * 4);
+                let workgroups = [longest, items.len() as u32];
+                plan.dispatches.push(Dispatch { chunk, dabs_at, items_at, workgroups, copies });
+            }
+        }
+        plan
+    }
+
+    /// Adds bytes, padded; answers where.
+    fn append(&mut self, bytes: &[u8], pad_to: usize) -> u32 {
+        let offset = self.uniforms.len();
+        self.uniforms.extend_from_slice(bytes);
+        self.uniforms.resize(offset + bytes.len().next_multiple_of(pad_to), 0);
+        offset as u32
+    }
+}
+
+impl Copy {
+    /// From the new words of an item's box into its slot.
+    fn of(item: &BrushItem, slot: [u32; 3], variant: Variant) -> Self {
+        let x = item.lo[0] * variant.per_word();
+        let end = ((item.lo[0] + item.size[0]) * variant.per_word()).min(SLOT);
+        Self {
+            offset: u64::from(item.next) * 4,
+            rows: item.size[1],
+            to: [slot[0] + x, slot[1] + item.lo[1], slot[2] + item.lo[2]],
+            extent: wgpu::Extent3d { width: end - x, height: item.size[1], depth_or_array_layers: item.size[2] },
         }
     }
 }

@@ -18,6 +18,10 @@ pub(super) const MOST_ITEMS: usize = 128;
 pub(super) const GROUP: u32 = 256;
 /// Bytes between rows in buffers that are copied to or from textures.
 pub(super) const PITCH: u32 = 256;
+/// Bytes of a dispatch's dabs.
+pub(super) const DABS_BYTES: u64 = (MOST_DABS * size_of::<BrushDab>()) as u64;
+/// Bytes of a dispatch's items.
+pub(super) const ITEMS_BYTES: u64 = (MOST_ITEMS * size_of::<BrushItem>()) as u64;
 /// Bytes of a slot's rows at that pitch.
 pub(super) const RACK: u64 = (SLOT * SLOT * PITCH) as u64;
 

@@ -10,6 +10,7 @@ mod brush_frame;
 mod brush_kernel;
 mod brush_memory;
 mod brush_readback;
+mod brush_stroke;
 mod caster;
 mod device;
 mod drawn;

@@ -52,7 +52,8 @@ pub fn conditions(file: &str) -> Vec<&'static str> {
     let mut seen = std::collections::BTreeSet::new();
     while let Some(source) = sources.pop() {
         for line in source.lines().map(str::trim) {
-            found.extend(line.strip_prefix("#ifdef ").or_else(|| line.strip_prefix("#ifndef ")).map(str::trim));
+            let condition = line.strip_prefix("#else ").unwrap_or_else(|| line.trim_start_matches('#'));
+            found.extend(condition.strip_prefix("ifdef ").or_else(|| condition.strip_prefix("ifndef ")).map(str::trim));
             if let Some(import) = line.strip_prefix("#import burin::") {
                 let module = import.split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap_or_default();
                 let path = format!("lib/{module}.wgsl");

@@ -14,14 +14,22 @@ use rand::{Rng, SeedableRng, rngs::StdRng};
 
 const DIMS: [u32; 3] = [40, 36, 34];
 
+/// Slabs, turned and sheared.
 fn grids() -> [Grid; 3] {
+    [0, 1, 2].map(|kind| grid_of(DIMS, kind))
+}
+
+/// Each slim enough for an oracle of many brushes, across one border of bricks; the last across all three.
+fn oracle_grids() -> [Grid; 4] {
+    [grid_of([40, 12, 9], 0), grid_of([11, 36, 10], 1), grid_of([12, 9, 34], 2), grid_of(DIMS, 2)]
+}
+
+fn grid_of(dims: [u32; 3], kind: usize) -> Grid {
     let turned = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, -0.5).normalize(), 0.7);
-    let oblique = |m: DMat3| Grid {
-        dims: DIMS,
-        world_from_index: DAffine3 { matrix3: m, translation: DVec3::new(-31.5, 12.25, 7.0) },
-    };
     let sheared = DMat3::from_cols(DVec3::X * 0.9, DVec3::new(0.3, 0.9, 0.0), DVec3::new(-0.4, 0.5, 1.6));
-    [Grid::aligned(DIMS, DVec3::new(0.7, 0.9, 2.5), DVec3::new(-14.0, 3.0, 100.0)), oblique(turned), oblique(sheared)]
+    let slabs = DMat3::from_diagonal(DVec3::new(0.7, 0.9, 2.5));
+    let matrix3 = [slabs, turned, sheared][kind];
+    Grid { dims, world_from_index: DAffine3 { matrix3, translation: DVec3::new(-31.5, 12.25, 100.0) } }
 }
 
 /// Four fields with something in every voxel, on the GPU.

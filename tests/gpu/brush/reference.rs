@@ -9,44 +9,68 @@ pub struct Expected {
     pub doubtful: bool,
 }
 
-/// Equation 2 for one dab: G, and whether the distance is too close to a hard rim for f32.
-fn equation_2(grid: &Grid, brush: &Brush, dab: &Dab, v: [u32; 3]) -> (f64, bool) {
-    let m = grid.world_from_index;
-    let at = DVec3::new(f64::from(v[0]), f64::from(v[1]), f64::from(v[2]));
-    let index = m.inverse().transform_point3(dab.centre);
-    let gain = f64::from(brush.strength) * f64::from(dab.pressure);
-    if brush.radius_mm == 0.0 {
-        return (if (index - at).abs().max_element() <= 0.5 { gain } else { 0.0 }, false);
-    }
-    let mut offset = m.transform_point3(at) - dab.centre;
-    if brush.shape == Shape::Disc {
-        let [a, b, c] = [m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis];
-        let normals = [b.cross(c).normalize(), c.cross(a).normalize(), a.cross(b).normalize()];
-        let lean = |i: usize| normals[i].dot(dab.normal).abs();
-        let axis = (0..3).max_by(|&i, &j| lean(i).total_cmp(&lean(j))).unwrap();
-        if (index[axis] - at[axis]).abs() > 0.5 {
-            return (0.0, false);
-        }
-        offset -= normals[axis] * offset.dot(normals[axis]);
-    }
-    let x = offset.length() / brush.radius_mm;
-    let f = match brush.falloff {
-        _ if x > 1.0 => 0.0,
-        Falloff::Hard => 1.0,
-        Falloff::Linear => 1.0 - x,
-        Falloff::Smooth => (1.0 - x * x).powi(2),
-    };
-    (gain * f, brush.falloff == Falloff::Hard && (x - 1.0).abs() < 4e-6)
+/// Equal dabs that follow each other, with what does not depend on the voxel.
+struct Laid {
+    count: usize,
+    gain: f64,
+    centre: DVec3,
+    index: DVec3,
+    /// For a disc: axis across the layer and its normal.
+    layer: Option<(usize, DVec3)>,
 }
 
-fn coverage(grid: &Grid, brush: &Brush, dabs: &[Dab], v: [u32; 3]) -> (f64, bool) {
+impl Laid {
+    fn new(grid: &Grid, brush: &Brush, dabs: &[Dab]) -> Self {
+        let dab = &dabs[0];
+        let m = grid.world_from_index;
+        let layer = (brush.shape == Shape::Disc).then(|| {
+            let [a, b, c] = [m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis];
+            let normals = [b.cross(c).normalize(), c.cross(a).normalize(), a.cross(b).normalize()];
+            let lean = |i: usize| normals[i].dot(dab.normal).abs();
+            let axis = (0..3).max_by(|&i, &j| lean(i).total_cmp(&lean(j))).unwrap();
+            (axis, normals[axis])
+        });
+        Self {
+            count: dabs.len(),
+            gain: f64::from(brush.strength) * f64::from(dab.pressure),
+            centre: dab.centre,
+            index: m.inverse().transform_point3(dab.centre),
+            layer,
+        }
+    }
+
+    /// Equation 2: G, and whether the distance is too close to a hard rim for f32.
+    fn g(&self, grid: &Grid, brush: &Brush, v: [u32; 3]) -> (f64, bool) {
+        let at = DVec3::new(f64::from(v[0]), f64::from(v[1]), f64::from(v[2]));
+        if brush.radius_mm == 0.0 {
+            return (if (self.index - at).abs().max_element() <= 0.5 { self.gain } else { 0.0 }, false);
+        }
+        let mut offset = grid.world_from_index.transform_point3(at) - self.centre;
+        if let Some((axis, normal)) = self.layer {
+            if (self.index[axis] - at[axis]).abs() > 0.5 {
+                return (0.0, false);
+            }
+            offset -= normal * offset.dot(normal);
+        }
+        let x = offset.length() / brush.radius_mm;
+        let f = match brush.falloff {
+            _ if x > 1.0 => 0.0,
+            Falloff::Hard => 1.0,
+            Falloff::Linear => 1.0 - x,
+            Falloff::Smooth => (1.0 - x * x).powi(2),
+        };
+        (self.gain * f, brush.falloff == Falloff::Hard && (x - 1.0).abs() < 4e-6)
+    }
+}
+
+fn coverage(grid: &Grid, brush: &Brush, dabs: &[Laid], v: [u32; 3]) -> (f64, bool) {
     let offset = matches!(brush.effective(), Operation::Add | Operation::Subtract);
     let (mut largest, mut rest, mut sum, mut doubtful) = (0.0_f64, 1.0, 0.0, false);
     for dab in dabs {
-        let (g, doubt) = equation_2(grid, brush, dab, v);
+        let (g, doubt) = dab.g(grid, brush, v);
         largest = largest.max(g);
-        rest *= 1.0 - g;
-        sum += g;
+        rest *= (1.0 - g).powi(dab.count as i32);
+        sum += g * dab.count as f64;
         doubtful |= doubt;
     }
     let cover = match (brush.tip, offset) {
@@ -111,6 +135,7 @@ pub fn stroke(canvas: &Canvas, brush: &Brush, dabs: &[Dab], printed: bool) -> Ve
     let density_bytes = canvas.density.format().bytes();
     let pad = |t: &[u8]| -> [u8; 4] { std::array::from_fn(|i| t.get(i).copied().unwrap_or(0)) };
     let op = brush.effective();
+    let laid: Vec<_> = dabs.chunk_by(|a, b| a == b).map(|d| Laid::new(&canvas.grid, brush, d)).collect();
     each(canvas.grid.dims, |v| v)
         .into_iter()
         .enumerate()
@@ -123,7 +148,7 @@ pub fn stroke(canvas: &Canvas, brush: &Brush, dabs: &[Dab], printed: bool) -> Ve
                     return keep;
                 }
             }
-            let (g, doubtful) = coverage(&canvas.grid, brush, dabs, v);
+            let (g, doubtful) = coverage(&canvas.grid, brush, &laid, v);
             if g == 0.0 && !printed {
                 return Expected { doubtful, ..keep };
             }

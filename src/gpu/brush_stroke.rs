@@ -1,0 +1,143 @@
+//! A stroke while it runs: its constants, its dabs, and where each brick it touched is kept.
+
+use super::brush_kernel::{BrushStroke, Variant};
+use super::brush_memory::{Chunk, Extras, next_capacity, slot_bytes};
+use super::{FieldPools, Fields, Gpu, GpuError};
+use crate::paint::{Brush, Dab, Operation, Target};
+use crate::volume::{BrickIndex, BrickKey, Field, FieldKind, Grid, Segments};
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+#[derive(Debug)]
+pub(super) struct Stroke {
+    pub(super) brush: Brush,
+    pub(super) grid: Grid,
+    pub(super) constants: BrushStroke,
+    /// A bit for every label.
+    pub(super) locked: Vec<u32>,
+    pub(super) dabs: Vec<Dab>,
+    pub(super) chunks: Vec<Chunk>,
+    /// By touched brick.
+    pub(super) homes: HashMap<BrickIndex, Home>,
+}
+
+/// Where a touched brick is kept.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Home {
+    pub(super) chunk: usize,
+    /// Within the chunk.
+    pub(super) place: u32,
+    /// First texel of its slot in the pool, which keeps it for as long as it is pinned.
+    pub(super) slot: [u32; 3],
+}
+
+impl Stroke {
+    pub(super) fn kind(&self) -> FieldKind {
+        self.brush.target.field()
+    }
+
+    /// Room for further slots, from spare chunks or new ones.
+    pub(super) fn reserve(
+        &mut self,
+        gpu: &Gpu,
+        variant: Variant,
+        density: &Field,
+        count: usize,
+        spare: &mut Vec<Chunk>,
+        budget_bytes: u64,
+    ) -> Result<(), GpuError> {
+        let on_density = matches!(self.brush.target, Target::Density(_));
+        let extras = Extras {
+            base: (on_density && self.brush.effective() == Operation::Restore).then(|| density.format()),
+            density: (!on_density && self.brush.range.is_some()).then(|| density.format()),
+        };
+        loop {
+            let room: usize = self.chunks.iter().map(Chunk::room).sum();
+            if room >= count {
+                return Ok(());
+            }
+            if let Some(i) = spare.iter().position(|c| c.serves(variant, extras)) {
+                self.chunks.push(spare.swap_remove(i));
+                continue;
+            }
+            // What does not serve makes room for what does.
+            spare.clear();
+            let capacity = next_capacity(count - room, self.homes.len());
+            let held: u64 = self.chunks.iter().map(Chunk::bytes).sum();
+            let needed = held + u64::from(capacity) * slot_bytes(variant, extras);
+            if needed > budget_bytes {
+                return Err(GpuError::StrokeTooLarge { needed, budget: budget_bytes });
+            }
+            self.chunks.push(Chunk::new(gpu, variant, extras, capacity)?);
+        }
+    }
+
+    /// Places for new slots, with what the kernel reads of them.
+    pub(super) fn take(
+        &mut self,
+        gpu: &Gpu,
+        fields: &Fields<'_>,
+        new: &[BrickIndex],
+        slots: &[[u32; 3]],
+        encoder: &mut wgpu::CommandEncoder,
+        texture: &wgpu::Texture,
+    ) -> Result<(), GpuError> {
+        let read = |wanted: bool, slot: &(dyn Fn(BrickIndex) -> Result<Vec<u8>, GpuError> + Sync)| {
+            if wanted { new.par_iter().map(|&b| slot(b)).collect::<Result<Vec<_>, _>>() } else { Ok(Vec::new()) }
+        };
+        let base = read(self.chunks.iter().any(|c| c.base.is_some()), &|b| Ok(fields.density.base_slot(b)?))?;
+        let density = read(self.chunks.iter().any(|c| c.density.is_some()), &|index| {
+            Ok(fields.density.slot(BrickKey { level: 0, index })?)
+        })?;
+        for (i, (brick, &slot)) in new.iter().zip(slots).enumerate() {
+            let Some(home) = self.chunks.iter().position(|c| c.room() > 0) else { continue };
+            let chunk = &mut self.chunks[home];
+            let place = chunk.take(encoder, *brick, texture, slot);
+            for (buffer, texels) in [(&chunk.base, base.get(i)), (&chunk.density, density.get(i))] {
+                if let (Some(buffer), Some(texels)) = (buffer, texels) {
+                    gpu.queue.write_buffer(buffer, u64::from(place) * texels.len() as u64, texels);
+                }
+            }
+            self.homes.insert(*brick, Home { chunk: home, place, slot });
+        }
+        Ok(())
+    }
+
+    /// Takes places back that were given last.
+    pub(super) fn forget(&mut self, new: &[BrickIndex]) {
+        for brick in new {
+            if let Some(home) = self.homes.remove(brick) {
+                let bricks = &mut self.chunks[home.chunk].bricks;
+                bricks.truncate(bricks.len().min(home.place as usize));
+            }
+        }
+    }
+
+    /// Puts all slots back.
+    pub(super) fn restore(&self, gpu: &Gpu, pools: &FieldPools) -> Result<(), GpuError> {
+        let Some(texture) = pools.texture(self.kind()) else { return Ok(()) };
+        gpu.scoped("a cancelled stroke", || {
+            let mut encoder =
+                gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("cancel") });
+            for home in self.homes.values() {
+                self.chunks[home.chunk].restore(&mut encoder, home.place, texture, home.slot);
+            }
+            gpu.queue.submit([encoder.finish()]);
+            Ok(())
+        })
+    }
+
+    /// These bricks with their slots.
+    pub(super) fn slots(&self, bricks: &[BrickIndex]) -> Vec<(BrickIndex, [u32; 3])> {
+        bricks.iter().filter_map(|b| self.homes.get(b).map(|h| (*b, h.slot))).collect()
+    }
+}
+
+/// A bit for every label, set for those of locked segments.
+pub(super) fn locked_bits(segments: &Segments) -> Vec<u32> {
+    let mut locked = vec![0_u32; 65_536 / 32];
+    for segment in segments.0.iter().filter(|s| s.locked) {
+        locked[usize::from(segment.id) / 32] |= 1 << (segment.id % 32);
+    }
+    locked
+}
