@@ -59,24 +59,30 @@ fn pin_all(gpu: &Gpu, canvas: &mut Canvas, kind: FieldKind) -> Vec<(BrickIndex, 
 }
 
 fn slot_of(pool: &[u8], size: [u32; 3], bytes: usize, origin: [u32; 3]) -> Vec<u8> {
-    each([SLOT; 3], |t| {
-        let [x, y, z] = std::array::from_fn(|a| (origin[a] + t[a]) as usize);
-        let i = (x + size[0] as usize * (y + size[1] as usize * z)) * bytes;
-        pool[i..i + bytes].to_vec()
-    })
-    .concat()
+    let mut out = Vec::with_capacity(SLOT_VOXELS * bytes);
+    for z in origin[2]..origin[2] + SLOT {
+        for y in origin[1]..origin[1] + SLOT {
+            let i = (origin[0] + size[0] * (y + size[1] * z)) as usize * bytes;
+            out.extend_from_slice(&pool[i..i + SLOT as usize * bytes]);
+        }
+    }
+    out
 }
 
 /// A slot as the host's field has it.
 fn slot_from(dense: &[u8], bytes: usize, dims: [u32; 3], brick: BrickIndex) -> Vec<u8> {
-    each([SLOT; 3], |t| {
-        let v: [usize; 3] = std::array::from_fn(|a| {
-            (i64::from(brick.origin()[a] + t[a]) - 1).clamp(0, i64::from(dims[a]) - 1) as usize
-        });
-        let i = (v[0] + dims[0] as usize * (v[1] + dims[1] as usize * v[2])) * bytes;
-        dense[i..i + bytes].to_vec()
-    })
-    .concat()
+    let at = |a: usize, t: u32| (brick.origin()[a] + t).saturating_sub(1).min(dims[a] - 1);
+    let mut out = Vec::with_capacity(SLOT_VOXELS * bytes);
+    for z in 0..SLOT {
+        for y in 0..SLOT {
+            let row = dims[0] * (at(1, y) + dims[1] * at(2, z));
+            for x in 0..SLOT {
+                let i = (row + at(0, x)) as usize * bytes;
+                out.extend_from_slice(&dense[i..i + bytes]);
+            }
+        }
+    }
+    out
 }
 
 const TARGETS: [Target; 4] =
@@ -106,18 +112,20 @@ fn aprons_repeat_their_neighbours_after_every_frame() {
         let bytes = canvas.field(kind).format().bytes();
         let mut dense = canvas.texels(kind);
         canvas.begin(&brush);
-        for frame in dabs.chunks(dabs.len().div_ceil(6)) {
+        for frame in dabs.chunks(dabs.len().div_ceil(4)) {
             canvas.extend(frame);
             let (texels, size, _) = pool(&gpu, &canvas, kind);
             let before = dense.clone();
             for (brick, origin) in &slots {
                 let slot = slot_of(&texels, size, bytes, *origin);
-                for t in each([BRICK; 3], |t| t) {
-                    let v: [u32; 3] = std::array::from_fn(|a| brick.origin()[a] + t[a]);
-                    if (0..3).all(|a| v[a] < DIMS[a]) {
-                        let from = ((t[0] + 1) + SLOT * ((t[1] + 1) + SLOT * (t[2] + 1))) as usize * bytes;
-                        let to = (v[0] + DIMS[0] * (v[1] + DIMS[1] * v[2])) as usize * bytes;
-                        dense[to..to + bytes].copy_from_slice(&slot[from..from + bytes]);
+                let o = brick.origin();
+                let valid = std::array::from_fn::<_, 3, _>(|a| BRICK.min(DIMS[a] - o[a]));
+                for z in 0..valid[2] {
+                    for y in 0..valid[1] {
+                        let from = (1 + SLOT * ((y + 1) + SLOT * (z + 1))) as usize * bytes;
+                        let to = (o[0] + DIMS[0] * (o[1] + y + DIMS[1] * (o[2] + z))) as usize * bytes;
+                        let row = valid[0] as usize * bytes;
+                        dense[to..to + row].copy_from_slice(&slot[from..from + row]);
                     }
                 }
             }
