@@ -1,0 +1,347 @@
+//! The window's state, and how commands leave it and reports reach it.
+
+use super::dialogs::Dialog;
+use super::echo::echo;
+use super::panels::transfer::TransferEditor;
+use super::session::{Gravity, Opened, Report, Request, Session, Snapshot};
+use super::viewport::Viewports;
+use super::{pictures::Pictures, theme};
+use crate::document::{Command, HistoryCommand, ProjectCommand, Scene, ViewCommand, ViewName, VolumeCommand};
+use crate::explode::PartId;
+use crate::interact::{Context, Event, Interaction};
+use egui::{Id, Response, Ui};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+/// See the module's head.
+pub struct App {
+    pub(super) session: Session,
+    pub(super) snapshot: Arc<Snapshot>,
+    /// The snapshot's scene and what was sent since.
+    pub(super) scene: Option<Scene>,
+    pub(super) interaction: Interaction,
+    pub(super) viewports: Viewports,
+    pub(super) pictures: Pictures,
+    pub(super) messages: Vec<(Gravity, String)>,
+    pub(super) messages_open: bool,
+    pub(super) keys_open: bool,
+    pub(super) dialog: Option<Dialog>,
+    /// What takes its time, and since when (seconds of egui's clock).
+    pub(super) busy: Option<(String, f64)>,
+    pub(super) probe: serde_json::Value,
+    pub(super) transfer: TransferEditor,
+    pub(super) selected_part: Option<PartId>,
+    pub(super) last_paint: BTreeMap<&'static str, crate::paint::Target>,
+    /// The control whose drag is one step of history.
+    group: Option<Id>,
+    pub(super) chosen: (Sender<Chosen>, Receiver<Chosen>),
+    pub(super) close_after_save: bool,
+    pub(super) closing: bool,
+    title: String,
+    scaled: bool,
+}
+
+/// What a file dialog, which runs beside the window, came back with.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Chosen {
+    Open(PathBuf),
+    SaveAs(PathBuf),
+    Export(crate::volume::FieldKind, PathBuf),
+    Image(PathBuf),
+    Selection(PathBuf),
+}
+
+impl App {
+    /// A window on a session.
+    pub fn new(session: Session) -> Self {
+        Self {
+            session,
+            snapshot: Arc::default(),
+            scene: None,
+            interaction: Interaction::default(),
+            viewports: Viewports::default(),
+            pictures: Pictures::default(),
+            messages: Vec::new(),
+            messages_open: false,
+            keys_open: false,
+            dialog: None,
+            busy: None,
+            probe: serde_json::Value::Null,
+            transfer: TransferEditor::default(),
+            selected_part: None,
+            last_paint: BTreeMap::new(),
+            group: None,
+            chosen: channel(),
+            close_after_save: false,
+            closing: false,
+            title: String::new(),
+            scaled: false,
+        }
+    }
+
+    /// The open volume, if any.
+    pub(super) fn opened(&self) -> Option<&Opened> {
+        self.snapshot.open.as_ref()
+    }
+
+    /// Sends a command and lets the window's copy follow.
+    pub(super) fn send(&mut self, command: Command) {
+        if let Some(scene) = &mut self.scene {
+            echo(scene, &command);
+        }
+        self.request(Request::Apply(command));
+    }
+
+    pub(super) fn request(&mut self, request: Request) {
+        if !self.session.send(request) && !self.closing {
+            self.closing = true;
+            self.say(Gravity::Error, "The part of the program that keeps the volume has stopped. The journal on disk holds your work up to now: close the window and open the project again.".into());
+        }
+    }
+
+    /// Sends what a control changed. All that happens while its button is held is one step of history.
+    pub(super) fn edit(&mut self, response: &Response, command: Command) {
+        let held = response.ctx.input(|i| i.pointer.any_down());
+        if held && self.group != Some(response.id) {
+            self.end_group();
+            self.group = Some(response.id);
+            self.send(Command::History(HistoryCommand::Begin {}));
+        }
+        self.send(command);
+    }
+
+    fn end_group(&mut self) {
+        if self.group.take().is_some() {
+            self.send(Command::History(HistoryCommand::End {}));
+        }
+    }
+
+    /// Gives a tool what the hand did.
+    pub(super) fn interact(&mut self, event: Event) {
+        let (Some(scene), Some(open)) = (&self.scene, &self.snapshot.open) else { return };
+        let was = self.interaction.gesture().is_some();
+        let context = Context { scene, voxel_mm: open.grid.voxel_mm() };
+        let commands = self.interaction.handle(event, &context);
+        let is = self.interaction.gesture().is_some();
+        if is && !was {
+            self.request(Request::Held(true));
+        }
+        for command in commands {
+            self.send(command);
+        }
+        if was && !is {
+            self.request(Request::Held(false));
+        }
+    }
+
+    /// Adds to the list of messages; errors stay until they are dismissed.
+    pub(super) fn say(&mut self, gravity: Gravity, text: String) {
+        if self.messages.last().is_some_and(|last| last.1 == text) {
+            return;
+        }
+        self.messages_open |= gravity == Gravity::Error;
+        self.messages.push((gravity, text));
+        // A program that fails in a loop must not fill the memory with its complaints.
+        if self.messages.len() > 200 {
+            self.messages.remove(0);
+        }
+    }
+
+    /// Opens whatever a path is: a project folder or a volume.
+    pub(super) fn open_path(&mut self, path: &Path) {
+        let command = if path.is_dir() {
+            Command::Project(ProjectCommand::Open { path: path.into() })
+        } else {
+            Command::Volume(VolumeCommand::Open { path: path.into(), component: 0, frame: 0, range: None })
+        };
+        self.send(command);
+    }
+
+    /// Saves where the project is, or asks where.
+    pub(super) fn save(&mut self) {
+        if self.opened().is_none() {
+            return;
+        }
+        if self.snapshot.project.is_some() {
+            self.send(Command::Project(ProjectCommand::Save { path: None }));
+        } else {
+            self.ask_path(Dialog::save_as(self));
+        }
+    }
+
+    /// Undo or redo, unless a drag is under way.
+    pub(super) fn travel(&mut self, command: HistoryCommand) {
+        if self.group.is_none() && self.interaction.gesture().is_none() {
+            self.send(Command::History(command));
+        }
+    }
+
+    fn take_reports(&mut self, ctx: &egui::Context) {
+        for report in self.session.reports() {
+            match report {
+                Report::Snapshot(snapshot) => {
+                    let caught_up = snapshot.serial >= self.session.serial();
+                    let opened_anew = match (&snapshot.open, &self.snapshot.open) {
+                        (Some(new), Some(old)) => !Arc::ptr_eq(&new.histogram, &old.histogram),
+                        (new, old) => new.is_some() != old.is_some(),
+                    };
+                    if opened_anew {
+                        self.pictures.clear();
+                        self.viewports.forget_sizes();
+                        self.transfer = TransferEditor::default();
+                        self.selected_part = None;
+                    }
+                    if caught_up || opened_anew {
+                        self.scene = snapshot.open.as_ref().map(|o| o.scene.as_ref().clone());
+                    } else if let (Some(scene), Some(open)) = (&mut self.scene, &snapshot.open) {
+                        // Views are never echoed in full: take the document's, so that the pointer is where the picture is.
+                        scene.views = open.scene.views.clone();
+                    }
+                    self.snapshot = snapshot;
+                }
+                Report::Picture(picture) => self.pictures.take(ctx, *picture),
+                Report::Probe(value) => self.probe = value,
+                Report::Started(what) => self.busy = Some((what, ctx.input(|i| i.time))),
+                Report::Finished => self.busy = None,
+                Report::Message(gravity, text) => {
+                    if gravity == Gravity::Error {
+                        self.close_after_save = false;
+                    }
+                    self.say(gravity, text);
+                }
+                Report::Done(command, _) => self.done(ctx, &command),
+            }
+        }
+    }
+
+    fn done(&mut self, ctx: &egui::Context, command: &Command) {
+        if let Command::Project(ProjectCommand::Save { .. }) = command
+            && self.close_after_save
+        {
+            self.closing = true;
+            ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+        }
+    }
+
+    fn take_choices(&mut self) {
+        let choices: Vec<_> = self.chosen.1.try_iter().collect();
+        for choice in choices {
+            self.choose(choice);
+        }
+    }
+
+    /// Does what was chosen in a file dialog.
+    pub(super) fn choose(&mut self, choice: Chosen) {
+        match choice {
+            Chosen::Open(path) => self.open_guarded(path),
+            Chosen::SaveAs(path) => self.send(Command::Project(ProjectCommand::Save { path: Some(path) })),
+            Chosen::Export(field, path) => self.send(Command::Volume(VolumeCommand::Export { field, path })),
+            Chosen::Image(path) => self.send(Command::Render(crate::document::RenderCommand::Image {
+                path,
+                view: self.viewports.active(),
+                size: None,
+                camera: None,
+                transparent: false,
+            })),
+            Chosen::Selection(path) => {
+                let import = crate::document::SelectionCommand::Import { path, threshold: 0.0, soften_mm: 0.0 };
+                self.send(Command::Selection(import));
+            }
+        }
+    }
+
+    /// Opens a path, but asks first what becomes of unsaved work.
+    pub(super) fn open_guarded(&mut self, path: PathBuf) {
+        if self.snapshot.unsaved {
+            self.dialog = Some(Dialog::Replace(path));
+        } else {
+            self.open_path(&path);
+        }
+    }
+
+    fn take_drops(&mut self, ctx: &egui::Context) {
+        let dropped = ctx.input(|i| i.raw.dropped_files.first().map(|f| f.path().to_path_buf()));
+        if let Some(path) = dropped {
+            self.open_guarded(path);
+        }
+    }
+
+    fn show_title(&mut self, ctx: &egui::Context) {
+        let title = format!("{} – Burin", self.document_title());
+        if title != self.title {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+    }
+
+    /// The document's name, with a star while there is something to lose.
+    pub(super) fn document_title(&self) -> String {
+        let Some(open) = self.opened() else { return "Nothing open".into() };
+        let path = self.snapshot.project.as_deref().unwrap_or(&open.scene.origin.path);
+        let name = path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
+        if self.snapshot.unsaved { format!("{name}*") } else { name }
+    }
+
+    /// One pass over the window.
+    pub fn show(&mut self, ui: &mut Ui) {
+        let ctx = ui.ctx().clone();
+        if !self.scaled {
+            self.scaled = true;
+            theme::apply(&ctx);
+            let native = ctx.native_pixels_per_point().unwrap_or(1.0);
+            ctx.set_zoom_factor(theme::zoom_for(ctx.viewport_rect().height() * ctx.pixels_per_point(), native));
+        }
+        self.take_reports(&ctx);
+        self.take_choices();
+        self.take_drops(&ctx);
+        self.guard_close(&ctx);
+        self.take_keys(&ctx);
+        self.top_bar(ui);
+        self.status_bar(ui);
+        self.message_list(ui);
+        self.left_panel(ui);
+        self.right_panel(ui);
+        self.central(ui);
+        self.key_page(&ctx);
+        self.dialogs(&ctx);
+        self.drop_hint(&ctx);
+        if self.group.is_some() && !ctx.input(|i| i.pointer.any_down()) {
+            self.end_group();
+        }
+        // A window that loses the focus never hears the button go up.
+        let left = ctx.input(|i| i.events.contains(&egui::Event::WindowFocused(false)));
+        if left && self.interaction.gesture().is_some() {
+            self.interact(Event::Abort);
+        }
+        self.show_title(&ctx);
+        if self.busy.is_some() {
+            ctx.request_repaint_after(std::time::Duration::from_millis(100));
+        }
+    }
+
+    /// Frames the volume from the front.
+    pub(super) fn frame(&mut self) {
+        self.send(Command::View(ViewCommand::Frame { from: [0.0, 1.0, 0.0], up: None, zoom: None }));
+    }
+
+    /// Tells the session which views are on the screen.
+    pub(super) fn report_views(&mut self, shown: Vec<ViewName>, sizes: Vec<(ViewName, [u32; 2])>) {
+        if self.viewports.shown != shown {
+            self.viewports.shown.clone_from(&shown);
+            self.request(Request::Show(shown));
+        }
+        for (view, size) in sizes {
+            if self.viewports.sizes.insert(view, size) != Some(size) {
+                self.send(Command::View(ViewCommand::Size { view, size }));
+            }
+        }
+    }
+}
+
+impl eframe::App for App {
+    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+        self.show(ui);
+    }
+}

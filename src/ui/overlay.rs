@@ -1,0 +1,197 @@
+//! What lies over a picture: crosshair, side letters, scale bar, the brush's outline, and a tool's line.
+
+use super::app::App;
+use super::theme::{self, view_colour};
+use crate::document::{SlicePlane, ViewName};
+use crate::interact::{Gesture, Tool};
+use crate::math::{DVec2, DVec3, Projection};
+use crate::paint::Target;
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
+
+/// The crosshair leaves its own middle open, in points.
+const OPENING: f32 = 8.0;
+
+impl App {
+    pub(super) fn overlay(&self, painter: &Painter, view: ViewName, body: Rect) {
+        let (Some(scene), Some(open)) = (&self.scene, self.opened()) else { return };
+        let scale = painter.ctx().pixels_per_point();
+        let size = super::pointer::pixels(body, scale);
+        let to_screen = |px: DVec2| body.min + vec2(px.x as f32, px.y as f32) / scale;
+        let mut views = scene.views.clone();
+        if let Some(i) = view.slice() {
+            views.slices[i].size = size;
+        }
+        let plane = SlicePlane::new(&open.grid, &views, view);
+        if let Some(plane) = &plane {
+            crosshair(painter, body, view, to_screen(plane.pixel(views.crosshair)));
+            letters(painter, body, plane.side_letters());
+            scale_bar(painter, body, plane.mm_per_px * f64::from(scale));
+        } else {
+            let (right, up) = views.camera.right_up();
+            orientation_mark(painter, body, right, up);
+            if let Projection::Orthographic { .. } = views.camera.projection {
+                scale_bar(painter, body, views.camera.mm_per_pixel(1.0, size[1]) * f64::from(scale));
+            }
+        }
+        self.tool_mark(painter, view, plane.as_ref(), &to_screen, size, scale);
+    }
+
+    fn tool_mark(
+        &self,
+        painter: &Painter,
+        view: ViewName,
+        plane: Option<&SlicePlane>,
+        to_screen: &dyn Fn(DVec2) -> Pos2,
+        size: [u32; 2],
+        scale: f32,
+    ) {
+        let Some(scene) = &self.scene else { return };
+        if view == ViewName::ThreeD
+            && let Some(Gesture::Line { from, to }) = self.interaction.gesture()
+        {
+            let line = [to_screen(*from), to_screen(*to)];
+            painter.line_segment(line, Stroke::new(3.0, Color32::from_black_alpha(160)));
+            painter.line_segment(line, Stroke::new(1.5, theme::ACCENT));
+        }
+        let Some((_, px)) = self.viewports.hovered.filter(|(v, _)| *v == view) else { return };
+        let at = to_screen(px);
+        match self.interaction.tool() {
+            Tool::Brush => {
+                let mm_per_px = match plane {
+                    Some(plane) => plane.mm_per_px,
+                    None => match self.pictures.hit(px, size, scene) {
+                        Some(hit) => scene.views.camera.mm_per_pixel(hit.depth_mm, size[1]),
+                        None => return,
+                    },
+                };
+                let radius = (scene.brush.radius_mm / mm_per_px) as f32 / scale;
+                let erase = scene.brush.erase || painter.ctx().input(|i| i.key_down(egui::Key::E));
+                let colour = if erase { theme::ERROR } else { paint_colour(scene.brush.target, scene) };
+                painter.circle_stroke(at, radius + 1.0, Stroke::new(1.0, Color32::from_black_alpha(170)));
+                painter.circle_stroke(at, radius.max(1.0), Stroke::new(1.4, colour));
+                painter.circle_filled(at, 1.2, colour);
+                if erase {
+                    painter.line_segment([at - vec2(4.0, 0.0), at + vec2(4.0, 0.0)], Stroke::new(1.4, colour));
+                }
+            }
+            Tool::AxisSplit if view == ViewName::ThreeD => {
+                let vertical = painter.ctx().input(|i| i.modifiers.shift);
+                let along = if vertical { vec2(0.0, 60.0) } else { vec2(60.0, 0.0) };
+                painter.line_segment([at - along, at + along], Stroke::new(3.0, Color32::from_black_alpha(160)));
+                painter.line_segment([at - along, at + along], Stroke::new(1.5, theme::ACCENT));
+            }
+            Tool::DepthSplit if view == ViewName::ThreeD => {
+                let square = Rect::from_center_size(at, vec2(36.0, 36.0));
+                painter.rect_stroke(square, 0.0, Stroke::new(1.5, theme::ACCENT), egui::StrokeKind::Middle);
+            }
+            _ => {}
+        }
+    }
+}
+
+/// What a brush paints, as a colour.
+pub(super) fn paint_colour(target: Target, scene: &crate::document::Scene) -> Color32 {
+    match target {
+        Target::Label(id) => scene.segments.get(id).map_or(theme::ACCENT, |s| theme::rgb(s.colour)),
+        Target::Colour([r, g, b, _]) => theme::rgb([r, g, b]),
+        Target::Selection(_) => theme::WARNING,
+        Target::Density(_) => Color32::WHITE,
+    }
+}
+
+fn crosshair(painter: &Painter, body: Rect, view: ViewName, at: Pos2) {
+    // Each line has the colour of the slice that it stands for.
+    let (vertical, horizontal) = match view {
+        ViewName::Axial => (ViewName::Sagittal, ViewName::Coronal),
+        ViewName::Coronal => (ViewName::Sagittal, ViewName::Axial),
+        _ => (ViewName::Coronal, ViewName::Axial),
+    };
+    let stroke = |v: ViewName| Stroke::new(1.0, view_colour(v).gamma_multiply(0.7));
+    let inside = |a: f32, b: f32| (b > a).then_some(a..=b);
+    for (a, b) in [(body.min.y, at.y - OPENING), (at.y + OPENING, body.max.y)] {
+        if let Some(range) = inside(a, b) {
+            painter.vline(at.x, range, stroke(vertical));
+        }
+    }
+    for (a, b) in [(body.min.x, at.x - OPENING), (at.x + OPENING, body.max.x)] {
+        if let Some(range) = inside(a, b) {
+            painter.hline(range, at.y, stroke(horizontal));
+        }
+    }
+}
+
+/// Text with a shade, so that it is read on white bone as on black air.
+fn shaded_text(painter: &Painter, at: Pos2, anchor: Align2, text: impl ToString, font: FontId, colour: Color32) {
+    let text = text.to_string();
+    for shift in [vec2(1.0, 1.0), vec2(-1.0, 0.0), vec2(0.0, -1.0)] {
+        painter.text(at + shift, anchor, &text, font.clone(), Color32::from_black_alpha(200));
+    }
+    painter.text(at, anchor, &text, font, colour);
+}
+
+fn letters(painter: &Painter, body: Rect, [left, right, top, bottom]: [char; 4]) {
+    let font = FontId::proportional(14.0);
+    let colour = Color32::from_rgb(0xe8, 0xe3, 0xc8);
+    let inner = body.shrink(6.0);
+    shaded_text(painter, inner.left_center(), Align2::LEFT_CENTER, left, font.clone(), colour);
+    shaded_text(painter, inner.right_center(), Align2::RIGHT_CENTER, right, font.clone(), colour);
+    shaded_text(painter, inner.center_top(), Align2::CENTER_TOP, top, font.clone(), colour);
+    shaded_text(painter, inner.center_bottom(), Align2::CENTER_BOTTOM, bottom, font, colour);
+}
+
+fn scale_bar(painter: &Painter, body: Rect, mm_per_point: f64) {
+    if !(mm_per_point.is_finite() && mm_per_point > 0.0) {
+        return;
+    }
+    let length_mm = round_length(mm_per_point * 90.0);
+    let points = (length_mm / mm_per_point) as f32;
+    let at = pos2(body.min.x + 10.0, body.max.y - 10.0);
+    let ends = [at, at + vec2(points, 0.0)];
+    let colour = Color32::from_rgb(0xe8, 0xe3, 0xc8);
+    for (stroke, tick) in [(Stroke::new(3.0, Color32::from_black_alpha(190)), 4.5), (Stroke::new(1.4, colour), 4.0)] {
+        painter.line_segment(ends, stroke);
+        for end in ends {
+            painter.line_segment([end - vec2(0.0, tick), end + vec2(0.0, 1.0)], stroke);
+        }
+    }
+    let text = if length_mm >= 10.0 { format!("{} cm", length_mm / 10.0) } else { format!("{length_mm} mm") };
+    let middle = at + vec2(points * 0.5, -5.0);
+    shaded_text(painter, middle, Align2::CENTER_BOTTOM, text, FontId::proportional(12.0), colour);
+}
+
+/// The largest 1, 2 or 5 × 10ⁿ that is not longer.
+fn round_length(mm: f64) -> f64 {
+    let power = 10.0_f64.powf(mm.log10().floor());
+    [5.0, 2.0].into_iter().map(|m| m * power).find(|&l| l <= mm).unwrap_or(power)
+}
+
+/// The body's axes as they lie in the 3D picture.
+fn orientation_mark(painter: &Painter, body: Rect, right: DVec3, up: DVec3) {
+    let centre = pos2(body.max.x - 40.0, body.max.y - 40.0);
+    let forward = up.cross(right);
+    let mut axes = [(DVec3::X, 'R', 'L'), (DVec3::Y, 'A', 'P'), (DVec3::Z, 'S', 'I')]
+        .iter()
+        .zip([ViewName::Sagittal, ViewName::Coronal, ViewName::Axial])
+        .flat_map(|(&(axis, plus, minus), view)| [(axis, plus, view), (-axis, minus, view)])
+        .collect::<Vec<_>>();
+    axes.sort_by(|a, b| b.0.dot(forward).total_cmp(&a.0.dot(forward)));
+    for (axis, letter, view) in axes {
+        let flat = vec2(axis.dot(right) as f32, -axis.dot(up) as f32) * 24.0;
+        let nearness = (0.5 - 0.5 * axis.dot(forward) as f32).clamp(0.0, 1.0);
+        let colour = view_colour(view).gamma_multiply(0.35 + 0.65 * nearness);
+        painter.line_segment([centre, centre + flat], Stroke::new(1.5, colour));
+        shaded_text(painter, centre + flat * 1.28, Align2::CENTER_CENTER, letter, FontId::proportional(11.5), colour);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::round_length;
+
+    #[test]
+    fn scale_bars_are_one_two_or_five() {
+        for (mm, bar) in [(90.0, 50.0), (49.0, 20.0), (10.0, 10.0), (0.7, 0.5), (1999.0, 1000.0), (2000.0, 2000.0)] {
+            assert!((round_length(mm) - bar).abs() < 1e-9, "{mm}: {}", round_length(mm));
+        }
+    }
+}

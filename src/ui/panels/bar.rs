@@ -1,0 +1,131 @@
+//! The bar at the top: file, undo and redo, tools, arrangement.
+
+use crate::document::HistoryCommand;
+use crate::interact::{Action, Tool};
+use crate::ui::app::App;
+use crate::ui::dialogs::Dialog;
+use crate::ui::icons::Icon;
+use crate::ui::theme;
+use crate::ui::widgets::{Face, from_right, icon_button};
+use crate::volume::FieldKind;
+use egui::{Frame, Margin, Panel, RichText, Ui};
+
+const fn icon_of(tool: Tool) -> Icon {
+    match tool {
+        Tool::Navigate => Icon::Navigate,
+        Tool::Brush => Icon::Brush,
+        Tool::AxisSplit => Icon::AxisSplit,
+        Tool::DepthSplit => Icon::DepthSplit,
+        Tool::LineSplit => Icon::LineSplit,
+        Tool::MovePart => Icon::MovePart,
+    }
+}
+
+impl App {
+    pub(in crate::ui) fn top_bar(&mut self, ui: &mut Ui) {
+        let frame = Frame::new().fill(theme::BAR).inner_margin(Margin::symmetric(8, 4));
+        Panel::top("bar").exact_size(42.0).frame(frame).show(ui, |ui| {
+            ui.horizontal_centered(|ui| {
+                ui.spacing_mut().item_spacing.x = 2.0;
+                self.file_part(ui);
+                divider(ui);
+                self.tool_part(ui);
+                from_right(ui, |ui| self.right_part(ui));
+            });
+        });
+    }
+
+    fn file_part(&mut self, ui: &mut Ui) {
+        let open = self.opened().is_some();
+        if icon_button(ui, Face::tool(Icon::Open, "Open", "Open a volume or a project (Ctrl + O)", true)).clicked() {
+            self.act(Action::Open);
+        }
+        ui.add_enabled_ui(open, |ui| {
+            if icon_button(ui, Face::tool(Icon::Save, "Save", "Save the project (Ctrl + S)", true)).clicked() {
+                self.save();
+            }
+            let more = egui::Button::new("More").min_size(egui::vec2(0.0, 32.0)).frame_when_inactive(false).right_text("⏷");
+            egui::containers::menu::MenuButton::from_button(more).ui(ui, |ui| self.more_menu(ui));
+        });
+        divider(ui);
+        for (icon, name, tip, names, command) in [
+            (Icon::Undo, "Undo", "Ctrl + Z", self.snapshot.undo.last().cloned(), HistoryCommand::Undo { steps: 1 }),
+            (Icon::Redo, "Redo", "Ctrl + Y", self.snapshot.redo.first().cloned(), HistoryCommand::Redo { steps: 1 }),
+        ] {
+            let tip = names.as_ref().map_or_else(|| format!("{name} ({tip})"), |what| format!("{name} “{what}” ({tip})"));
+            let clicked = ui.add_enabled_ui(names.is_some(), |ui| icon_button(ui, Face::tool(icon, name, &tip, false)).clicked());
+            if clicked.inner {
+                self.travel(command);
+            }
+        }
+    }
+
+    fn more_menu(&mut self, ui: &mut Ui) {
+        ui.set_min_width(220.0);
+        if ui.add(egui::Button::new("Save as…").shortcut_text("Ctrl+Shift+S")).clicked() {
+            self.act(Action::SaveAs);
+        }
+        ui.separator();
+        if ui.button("Import selection…").on_hover_text("Another volume of the same place: what is above 0 is selected").clicked() {
+            self.ask_path(Dialog::selection());
+        }
+        ui.separator();
+        for (field, what) in [
+            (FieldKind::Labels, "Export labels as NRRD…"),
+            (FieldKind::Selection, "Export selection as NRRD…"),
+            (FieldKind::Density, "Export density as NRRD…"),
+        ] {
+            if ui.button(what).clicked() {
+                self.ask_path(Dialog::export(self, field));
+            }
+        }
+        if ui.button("Save picture…").on_hover_text("The view last used, as PNG or EXR").clicked() {
+            self.ask_path(Dialog::image(self));
+        }
+    }
+
+    fn tool_part(&mut self, ui: &mut Ui) {
+        let open = self.opened().is_some();
+        let now = self.interaction.tool();
+        // Names stand beside the icons wherever there is room for all of them.
+        let with_text = ui.available_width() > 720.0;
+        ui.add_enabled_ui(open, |ui| {
+            for tool in Tool::ALL {
+                let tip = format!("{} ({})\n{}", tool.name(), tool.key(), tool.hint());
+                let face = Face::tool(icon_of(tool), tool.name(), &tip, with_text).on(tool == now);
+                if icon_button(ui, face).clicked() {
+                    self.act(Action::Choose(tool));
+                }
+            }
+        });
+    }
+
+    fn right_part(&mut self, ui: &mut Ui) {
+        ui.spacing_mut().item_spacing.x = 2.0;
+        if icon_button(ui, Face::tool(Icon::Keys, "Keys", "Keys and pointer (F1)", false).on(self.keys_open)).clicked() {
+            self.act(Action::Keys);
+        }
+        let errors = self.messages.len();
+        if errors > 0 {
+            let tip = format!("{errors} messages");
+            let face = Face::tool(Icon::Message, "Messages", &tip, false).on(self.messages_open).tint(theme::WARNING);
+            if icon_button(ui, face).clicked() {
+                self.messages_open = !self.messages_open;
+            }
+        }
+        let four = self.viewports.alone().is_none();
+        if icon_button(ui, Face::tool(Icon::Four, "Four views", "All four views (F)", false).on(four)).clicked() {
+            self.viewports.show_all();
+        }
+        ui.add_space(8.0);
+        let colour = if self.snapshot.unsaved { theme::TEXT } else { theme::TEXT_WEAK };
+        ui.add(egui::Label::new(RichText::new(self.document_title()).color(colour)).truncate());
+    }
+}
+
+fn divider(ui: &mut Ui) {
+    ui.add_space(4.0);
+    let (rect, _) = ui.allocate_exact_size(egui::vec2(1.0, 22.0), egui::Sense::hover());
+    ui.painter().rect_filled(rect, 0.0, theme::LINE);
+    ui.add_space(4.0);
+}

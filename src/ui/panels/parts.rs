@@ -1,0 +1,68 @@
+//! The list of parts: colour, name, visibility, pin.
+
+use crate::document::{Command, PartCommand};
+use crate::explode::Part;
+use crate::ui::app::App;
+use crate::ui::icons::Icon;
+use crate::ui::theme::{self, ROW};
+use crate::ui::widgets::{Face, colour_button, empty, from_right, icon_button, name_field};
+use egui::{ScrollArea, Ui};
+
+impl App {
+    pub(super) fn part_panel(&mut self, ui: &mut Ui) {
+        let Some(scene) = &self.scene else { return };
+        let parts = scene.explosion.parts.clone();
+        if parts.is_empty() {
+            empty(ui, "One part: the whole volume.");
+        }
+        let height = ROW * 6.0;
+        ScrollArea::vertical().id_salt("parts").max_height(height).show_rows(ui, ROW - 4.0, parts.len(), |ui, range| {
+            for part in &parts[range] {
+                self.part_row(ui, part);
+            }
+        });
+    }
+
+    fn part_row(&mut self, ui: &mut Ui, part: &Part) {
+        let id = part.id;
+        let set = |name: Option<String>, colour: Option<[f32; 3]>, own_colour: bool, visible: Option<bool>, pinned: Option<bool>| {
+            Command::Part(PartCommand::Set { id, name, colour, own_colour, visible, pinned, importance: None })
+        };
+        ui.push_id(("part", id.0), |ui| {
+            ui.horizontal(|ui| {
+                let hovered = self.hovered_part() == Some(id);
+                if hovered {
+                    let full = egui::Rect::from_min_size(ui.cursor().min, egui::vec2(ui.available_width(), ROW - 4.0));
+                    ui.painter().rect_filled(full, 3.0, theme::CONTROL);
+                }
+                let mut colour = part.colour.unwrap_or([0.55, 0.55, 0.57]);
+                let response = colour_button(ui, &format!("Colour of {}", part.name), &mut colour);
+                if response.changed() {
+                    self.edit(&response, set(None, Some(colour), false, None, None));
+                }
+                response.context_menu(|ui| {
+                    if ui.button("The volume's own colours").clicked() {
+                        self.send(set(None, None, true, None, None));
+                    }
+                });
+                let width = ui.available_width() - 2.0 * 26.0;
+                if let Some(name) = name_field(ui, &format!("Name of part {}", id.0), &part.name, width) {
+                    self.send(set(Some(name), None, false, None, None));
+                }
+                from_right(ui, |ui| {
+                    let pin = format!("Pin {}", part.name);
+                    let tint = if part.pinned { theme::WARNING } else { theme::TEXT_WEAK };
+                    let tip = "A pinned part stays where it is, whatever the forces say";
+                    if icon_button(ui, Face::small(Icon::Pin, &pin, tip).tint(tint).on(part.pinned)).clicked() {
+                        self.send(set(None, None, false, None, Some(!part.pinned)));
+                    }
+                    let show = format!("Show {}", part.name);
+                    let (icon, tint) = if part.visible { (Icon::Eye, theme::TEXT) } else { (Icon::EyeOff, theme::TEXT_WEAK) };
+                    if icon_button(ui, Face::small(icon, &show, "Shown or hidden").tint(tint)).clicked() {
+                        self.send(set(None, None, false, Some(!part.visible), None));
+                    }
+                });
+            });
+        });
+    }
+}

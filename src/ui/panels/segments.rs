@@ -1,0 +1,87 @@
+//! The table of segments: colour, name, visibility, lock.
+
+use crate::document::{Command, SegmentCommand};
+use crate::paint::Target;
+use crate::ui::app::App;
+use crate::ui::icons::Icon;
+use crate::ui::theme::{self, ROW};
+use crate::ui::widgets::{Face, colour_button, empty, from_right, icon_button, name_field};
+use crate::volume::Segment;
+use egui::{ScrollArea, Sense, Ui, vec2};
+
+impl App {
+    pub(super) fn segment_panel(&mut self, ui: &mut Ui) {
+        let Some(scene) = &self.scene else { return };
+        let segments = scene.segments.0.clone();
+        let painted = match scene.brush.target {
+            Target::Label(id) => Some(id),
+            _ => None,
+        };
+        if segments.is_empty() {
+            empty(ui, "None yet. Paint a label (1 … 9), or add one.");
+        }
+        // Hundreds of segments are normal: only the rows in sight are laid out.
+        let rows = segments.len();
+        ScrollArea::vertical().id_salt("segments").max_height(ROW * 6.0).show_rows(ui, ROW - 4.0, rows, |ui, range| {
+            for segment in &segments[range] {
+                self.segment_row(ui, segment, painted == Some(segment.id));
+            }
+        });
+        let next = segments.last().map_or(1, |s| s.id.saturating_add(1));
+        let add = egui::Button::new("Add segment").min_size(vec2(ui.available_width(), ROW - 2.0));
+        if ui.add(add).clicked() {
+            let add = SegmentCommand::Set { id: next, name: None, colour: None, visible: None, locked: None };
+            self.send(Command::Segment(add));
+            self.paint_with(Target::Label(next));
+        }
+    }
+
+    fn segment_row(&mut self, ui: &mut Ui, segment: &Segment, painted: bool) {
+        let id = segment.id;
+        let same = |name, colour, visible, locked| Command::Segment(SegmentCommand::Set { id, name, colour, visible, locked });
+        ui.push_id(("segment", id), |ui| {
+            ui.horizontal(|ui| {
+                let full = egui::Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), ROW - 4.0));
+                if painted {
+                    ui.painter().rect_filled(full, 3.0, theme::ACCENT_FILL);
+                }
+                let (rect, pick) = ui.allocate_exact_size(vec2(22.0, ROW - 4.0), Sense::click());
+                let name = format!("Paint segment {}", segment.name);
+                pick.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, painted, &name));
+                let font = egui::TextStyle::Monospace.resolve(ui.style());
+                ui.painter().text(rect.right_center() - vec2(2.0, 0.0), egui::Align2::RIGHT_CENTER, id, font, theme::TEXT);
+                if pick.on_hover_text("Paint this label").clicked() {
+                    self.paint_with(Target::Label(id));
+                }
+                let mut colour = segment.colour;
+                let response = colour_button(ui, &format!("Colour of {}", segment.name), &mut colour);
+                if response.changed() {
+                    self.edit(&response, same(None, Some(colour), None, None));
+                }
+                let width = ui.available_width() - 3.0 * 26.0;
+                if let Some(name) = name_field(ui, &format!("Name of segment {id}"), &segment.name, width) {
+                    self.send(same(Some(name), None, None, None));
+                }
+                from_right(ui, |ui| {
+                    let remove = format!("Remove {}", segment.name);
+                    if icon_button(ui, Face::small(Icon::Trash, &remove, &remove)).clicked() {
+                        self.send(Command::Segment(SegmentCommand::Remove { id }));
+                    }
+                    let lock = format!("Lock {}", segment.name);
+                    let icon = if segment.locked { Icon::Lock } else { Icon::Unlock };
+                    let tint = if segment.locked { theme::WARNING } else { theme::TEXT_WEAK };
+                    let tip = "A locked segment's voxels are never painted over";
+                    if icon_button(ui, Face::small(icon, &lock, tip).tint(tint)).clicked() {
+                        self.send(same(None, None, None, Some(!segment.locked)));
+                    }
+                    let show = format!("Show {}", segment.name);
+                    let icon = if segment.visible { Icon::Eye } else { Icon::EyeOff };
+                    let tint = if segment.visible { theme::TEXT } else { theme::TEXT_WEAK };
+                    if icon_button(ui, Face::small(icon, &show, "Shown or hidden").tint(tint)).clicked() {
+                        self.send(same(None, None, Some(!segment.visible), None));
+                    }
+                });
+            });
+        });
+    }
+}

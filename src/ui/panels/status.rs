@@ -1,0 +1,149 @@
+//! The line at the bottom: where the pointer is and what is there; what runs; whether work is saved.
+
+use crate::document::{Scene, SlicePlane, ViewName};
+use crate::explode::PartId;
+use crate::math::DVec3;
+use crate::ui::app::App;
+use crate::ui::theme;
+use crate::ui::widgets::from_right;
+use egui::{Frame, Label, Margin, Panel, RichText, Ui};
+use serde_json::Value;
+
+impl App {
+    pub(in crate::ui) fn status_bar(&mut self, ui: &mut Ui) {
+        let frame = Frame::new().fill(theme::BAR).inner_margin(Margin::symmetric(10, 2));
+        Panel::bottom("status").exact_size(26.0).frame(frame).show(ui, |ui| {
+            ui.horizontal_centered(|ui| {
+                ui.spacing_mut().item_spacing.x = 16.0;
+                self.place_text(ui);
+                from_right(ui, |ui| self.state_text(ui));
+            });
+        });
+    }
+
+    /// World mm under the pointer: of the slice, or of the picked surface.
+    fn place_under_pointer(&self) -> Option<DVec3> {
+        let (scene, open) = (self.scene.as_ref()?, self.opened()?);
+        let (view, px) = self.viewports.hovered?;
+        let size = *self.viewports.sizes.get(&view)?;
+        if view == ViewName::ThreeD {
+            let hit = self.pictures.hit(px, size, scene)?;
+            return Some(at_rest(scene, hit.part, hit.world));
+        }
+        SlicePlane::new(&open.grid, &scene.views, view).map(|p| p.world(px))
+    }
+
+    /// The part under the pointer in the 3D view.
+    pub(super) fn hovered_part(&self) -> Option<PartId> {
+        let (view, px) = self.viewports.hovered?;
+        let size = *self.viewports.sizes.get(&view)?;
+        (view == ViewName::ThreeD).then(|| self.pictures.hit(px, size, self.scene.as_ref()?)?.part)?
+    }
+
+    fn place_text(&self, ui: &mut Ui) {
+        let mono = |text: String| RichText::new(text).monospace().color(theme::TEXT);
+        let Some(open) = self.opened() else {
+            ui.label(RichText::new("Open a file to begin").color(theme::TEXT_WEAK));
+            return;
+        };
+        let Some(world) = self.place_under_pointer() else {
+            ui.add(Label::new(RichText::new(self.interaction.tool().hint()).color(theme::TEXT_WEAK)).truncate());
+            return;
+        };
+        let index = open.grid.index_from_world().transform_point3(world);
+        let voxel = open.grid.voxel_at(index);
+        let shown = |v: [u32; 3]| format!("{:>4} {:>4} {:>4}", v[0], v[1], v[2]);
+        ui.add(Label::new(mono(voxel.map_or_else(|| "outside".into(), |v| format!("ijk {}", shown(v))))).selectable(false));
+        ui.add(Label::new(mono(format!("RAS {:>7.1} {:>7.1} {:>7.1} mm", world.x, world.y, world.z))).selectable(false));
+        if voxel.is_some() {
+            let (value, label) = self.voxel_text();
+            ui.add(Label::new(mono(value)).selectable(false));
+            if let Some(label) = label {
+                ui.add(Label::new(RichText::new(label).color(theme::TEXT)).selectable(false).truncate());
+            }
+        }
+    }
+
+    /// Value and label of the voxel as the document answered last.
+    fn voxel_text(&self) -> (String, Option<String>) {
+        let number = |v: &Value| v.as_f64();
+        let value = number(&self.probe["density"]).map_or_else(String::new, |d| format!("value {}", short(d)));
+        let mut extra = Vec::new();
+        if let Some(id) = self.probe["label"].as_u64().filter(|&id| id != 0) {
+            let name = self.scene.as_ref().and_then(|s| s.segments.get(id as u16)).map_or("unnamed", |s| s.name.as_str());
+            extra.push(format!("{id} {name}"));
+        }
+        if let Some(selected) = number(&self.probe["selection"]).filter(|&s| s > 0.0) {
+            extra.push(format!("selected {:.0} %", selected * 100.0));
+        }
+        if let Some(part) = self.hovered_part().and_then(|id| self.scene.as_ref()?.explosion.parts.iter().find(|p| p.id == id)) {
+            extra.push(part.name.clone());
+        }
+        (value, (!extra.is_empty()).then(|| extra.join("  ·  ")))
+    }
+
+    fn state_text(&mut self, ui: &mut Ui) {
+        if let Some(open) = self.opened() {
+            let (text, colour) = match (&self.snapshot.project, self.snapshot.unsaved) {
+                (_, true) => ("Unsaved changes", theme::WARNING),
+                (Some(_), false) => ("Saved", theme::TEXT_WEAK),
+                (None, false) => ("Nothing to save", theme::TEXT_WEAK),
+            };
+            ui.label(RichText::new(text).color(colour));
+            let [i, j, k] = open.grid.dims;
+            let text = format!("{i} × {j} × {k} {}", open.voxel_type.name());
+            ui.label(RichText::new(text).color(theme::TEXT_WEAK));
+        }
+        match &self.snapshot.gpu {
+            Some(Err(reason)) => {
+                ui.label(RichText::new("No GPU").color(theme::ERROR)).on_hover_text(reason);
+            }
+            Some(Ok(name)) => {
+                ui.add(Label::new(RichText::new(short_gpu(name)).color(theme::TEXT_WEAK)).truncate()).on_hover_text(name);
+            }
+            None => {}
+        }
+        if let Some((what, since)) = &self.busy {
+            let seconds = ui.input(|i| i.time) - since;
+            let time = if seconds >= 1.0 { format!("  {seconds:.0} s") } else { String::new() };
+            ui.label(RichText::new(format!("{what}{time}")).color(theme::TEXT));
+            ui.add(egui::Spinner::new().size(14.0).color(theme::ACCENT));
+        } else if self.snapshot.moving {
+            ui.label(RichText::new("Parts are moving").color(theme::TEXT_WEAK));
+        }
+    }
+}
+
+/// A point on a part, taken back to where the part is at rest.
+fn at_rest(scene: &Scene, part: Option<PartId>, world: DVec3) -> DVec3 {
+    let part = part.and_then(|id| scene.explosion.parts.iter().find(|p| p.id == id));
+    part.map_or(world, |p| p.pose.unapply(world))
+}
+
+/// Six digits at most: a status line is read in passing.
+fn short(value: f64) -> String {
+    if value.fract() == 0.0 && value.abs() < 1e9 {
+        format!("{value:.0}")
+    } else if (1e-3..1e6).contains(&value.abs()) {
+        let decimals = (5 - value.abs().log10().floor() as i32).clamp(0, 6) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.4e}")
+    }
+}
+
+/// The card's name without what stands in brackets behind it.
+fn short_gpu(name: &str) -> String {
+    name.split(['(', ',', ';']).next().unwrap_or(name).trim().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::short;
+
+    #[test]
+    fn values_are_short_and_keep_six_digits() {
+        let shown = [0.0, 255.0, -1024.0, 0.125, 1234.5678, 0.000_012, 12_345_678.9].map(short);
+        assert_eq!(shown, ["0", "255", "-1024", "0.125000", "1234.57", "1.2000e-5", "1.2346e7"]);
+    }
+}

@@ -1,0 +1,268 @@
+//! The transfer function over the histogram: points that are dragged, added and removed by hand.
+
+use super::curve;
+use crate::document::{Command, TransferCommand};
+use crate::ui::app::App;
+use crate::ui::theme::{self, ROW};
+use crate::ui::widgets::{colour_button, row};
+use crate::volume::{Histogram, TransferFunction};
+use egui::{Color32, DragValue, Mesh, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
+use std::sync::Arc;
+
+const HEIGHT: f32 = 132.0;
+const STRIP: f32 = 14.0;
+const HANDLE: f32 = 9.0;
+
+/// A point of the function.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Point {
+    Opacity(usize),
+    Colour(usize),
+}
+
+/// What of the editor outlives a frame.
+#[derive(Debug, Default)]
+pub(in crate::ui) struct TransferEditor {
+    selected: Option<Point>,
+    /// Heights 0..1 of the histogram, and the histogram they are of.
+    bars: Option<(Arc<Histogram>, Vec<f32>)>,
+}
+
+/// Values across the plot.
+#[derive(Clone, Copy)]
+struct Plot {
+    rect: Rect,
+    lo: f64,
+    hi: f64,
+}
+
+impl Plot {
+    fn x(&self, value: f64) -> f32 {
+        self.rect.left() + ((value - self.lo) / (self.hi - self.lo)) as f32 * self.rect.width()
+    }
+
+    fn value(&self, x: f32) -> f64 {
+        self.lo + f64::from((x - self.rect.left()) / self.rect.width()) * (self.hi - self.lo)
+    }
+
+    fn y(&self, opacity: f32) -> f32 {
+        self.rect.bottom() - opacity.clamp(0.0, 1.0) * self.rect.height()
+    }
+
+    fn opacity(&self, y: f32) -> f64 {
+        f64::from((self.rect.bottom() - y) / self.rect.height())
+    }
+
+    /// Least distance of neighbours: what a hand can still tell apart.
+    fn gap(&self) -> f64 {
+        (self.hi - self.lo) / 2000.0
+    }
+}
+
+impl App {
+    pub(super) fn transfer_panel(&mut self, ui: &mut Ui) {
+        let (Some(scene), Some(open)) = (&self.scene, &self.snapshot.open) else { return };
+        let old = scene.transfer.clone();
+        let histogram = open.histogram.clone();
+        let mut new = old.clone();
+
+        let width = ui.available_width();
+        let (outer, ground) = ui.allocate_exact_size(vec2(width, HEIGHT), Sense::click());
+        ground.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Transfer function over the histogram"));
+        let painter = ui.painter_at(outer);
+        painter.rect_filled(outer, 3.0, theme::DEEP);
+        let rect = outer.shrink2(vec2(HANDLE * 0.5 + 1.0, HANDLE * 0.5 + 1.0));
+        let (lo, hi) = if histogram.max > histogram.min { (histogram.min, histogram.max) } else { (histogram.min, histogram.min + 1.0) };
+        let plot = Plot { rect, lo, hi };
+        self.transfer.paint_bars(&painter, &plot, &histogram);
+        paint_curve(&painter, &plot, &old);
+
+        let ground = ground.on_hover_text("Double-click adds a point; right-click removes one");
+        let mut touched: Option<Response> = None;
+        if ground.double_clicked()
+            && let Some(at) = ground.interact_pointer_pos()
+            && let Some(i) = curve::add_opacity(&mut new, plot.value(at.x), plot.opacity(at.y), plot.gap())
+        {
+            self.transfer.selected = Some(Point::Opacity(i));
+            touched = Some(ground.clone());
+        }
+        for i in 0..old.opacity.len() {
+            let (value, opacity) = old.opacity[i];
+            let at = pos2(plot.x(value), plot.y(opacity));
+            let name = format!("Opacity point {}", i + 1);
+            let response = handle(ui, ("opacity", i), at, &name);
+            let selected = self.transfer.selected == Some(Point::Opacity(i));
+            paint_handle(&painter, at, theme::rgb(old.colour_at(value)), selected || response.hovered());
+            if response.drag_started() || response.clicked() {
+                self.transfer.selected = Some(Point::Opacity(i));
+            }
+            if response.dragged()
+                && let Some(to) = response.interact_pointer_pos()
+            {
+                curve::move_opacity(&mut new, i, plot.value(to.x).clamp(lo, hi), plot.opacity(to.y), plot.gap());
+                touched = Some(response);
+            } else if response.secondary_clicked() {
+                curve::remove(&mut new.opacity, i);
+                self.transfer.selected = None;
+                touched = Some(response);
+            }
+        }
+
+        let strip = self.colour_strip(ui, &plot, &old, &mut new);
+        touched = strip.or(touched);
+        touched = self.number_rows(ui, &plot, &mut new).or(touched);
+        if new != old
+            && let Some(response) = touched
+        {
+            self.edit(&response, Command::Transfer(TransferCommand::Set { function: new }));
+        }
+    }
+
+    fn colour_strip(&mut self, ui: &mut Ui, plot: &Plot, old: &TransferFunction, new: &mut TransferFunction) -> Option<Response> {
+        let mut touched = None;
+        let (outer, ground) = ui.allocate_exact_size(vec2(ui.available_width(), STRIP + HANDLE), Sense::click());
+        ground.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Colours over the values"));
+        let bar = Rect::from_min_max(pos2(plot.rect.left(), outer.top()), pos2(plot.rect.right(), outer.top() + STRIP));
+        paint_strip(ui.painter(), bar, plot, old);
+        let ground = ground.on_hover_text("Double-click adds a colour; click one to change it; right-click removes it");
+        if ground.double_clicked()
+            && let Some(at) = ground.interact_pointer_pos()
+            && let Some(i) = curve::add_colour(new, plot.value(at.x).clamp(plot.lo, plot.hi), plot.gap())
+        {
+            self.transfer.selected = Some(Point::Colour(i));
+            touched = Some(ground.clone());
+        }
+        for (i, (value, colour)) in old.colour.iter().enumerate() {
+            let at = pos2(plot.x(*value), outer.top() + STRIP + HANDLE * 0.5);
+            let response = handle(ui, ("colour", i), at, &format!("Colour point {}", i + 1));
+            let selected = self.transfer.selected == Some(Point::Colour(i));
+            paint_handle(ui.painter(), at, theme::rgb(*colour), selected || response.hovered());
+            if response.drag_started() || response.clicked() {
+                self.transfer.selected = Some(Point::Colour(i));
+            }
+            if response.dragged()
+                && let Some(to) = response.interact_pointer_pos()
+            {
+                curve::move_colour(new, i, plot.value(to.x).clamp(plot.lo, plot.hi), plot.gap());
+                touched = Some(response);
+            } else if response.secondary_clicked() {
+                curve::remove(&mut new.colour, i);
+                self.transfer.selected = None;
+                touched = Some(response);
+            }
+        }
+        touched
+    }
+
+    /// The chosen point in numbers, and the way back to the start.
+    fn number_rows(&mut self, ui: &mut Ui, plot: &Plot, new: &mut TransferFunction) -> Option<Response> {
+        let mut touched = None;
+        let speed = (plot.hi - plot.lo) / 500.0;
+        let field = |ui: &mut Ui, value: &mut f64, speed: f64, name: &str| {
+            ui.add_sized(vec2(70.0, ROW - 2.0), DragValue::new(value).speed(speed).max_decimals(3)).accessible_name(name)
+        };
+        row(ui, "Point", |ui| {
+            match self.transfer.selected {
+                Some(Point::Opacity(i)) if i < new.opacity.len() => {
+                    let (mut value, mut opacity) = (new.opacity[i].0, f64::from(new.opacity[i].1));
+                    let a = field(ui, &mut value, speed, "Value of the point").on_hover_text("Value");
+                    let b = field(ui, &mut opacity, 0.005, "Opacity of the point").on_hover_text("Opacity of one unit of length");
+                    if a.changed() || b.changed() {
+                        curve::move_opacity(new, i, value, opacity, plot.gap());
+                        touched = Some(a | b);
+                    }
+                }
+                Some(Point::Colour(i)) if i < new.colour.len() => {
+                    let mut value = new.colour[i].0;
+                    let a = field(ui, &mut value, speed, "Value of the colour").on_hover_text("Value");
+                    let b = colour_button(ui, "Colour of the point", &mut new.colour[i].1);
+                    if a.changed() {
+                        curve::move_colour(new, i, value, plot.gap());
+                    }
+                    if a.changed() || b.changed() {
+                        touched = Some(a | b);
+                    }
+                }
+                _ => {
+                    ui.label(egui::RichText::new("none chosen").color(theme::TEXT_WEAK));
+                }
+            }
+            crate::ui::widgets::from_right(ui, |ui| {
+                let tip = "Start again from the histogram";
+                if ui.button("Reset").on_hover_text(tip).clicked() {
+                    self.transfer.selected = None;
+                    self.send(Command::Transfer(TransferCommand::Reset {}));
+                }
+            });
+        });
+        touched
+    }
+}
+
+impl TransferEditor {
+    fn paint_bars(&mut self, painter: &egui::Painter, plot: &Plot, histogram: &Arc<Histogram>) {
+        if !self.bars.as_ref().is_some_and(|(h, _)| Arc::ptr_eq(h, histogram)) {
+            self.bars = Some((histogram.clone(), heights(&histogram.bins)));
+        }
+        let Some((_, bars)) = &self.bars else { return };
+        let mut mesh = Mesh::default();
+        let columns = plot.rect.width().max(1.0) as usize;
+        for c in 0..columns {
+            // Several bins under one column: the highest is seen.
+            let (a, b) = (c * bars.len() / columns, ((c + 1) * bars.len()).div_ceil(columns));
+            let height = bars[a.min(bars.len())..b.min(bars.len())].iter().copied().fold(0.0, f32::max);
+            let x = plot.rect.left() + c as f32;
+            let top = plot.rect.bottom() - height * plot.rect.height() * 0.94;
+            mesh.add_colored_rect(Rect::from_min_max(pos2(x, top), pos2(x + 1.0, plot.rect.bottom())), Color32::from_rgb(0x43, 0x46, 0x4c));
+        }
+        painter.add(Shape::mesh(mesh));
+    }
+}
+
+/// Logarithms of the counts, 0..1: air would hide all tissue otherwise.
+fn heights(bins: &[u64]) -> Vec<f32> {
+    let top = bins.iter().copied().max().unwrap_or(0).max(1) as f64;
+    bins.iter().map(|&n| ((1.0 + n as f64).ln() / (1.0 + top).ln()) as f32).collect()
+}
+
+fn handle(ui: &Ui, salt: (&str, usize), at: Pos2, name: &str) -> Response {
+    let rect = Rect::from_center_size(at, vec2(HANDLE + 7.0, HANDLE + 7.0));
+    let response = ui.interact(rect, ui.id().with(salt), Sense::click_and_drag());
+    response.widget_info(|| WidgetInfo::labeled(Role::Slider, true, name));
+    response
+}
+
+fn paint_handle(painter: &egui::Painter, at: Pos2, fill: Color32, lit: bool) {
+    let radius = if lit { HANDLE * 0.6 } else { HANDLE * 0.5 };
+    painter.circle(at, radius, fill, Stroke::new(3.0, Color32::from_black_alpha(180)));
+    painter.circle_stroke(at, radius, Stroke::new(1.5, if lit { Color32::WHITE } else { theme::TEXT_WEAK }));
+}
+
+fn paint_curve(painter: &egui::Painter, plot: &Plot, function: &TransferFunction) {
+    let inner = function.opacity.iter().map(|&(v, a)| pos2(plot.x(v), plot.y(a)));
+    let (first, last) = (function.opacity.first().map_or(0.0, |p| p.1), function.opacity.last().map_or(0.0, |p| p.1));
+    let points: Vec<Pos2> = std::iter::once(pos2(plot.rect.left(), plot.y(first)))
+        .chain(inner)
+        .chain(std::iter::once(pos2(plot.rect.right(), plot.y(last))))
+        .collect();
+    painter.add(Shape::line(points, Stroke::new(1.5, theme::TEXT)));
+}
+
+fn paint_strip(painter: &egui::Painter, bar: Rect, plot: &Plot, function: &TransferFunction) {
+    let mut mesh = Mesh::default();
+    let mut stops: Vec<f64> = function.colour.iter().map(|p| p.0).filter(|v| (plot.lo..=plot.hi).contains(v)).collect();
+    stops.insert(0, plot.lo);
+    stops.push(plot.hi);
+    for (i, value) in stops.iter().enumerate() {
+        let colour = theme::rgb(function.colour_at(*value));
+        let x = plot.x(*value);
+        mesh.colored_vertex(pos2(x, bar.top()), colour);
+        mesh.colored_vertex(pos2(x, bar.bottom()), colour);
+        if i > 0 {
+            let n = 2 * i as u32;
+            mesh.add_triangle(n - 2, n - 1, n);
+            mesh.add_triangle(n - 1, n, n + 1);
+        }
+    }
+    painter.add(Shape::mesh(mesh));
+}

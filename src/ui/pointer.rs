@@ -1,0 +1,227 @@
+//! From egui's raw events to the tools' events: every sample of the pointer, not just the last of a frame.
+
+use super::app::App;
+use super::dialogs::Dialog;
+use super::session::Request;
+use crate::document::{HistoryCommand, ViewCommand, ViewName};
+use crate::interact::{Action, Button, Event, Interaction, Key, Modifiers, PointerEvent, Wheel, action_of};
+use crate::math::DVec2;
+use crate::paint::Target;
+use egui::{Pos2, Rect};
+
+/// Points of a touchpad's scroll that count as one notch.
+const POINTS_PER_NOTCH: f32 = 40.0;
+
+impl App {
+    /// Gives the tools what happened over the views, in order. `open`: no dialog or menu lies over them.
+    pub(super) fn take_pointer(&mut self, ctx: &egui::Context, rects: &[(ViewName, Rect)], open: bool) {
+        let (events, scale, time, space, erase) = ctx.input(|i| {
+            let free = |key| i.key_down(key);
+            (i.raw.events.clone(), i.pixels_per_point, i.time, free(egui::Key::Space), free(egui::Key::E))
+        });
+        let typing = ctx.memory(|m| m.focused().is_some());
+        let mut last = None;
+        for event in events {
+            match event {
+                egui::Event::Touch { force: Some(force), .. } => self.viewports.pressure = force.clamp(0.0, 1.0),
+                egui::Event::PointerButton { pos, button, pressed, modifiers } => {
+                    let Some(button) = button_of(button) else { continue };
+                    let modifiers = held(modifiers, space && !typing, erase && !typing);
+                    if pressed {
+                        let over = rects.iter().find(|(_, r)| r.contains(pos) && open);
+                        let Some(&(view, rect)) = over else { continue };
+                        if self.viewports.captured.is_none() {
+                            self.viewports.captured = Some((button, view));
+                            self.viewports.last_used = view;
+                            let e = self.pointer_event(view, rect, pos, scale, modifiers, time);
+                            self.interact(Event::Press(button, e));
+                        }
+                    } else if let Some((held, view)) = self.viewports.captured
+                        && held == button
+                    {
+                        self.viewports.captured = None;
+                        self.viewports.pressure = 1.0;
+                        if let Some(&(_, rect)) = rects.iter().find(|(v, _)| *v == view) {
+                            let e = self.pointer_event(view, rect, pos, scale, modifiers, time);
+                            self.interact(Event::Release(button, e));
+                        } else {
+                            self.interact(Event::Abort);
+                        }
+                    }
+                }
+                egui::Event::PointerMoved(pos) => {
+                    last = Some(pos);
+                    let Some((_, view)) = self.viewports.captured else { continue };
+                    let Some(&(_, rect)) = rects.iter().find(|(v, _)| *v == view) else { continue };
+                    let modifiers = held(ctx.input(|i| i.modifiers), space, erase);
+                    let e = self.pointer_event(view, rect, pos, scale, modifiers, time);
+                    self.interact(Event::Move(e));
+                }
+                egui::Event::MouseWheel { unit, delta, modifiers, .. } => {
+                    let Some(pos) = ctx.input(|i| i.pointer.hover_pos()) else { continue };
+                    let Some(&(view, _)) = rects.iter().find(|(_, r)| r.contains(pos) && open) else { continue };
+                    // Some systems turn the wheel's axis while Shift is held.
+                    let delta = if delta.y == 0.0 { delta.x } else { delta.y };
+                    let notches = match unit {
+                        egui::MouseWheelUnit::Point => delta / POINTS_PER_NOTCH,
+                        egui::MouseWheelUnit::Line => delta,
+                        egui::MouseWheelUnit::Page => delta * 10.0,
+                    };
+                    self.viewports.last_used = view;
+                    let modifiers = held(modifiers, space, erase);
+                    self.interact(Event::Wheel(Wheel { view, notches: f64::from(notches), modifiers }));
+                }
+                _ => {}
+            }
+        }
+        self.hover(ctx, rects, open, scale, last.is_some());
+    }
+
+    fn hover(&mut self, ctx: &egui::Context, rects: &[(ViewName, Rect)], open: bool, scale: f32, moved: bool) {
+        let pos = ctx.input(|i| i.pointer.hover_pos());
+        let over = pos.filter(|_| open).and_then(|p| rects.iter().find(|(_, r)| r.contains(p)).map(|&(v, r)| (v, r, p)));
+        let Some((view, rect, pos)) = over else {
+            if self.viewports.hovered.take().is_some() {
+                self.probe = serde_json::Value::Null;
+            }
+            return;
+        };
+        let (px, size) = (pixel(rect, pos, scale), pixels(rect, scale));
+        let entered = self.viewports.hovered.is_none_or(|(v, _)| v != view);
+        self.viewports.hovered = Some((view, px));
+        if (moved || entered) && self.opened().is_some() {
+            self.request(Request::Probe { view, px, size });
+        }
+    }
+
+    fn pointer_event(&self, view: ViewName, rect: Rect, pos: Pos2, scale: f32, modifiers: Modifiers, time_s: f64) -> PointerEvent {
+        let (px, size) = (pixel(rect, pos, scale), pixels(rect, scale));
+        let hit = match (&self.scene, view) {
+            (Some(scene), ViewName::ThreeD) => self.pictures.hit(px, size, scene),
+            _ => None,
+        };
+        PointerEvent { view, px, size, modifiers, pressure: self.viewports.pressure, time_s, hit }
+    }
+
+    /// Shortcuts; typing into a field keeps its keys.
+    pub(super) fn take_keys(&mut self, ctx: &egui::Context) {
+        let typing = ctx.memory(|m| m.focused().is_some());
+        let pressed: Vec<_> = ctx.input(|i| {
+            i.raw
+                .events
+                .iter()
+                .filter_map(|e| match e {
+                    egui::Event::Key { key, pressed: true, repeat, modifiers, .. } => Some((*key, *repeat, *modifiers)),
+                    _ => None,
+                })
+                .collect()
+        });
+        for (key, repeat, modifiers) in pressed {
+            let Some(key) = key_of(key) else { continue };
+            let modifiers = held(modifiers, false, false);
+            let Some(action) = action_of(key, modifiers) else { continue };
+            let global = matches!(action, Action::Save | Action::SaveAs | Action::Open | Action::Keys | Action::Abort);
+            let repeats = matches!(action, Action::BrushSize(_) | Action::Slice(_) | Action::Undo | Action::Redo);
+            if (typing && !global) || (repeat && !repeats) || (self.dialog.is_some() && action != Action::Abort) {
+                continue;
+            }
+            self.act(action);
+        }
+    }
+
+    /// Does what a key or a button asks for.
+    pub(super) fn act(&mut self, action: Action) {
+        match action {
+            Action::Choose(tool) => {
+                for command in self.interaction.choose(tool) {
+                    self.send(command);
+                }
+                self.request(Request::Held(false));
+            }
+            Action::BrushSize(factor) => {
+                if let (Some(scene), Some(open)) = (&self.scene, self.opened()) {
+                    let context = crate::interact::Context { scene, voxel_mm: open.grid.voxel_mm() };
+                    self.send(Interaction::sized(factor, &context));
+                }
+            }
+            Action::Label(id) => self.paint_with(Target::Label(id)),
+            Action::Slice(voxels) => {
+                let view = self.viewports.hovered.map_or(self.viewports.last_used, |(v, _)| v);
+                if view != ViewName::ThreeD {
+                    self.send_view(ViewCommand::Scroll { view, voxels });
+                }
+            }
+            Action::Undo => self.travel(HistoryCommand::Undo { steps: 1 }),
+            Action::Redo => self.travel(HistoryCommand::Redo { steps: 1 }),
+            Action::Save => self.save(),
+            Action::SaveAs => self.ask_path(Dialog::save_as(self)),
+            Action::Open => self.ask_path(Dialog::open()),
+            Action::Frame => {
+                if self.opened().is_some() {
+                    self.frame();
+                }
+            }
+            Action::Maximise => {
+                let view = self.viewports.hovered.map_or(self.viewports.last_used, |(v, _)| v);
+                self.viewports.toggle(view);
+            }
+            Action::Keys => self.keys_open = !self.keys_open,
+            Action::Abort => {
+                if self.interaction.gesture().is_some() {
+                    self.interact(Event::Abort);
+                } else if self.dialog.take().is_none() {
+                    self.keys_open = false;
+                }
+            }
+        }
+    }
+
+    /// A view command, if something is open.
+    pub(super) fn send_view(&mut self, command: ViewCommand) {
+        if self.opened().is_some() {
+            self.send(crate::document::Command::View(command));
+        }
+    }
+}
+
+/// Pixel of a view, and its size.
+pub(super) fn pixel(rect: Rect, pos: Pos2, scale: f32) -> DVec2 {
+    DVec2::new(f64::from(pos.x - rect.min.x), f64::from(pos.y - rect.min.y)) * f64::from(scale)
+}
+
+pub(super) fn pixels(rect: Rect, scale: f32) -> [u32; 2] {
+    [rect.width(), rect.height()].map(|s| (s * scale).round().max(1.0) as u32)
+}
+
+fn button_of(button: egui::PointerButton) -> Option<Button> {
+    match button {
+        egui::PointerButton::Primary => Some(Button::Primary),
+        egui::PointerButton::Secondary => Some(Button::Secondary),
+        egui::PointerButton::Middle => Some(Button::Middle),
+        _ => None,
+    }
+}
+
+fn held(m: egui::Modifiers, space: bool, erase: bool) -> Modifiers {
+    Modifiers { shift: m.shift, ctrl: m.command || m.ctrl, alt: m.alt, space, erase }
+}
+
+fn key_of(key: egui::Key) -> Option<Key> {
+    use egui::Key as K;
+    Some(match key {
+        K::OpenBracket => Key::BracketLeft,
+        K::CloseBracket => Key::BracketRight,
+        K::Escape => Key::Escape,
+        K::F1 | K::Questionmark => Key::Help,
+        K::Home => Key::Home,
+        K::ArrowUp | K::PageUp => Key::Up,
+        K::ArrowDown | K::PageDown => Key::Down,
+        key => {
+            let mut name = key.name().chars();
+            match (name.next(), name.next()) {
+                (Some(c), None) if c.is_ascii_alphanumeric() => Key::Char(c.to_ascii_uppercase()),
+                _ => return None,
+            }
+        }
+    })
+}

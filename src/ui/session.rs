@@ -1,0 +1,157 @@
+//! The window's line to the document, which lives on a thread of its own so that no command and no picture ever holds the window.
+//!
+//! Requests go one way, reports come back; both ends are plain channels, so that a test can stand at the other end. Every request has
+//! a serial; a snapshot says which was the last that it knows of.
+
+use crate::document::{Command, Scene, ViewName};
+use crate::math::{Camera, DVec2};
+use crate::volume::{Grid, Histogram, Statistics, VoxelType};
+use serde_json::Value;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+/// What the window asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Request {
+    /// To be done in the order sent.
+    Apply(Command),
+    /// What is under the pointer; only the last one asked is answered.
+    Probe {
+        /// View.
+        view: ViewName,
+        /// Pixel of it.
+        px: DVec2,
+        /// Its size in pixels.
+        size: [u32; 2],
+    },
+    /// The views that are on the screen.
+    Show(Vec<ViewName>),
+    /// Whether something is held: pictures may be coarse meanwhile.
+    Held(bool),
+}
+
+/// What the window shows.
+#[derive(Clone, Debug, Default)]
+pub struct Snapshot {
+    /// Serial of the last request that this knows of.
+    pub serial: u64,
+    /// What is open.
+    pub open: Option<Opened>,
+    /// Steps that undo takes back, the oldest first.
+    pub undo: Vec<String>,
+    /// Steps that redo does again, the next first.
+    pub redo: Vec<String>,
+    /// The project's folder, once saved.
+    pub project: Option<PathBuf>,
+    /// Whether there is something to lose.
+    pub unsaved: bool,
+    /// The GPU's name, or why there is none.
+    pub gpu: Option<Result<String, String>>,
+    /// Whether parts are still on their way.
+    pub moving: bool,
+}
+
+/// The open volume.
+#[derive(Clone, Debug)]
+pub struct Opened {
+    /// Everything but voxels.
+    pub scene: Arc<Scene>,
+    /// Its lattice.
+    pub grid: Grid,
+    /// The source's numeric type.
+    pub voxel_type: VoxelType,
+    /// Of the source's values.
+    pub statistics: Statistics,
+    /// Of the source's values.
+    pub histogram: Arc<Histogram>,
+}
+
+/// A picture of a view.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// View.
+    pub view: ViewName,
+    /// Pixels; may be fewer than the view has.
+    pub size: [u32; 2],
+    /// Display-referred r, g, b, a.
+    pub rgba: Vec<u8>,
+    /// Only of the 3D view: mm along each pixel's ray, infinite where nothing is.
+    pub depth_mm: Vec<f32>,
+    /// Only of the 3D view: body id + 1, 0 where nothing is.
+    pub object: Vec<u32>,
+    /// The camera that drew it.
+    pub camera: Camera,
+}
+
+/// How grave a message is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Gravity {
+    /// Something was done that took a while.
+    Note,
+    /// Done, but.
+    Warning,
+    /// Not done.
+    Error,
+}
+
+/// What comes back.
+#[derive(Clone, Debug)]
+pub enum Report {
+    /// The document changed.
+    Snapshot(Arc<Snapshot>),
+    /// A view was drawn.
+    Picture(Box<Picture>),
+    /// The voxel under the pointer, as `ask.voxel` answers; null where there is none.
+    Probe(Value),
+    /// Something began that takes its time.
+    Started(String),
+    /// It ended.
+    Finished,
+    /// For the user.
+    Message(Gravity, String),
+    /// A command was done; its answer.
+    Done(Command, Value),
+}
+
+/// The window's end.
+#[derive(Debug)]
+pub struct Session {
+    requests: Sender<(u64, Request)>,
+    reports: Receiver<Report>,
+    serial: u64,
+}
+
+/// The other end.
+#[derive(Debug)]
+pub struct Far {
+    /// Requests with their serials.
+    pub requests: Receiver<(u64, Request)>,
+    /// Back to the window.
+    pub reports: Sender<Report>,
+}
+
+impl Session {
+    /// Both ends.
+    pub fn pair() -> (Self, Far) {
+        let (to_far, requests) = channel();
+        let (reports, from_far) = channel();
+        (Self { requests: to_far, reports: from_far, serial: 0 }, Far { requests, reports })
+    }
+
+    /// Sends a request; `false` if nobody is there any more.
+    pub(super) fn send(&mut self, request: Request) -> bool {
+        self.serial += 1;
+        self.requests.send((self.serial, request)).is_ok()
+    }
+
+    /// Serial of the last request.
+    pub(super) fn serial(&self) -> u64 {
+        self.serial
+    }
+
+    /// What came since the last time.
+    pub(super) fn reports(&self) -> Vec<Report> {
+        self.reports.try_iter().collect()
+    }
+}

@@ -1,0 +1,241 @@
+//! The four views: their arrangement, headers and pictures.
+
+use super::app::App;
+use super::icons::Icon;
+use super::pointer::pixels;
+use super::theme::{self, GAP, view_colour, view_title};
+use super::widgets::{Face, icon_button};
+use crate::document::{Command, Place, SlicePlane, ViewCommand, ViewName};
+use crate::interact::Button;
+use crate::math::DVec2;
+use egui::{Align2, Color32, Rect, Role, Sense, Slider, Stroke, StrokeKind, TextStyle, Ui, UiBuilder, WidgetInfo, pos2, vec2};
+use std::collections::BTreeMap;
+
+/// Height of a view's header.
+const HEADER: f32 = 26.0;
+/// Between the views.
+const SEAM: f32 = 2.0;
+/// Directions that the 3D view can be seen from: letter, name, from the volume towards the eye.
+const SIDES: [(&str, &str, [f64; 3]); 6] = [
+    ("A", "anterior", [0.0, 1.0, 0.0]),
+    ("P", "posterior", [0.0, -1.0, 0.0]),
+    ("R", "right", [1.0, 0.0, 0.0]),
+    ("L", "left", [-1.0, 0.0, 0.0]),
+    ("S", "superior", [0.0, 0.0, 1.0]),
+    ("I", "inferior", [0.0, 0.0, -1.0]),
+];
+
+/// Which views are shown and what the pointer is doing over them.
+#[derive(Debug)]
+pub(super) struct Viewports {
+    /// Alone on the screen.
+    maximised: Option<ViewName>,
+    pub(super) last_used: ViewName,
+    pub(super) hovered: Option<(ViewName, DVec2)>,
+    pub(super) captured: Option<(Button, ViewName)>,
+    pub(super) pressure: f32,
+    pub(super) shown: Vec<ViewName>,
+    pub(super) sizes: BTreeMap<ViewName, [u32; 2]>,
+}
+
+impl Default for Viewports {
+    fn default() -> Self {
+        Self {
+            maximised: None,
+            last_used: ViewName::ThreeD,
+            hovered: None,
+            captured: None,
+            pressure: 1.0,
+            shown: Vec::new(),
+            sizes: BTreeMap::new(),
+        }
+    }
+}
+
+impl Viewports {
+    /// One view alone, or all four again.
+    pub(super) fn toggle(&mut self, view: ViewName) {
+        self.maximised = if self.maximised.is_some() { None } else { Some(view) };
+    }
+
+    /// All four.
+    pub(super) fn show_all(&mut self) {
+        self.maximised = None;
+    }
+
+    /// The view that is alone.
+    pub(super) fn alone(&self) -> Option<ViewName> {
+        self.maximised
+    }
+
+    /// The view that commands without a view mean.
+    pub(super) fn active(&self) -> ViewName {
+        self.maximised.unwrap_or(self.last_used)
+    }
+
+    /// For another volume, which knows nothing of this window's sizes.
+    pub(super) fn forget_sizes(&mut self) {
+        self.sizes.clear();
+        self.shown.clear();
+    }
+}
+
+impl App {
+    /// Everything between the panels.
+    pub(super) fn central(&mut self, ui: &mut Ui) {
+        egui::CentralPanel::no_frame().show(ui, |ui| {
+            let all = ui.max_rect();
+            ui.painter().rect_filled(all, 0.0, theme::DEEP);
+            if self.opened().is_none() {
+                self.welcome(ui);
+                return;
+            }
+            let tiles: Vec<(ViewName, Rect)> = match self.viewports.maximised {
+                Some(view) => vec![(view, all)],
+                None => quarters(all).to_vec(),
+            };
+            let scale = ui.ctx().pixels_per_point();
+            // Nothing of a menu, a dialog or a tooltip may paint through to a view.
+            let open = ui.ctx().input(|i| i.pointer.interact_pos()).is_none_or(|p| {
+                ui.ctx().layer_id_at(p).is_none_or(|l| l == ui.layer_id())
+            }) && self.dialog.is_none();
+            let bodies: Vec<_> = tiles.iter().map(|&(v, r)| (v, body_of(r, scale))).collect();
+            self.take_pointer(ui.ctx(), &bodies, open);
+            for (&(view, tile), &(_, body)) in tiles.iter().zip(&bodies) {
+                self.one_view(ui, view, tile, body);
+            }
+            let sizes = bodies.iter().map(|&(v, r)| (v, pixels(r, scale))).collect();
+            self.report_views(tiles.iter().map(|t| t.0).collect(), sizes);
+        });
+    }
+
+    fn one_view(&mut self, ui: &mut Ui, view: ViewName, tile: Rect, body: Rect) {
+        let header = Rect::from_min_max(tile.min, pos2(tile.max.x, body.min.y));
+        ui.painter().rect_filled(header, 0.0, theme::BAR);
+        let inner = header.shrink2(vec2(8.0, 0.0));
+        let mut head = ui.new_child(UiBuilder::new().max_rect(inner).layout(egui::Layout::left_to_right(egui::Align::Center)));
+        self.view_header(&mut head, view, inner);
+
+        let response = ui.interact(body, ui.id().with(("view", view)), Sense::click_and_drag());
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("{} view", view_title(view))));
+        let Some(scene) = &self.scene else { return };
+        let background = scene.look.background;
+        let painter = ui.painter_at(body);
+        painter.rect_filled(body, 0.0, if view == ViewName::ThreeD { theme::rgb(background) } else { Color32::BLACK });
+        if let Some(texture) = self.pictures.texture(view) {
+            let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+            painter.image(texture.id(), body, uv, Color32::WHITE);
+        } else if self.snapshot.gpu.as_ref().is_some_and(Result::is_err) {
+            painter.text(body.center(), Align2::CENTER_CENTER, "No GPU: no picture", egui::FontId::proportional(13.5), theme::TEXT_WEAK);
+        }
+        self.overlay(&painter, view, body);
+        if self.viewports.hovered.is_some_and(|(v, _)| v == view) && self.viewports.maximised.is_none() {
+            let colour = view_colour(view).gamma_multiply(0.55);
+            painter.rect_stroke(body, 0.0, Stroke::new(1.0, colour), StrokeKind::Inside);
+        }
+    }
+
+    fn view_header(&mut self, ui: &mut Ui, view: ViewName, inner: Rect) {
+        let title = view_title(view);
+        let (mark, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
+        ui.painter().rect_filled(mark, 2.0, view_colour(view));
+        let label = ui.add(egui::Label::new(egui::RichText::new(title).color(theme::TEXT)).sense(Sense::click()).selectable(false));
+        if label.on_hover_text("Double-click: one view or all four").double_clicked() {
+            self.viewports.toggle(view);
+        }
+        ui.add_space(GAP);
+        let button = 24.0;
+        let alone = self.viewports.alone().is_some();
+        if view == ViewName::ThreeD {
+            for (letter, name, from) in SIDES {
+                let b = egui::Button::new(letter).min_size(vec2(20.0, 20.0)).frame_when_inactive(false);
+                let b = ui.add(b).accessible_name(format!("See from {name}"));
+                if b.on_hover_text(format!("See from {name}")).clicked() {
+                    self.send_view(ViewCommand::Frame { from, up: None, zoom: None });
+                }
+            }
+        } else {
+            self.slice_slider(ui, view, inner.right() - button - GAP);
+        }
+        let at = Rect::from_min_max(pos2(inner.right() - button, inner.top() + 1.0), inner.max - vec2(0.0, 1.0));
+        let mut corner = ui.new_child(UiBuilder::new().max_rect(at).layout(egui::Layout::left_to_right(egui::Align::Center)));
+        let name = if alone { "All four views".to_owned() } else { format!("Only the {title} view") };
+        let face = Face::small(if alone { Icon::Four } else { Icon::Maximise }, &name, &name);
+        if icon_button(&mut corner, face).clicked() {
+            self.viewports.toggle(view);
+        }
+    }
+
+    fn slice_slider(&mut self, ui: &mut Ui, view: ViewName, right: f32) {
+        let (Some(scene), Some(open)) = (&self.scene, self.opened()) else { return };
+        let Some(plane) = SlicePlane::new(&open.grid, &scene.views, view) else { return };
+        let grid = open.grid;
+        let count = grid.dims[plane.axis];
+        let number = 70.0;
+        let mut index = plane.index + 1;
+        ui.spacing_mut().slider_width = (right - ui.cursor().left() - number - GAP * 2.0).max(24.0);
+        ui.spacing_mut().interact_size.y = 16.0;
+        let slider = ui
+            .add_enabled(count > 1, Slider::new(&mut index, 1..=count).show_value(false))
+            .accessible_name(format!("{} slice", view_title(view)));
+        if slider.changed() {
+            let to_index = grid.index_from_world();
+            let mut at = to_index.transform_point3(scene.views.crosshair);
+            at[plane.axis] = f64::from(index) - 1.0;
+            let world = grid.world_from_index.transform_point3(at);
+            self.send_view(ViewCommand::Crosshair { at: Place::Mm(world.to_array()) });
+        }
+        let text = format!("{index:>3} / {count}");
+        let (rect, _) = ui.allocate_exact_size(vec2(number, 20.0), Sense::hover());
+        let font = TextStyle::Monospace.resolve(ui.style());
+        ui.painter().text(rect.right_center(), Align2::RIGHT_CENTER, text, font, theme::TEXT_WEAK);
+    }
+
+    fn welcome(&mut self, ui: &mut Ui) {
+        let busy = self.busy.is_some();
+        let width = 420.0;
+        let rect = Rect::from_center_size(ui.max_rect().center(), vec2(width, 200.0));
+        ui.scope_builder(UiBuilder::new().max_rect(rect).layout(egui::Layout::top_down(egui::Align::Center)), |ui| {
+            let title = if busy { "One moment" } else { "Open a volume to begin" };
+            ui.label(egui::RichText::new(title).size(20.0).color(theme::TEXT));
+            ui.add_space(8.0);
+            let text = self.busy.as_ref().map_or("NIfTI (.nii, .nii.gz), NRRD (.nrrd), or a Burin project folder", |b| b.0.as_str());
+            ui.label(egui::RichText::new(text).color(theme::TEXT_WEAK));
+            ui.add_space(16.0);
+            if busy {
+                ui.add(egui::Spinner::new().size(24.0).color(theme::ACCENT));
+                return;
+            }
+            let button = egui::Button::new(egui::RichText::new("Open…").color(Color32::WHITE)).fill(theme::ACCENT_FILL);
+            if ui.add(button.min_size(vec2(140.0, 34.0))).on_hover_text("Ctrl + O").clicked() {
+                self.act(crate::interact::Action::Open);
+            }
+            ui.add_space(8.0);
+            ui.label(egui::RichText::new("or drop a file here").color(theme::TEXT_WEAK));
+        });
+    }
+
+    /// Sends a crosshair in world mm.
+    pub(super) fn send_crosshair(&mut self, world: [f64; 3]) {
+        self.send(Command::View(ViewCommand::Crosshair { at: Place::Mm(world) }));
+    }
+}
+
+/// 3D at the top left, then clockwise axial, sagittal, coronal.
+fn quarters(all: Rect) -> [(ViewName, Rect); 4] {
+    let mid = pos2((all.min.x + (all.width() - SEAM) * 0.5).round(), (all.min.y + (all.height() - SEAM) * 0.5).round());
+    let far = mid + vec2(SEAM, SEAM);
+    [
+        (ViewName::ThreeD, Rect::from_min_max(all.min, mid)),
+        (ViewName::Axial, Rect::from_min_max(pos2(far.x, all.min.y), pos2(all.max.x, mid.y))),
+        (ViewName::Coronal, Rect::from_min_max(pos2(all.min.x, far.y), pos2(mid.x, all.max.y))),
+        (ViewName::Sagittal, Rect::from_min_max(far, all.max)),
+    ]
+}
+
+/// The picture's place under the header, on whole pixels.
+fn body_of(tile: Rect, scale: f32) -> Rect {
+    let snap = |x: f32| (x * scale).round() / scale;
+    let min = pos2(snap(tile.min.x), snap(tile.min.y + HEADER));
+    Rect::from_min_max(min, pos2(snap(tile.max.x), snap(tile.max.y)).max(min + vec2(1.0, 1.0)))
+}

@@ -1,0 +1,240 @@
+//! The few controls that panels are made of. Each has an accessible name; none knows the document.
+
+use super::icons::{self, Icon};
+use super::theme::{self, GAP, LABEL, ROW};
+use egui::{Align, Align2, Color32, CornerRadius, DragValue, Layout, Response, RichText, Role, Sense, Stroke, TextStyle, Ui};
+use egui::{Slider, WidgetInfo, vec2};
+use std::ops::RangeInclusive;
+
+/// A heading that folds what is under it.
+pub(super) fn section(ui: &mut Ui, title: &str, open: bool, body: impl FnOnce(&mut Ui)) {
+    let id = ui.make_persistent_id(("section", title));
+    let mut state = egui::collapsing_header::CollapsingState::load_with_default_open(ui.ctx(), id, open);
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
+    response.widget_info(|| WidgetInfo::selected(Role::Button, true, state.is_open(), title));
+    let response = response.accessible_name(format!("Section {title}"));
+    if response.clicked() {
+        state.toggle(ui);
+    }
+    let colour = if response.hovered() || response.has_focus() { Color32::WHITE } else { theme::TEXT };
+    let chevron = egui::Rect::from_center_size(rect.left_center() + vec2(6.0, 0.0), vec2(12.0, 12.0));
+    icons::paint(ui.painter(), chevron, if state.is_open() { Icon::Down } else { Icon::Right }, theme::TEXT_WEAK);
+    let font = egui::FontId::new(13.5, egui::FontFamily::Proportional);
+    // Twice, half a pixel apart: the one weight of the font serves as bold.
+    let at = rect.left_center() + vec2(18.0, 0.0);
+    for shift in [0.0, 0.45] {
+        ui.painter().text(at + vec2(shift, 0.0), Align2::LEFT_CENTER, title, font.clone(), colour);
+    }
+    state.show_body_unindented(ui, |ui| {
+        ui.add_space(2.0);
+        body(ui);
+        ui.add_space(6.0);
+    });
+    let y = ui.cursor().top();
+    ui.painter().hline(ui.max_rect().x_range(), y, Stroke::new(1.0, theme::LINE));
+    ui.add_space(GAP);
+}
+
+/// A label and what it names on one line.
+pub(super) fn row<R>(ui: &mut Ui, label: &str, body: impl FnOnce(&mut Ui) -> R) -> R {
+    ui.horizontal(|ui| {
+        ui.set_min_height(ROW);
+        let (rect, _) = ui.allocate_exact_size(vec2(LABEL, ROW), Sense::hover());
+        let font = TextStyle::Body.resolve(ui.style());
+        ui.painter().text(rect.left_center(), Align2::LEFT_CENTER, label, font, theme::TEXT_WEAK);
+        body(ui)
+    })
+    .inner
+}
+
+/// How a slider counts.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Scale {
+    pub(super) logarithmic: bool,
+    pub(super) decimals: usize,
+    pub(super) unit: &'static str,
+    /// Shown ×100.
+    pub(super) percent: bool,
+}
+
+impl Scale {
+    /// 0..1 as percent.
+    pub(super) const PERCENT: Self = Self { logarithmic: false, decimals: 0, unit: " %", percent: true };
+}
+
+/// A slider with its number; changed if either was.
+pub(super) fn slider(ui: &mut Ui, name: &str, value: &mut f64, range: RangeInclusive<f64>, scale: Scale) -> Response {
+    let number = 66.0;
+    ui.spacing_mut().slider_width = (ui.available_width() - number - GAP).max(40.0);
+    let (lo, hi) = (*range.start(), *range.end());
+    let rail = ui
+        .add(Slider::new(value, range).show_value(false).logarithmic(scale.logarithmic).smart_aim(false))
+        .accessible_name(name);
+    let factor = if scale.percent { 100.0 } else { 1.0 };
+    let mut shown = *value * factor;
+    let speed = if scale.logarithmic { shown.abs().max(0.01) * 0.01 } else { (hi - lo) * factor / 400.0 };
+    let text = ui
+        .add_sized(
+            vec2(number, ROW - 2.0),
+            DragValue::new(&mut shown)
+                .range(lo * factor..=hi * factor)
+                .speed(speed)
+                .suffix(scale.unit)
+                .fixed_decimals(scale.decimals),
+        )
+        .accessible_name(format!("{name}, value"));
+    if text.changed() {
+        *value = shown / factor;
+    }
+    rail | text
+}
+
+/// One of a few: all are seen, one is lit. Answers the one that was clicked.
+pub(super) fn choice<T: PartialEq + Copy>(ui: &mut Ui, name: &str, now: Option<T>, options: &[(T, &str, &str)]) -> Option<T> {
+    let mut clicked = None;
+    let each = (ui.available_width() - (options.len() as f32 - 1.0)) / options.len() as f32;
+    ui.spacing_mut().item_spacing.x = 1.0;
+    for (i, (value, label, tip)) in options.iter().enumerate() {
+        let (rect, response) = ui.allocate_exact_size(vec2(each, ROW - 2.0), Sense::click());
+        let on = now == Some(*value);
+        let enabled = ui.is_enabled();
+        response.widget_info(|| WidgetInfo::selected(Role::RadioButton, enabled, on, format!("{name}: {label}")));
+        let round = |first: bool, last: bool| CornerRadius {
+            nw: if first { 3 } else { 0 },
+            sw: if first { 3 } else { 0 },
+            ne: if last { 3 } else { 0 },
+            se: if last { 3 } else { 0 },
+        };
+        paint_face(ui, rect, &response, on, round(i == 0, i + 1 == options.len()));
+        let font = TextStyle::Button.resolve(ui.style());
+        ui.painter().text(rect.center(), Align2::CENTER_CENTER, label, font, face_colour(ui, &response, on));
+        let response = if tip.is_empty() { response } else { response.on_hover_text(*tip) };
+        if response.clicked() && !on {
+            clicked = Some(*value);
+        }
+    }
+    clicked
+}
+
+fn face_colour(ui: &Ui, response: &Response, on: bool) -> Color32 {
+    let colour = if on || response.hovered() { Color32::WHITE } else { theme::TEXT };
+    if ui.is_enabled() { colour } else { ui.visuals().disable(colour) }
+}
+
+fn paint_face(ui: &Ui, rect: egui::Rect, response: &Response, on: bool, radius: CornerRadius) {
+    let fill = match (on, response.hovered()) {
+        (true, _) => theme::ACCENT_FILL,
+        (false, true) => theme::CONTROL_HOVER,
+        (false, false) => theme::CONTROL,
+    };
+    let fill = if ui.is_enabled() { fill } else { ui.visuals().disable(fill) };
+    ui.painter().rect_filled(rect, radius, fill);
+    if response.has_focus() {
+        ui.painter().rect_stroke(rect, radius, Stroke::new(1.5, theme::ACCENT), egui::StrokeKind::Inside);
+    }
+}
+
+/// What an icon button is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Face<'a> {
+    pub(super) icon: Icon,
+    /// Accessible name; also the text beside the icon if `with_text`.
+    pub(super) name: &'a str,
+    pub(super) tip: &'a str,
+    pub(super) on: bool,
+    pub(super) with_text: bool,
+    /// Without a ground of its own until the pointer comes.
+    pub(super) flat: bool,
+    pub(super) size: f32,
+    pub(super) tint: Option<Color32>,
+}
+
+impl<'a> Face<'a> {
+    /// A small one for the end of a row.
+    pub(super) fn small(icon: Icon, name: &'a str, tip: &'a str) -> Self {
+        Self { icon, name, tip, on: false, with_text: false, flat: true, size: ROW - 2.0, tint: None }
+    }
+
+    /// One for the tool bar.
+    pub(super) fn tool(icon: Icon, name: &'a str, tip: &'a str, with_text: bool) -> Self {
+        Self { icon, name, tip, on: false, with_text, flat: true, size: 32.0, tint: None }
+    }
+
+    pub(super) fn on(self, on: bool) -> Self {
+        Self { on, ..self }
+    }
+
+    pub(super) fn tint(self, tint: Color32) -> Self {
+        Self { tint: Some(tint), ..self }
+    }
+}
+
+/// A button with an icon.
+pub(super) fn icon_button(ui: &mut Ui, face: Face<'_>) -> Response {
+    let font = TextStyle::Button.resolve(ui.style());
+    let text = face.with_text.then(|| ui.painter().layout_no_wrap(face.name.to_owned(), font, Color32::PLACEHOLDER));
+    let width = text.as_ref().map_or(face.size, |t| t.size().x + 16.0 + 6.0 + 16.0);
+    let (rect, response) = ui.allocate_exact_size(vec2(width, face.size), Sense::click());
+    let enabled = ui.is_enabled();
+    response.widget_info(|| WidgetInfo::selected(Role::Button, enabled, face.on, face.name));
+    if face.on || !face.flat || response.hovered() || response.has_focus() {
+        paint_face(ui, rect, &response, face.on, CornerRadius::same(3));
+    }
+    let colour = match face.tint {
+        Some(tint) if enabled && !face.on => tint,
+        _ => face_colour(ui, &response, face.on),
+    };
+    let square = match &text {
+        Some(_) => egui::Rect::from_center_size(rect.left_center() + vec2(16.0, 0.0), vec2(16.0, 16.0)),
+        None => rect,
+    };
+    icons::paint(ui.painter(), square, face.icon, colour);
+    if let Some(text) = text {
+        let at = rect.left_center() + vec2(30.0, -text.size().y * 0.5);
+        ui.painter().galley(at, text, colour);
+    }
+    if face.tip.is_empty() { response } else { response.on_hover_text(face.tip) }
+}
+
+/// A square of colour that opens a picker; answers a change.
+pub(super) fn colour_button(ui: &mut Ui, name: &str, colour: &mut [f32; 3]) -> Response {
+    let mut bytes = theme::rgb(*colour).to_array();
+    let mut three = [bytes[0], bytes[1], bytes[2]];
+    ui.spacing_mut().interact_size = vec2(22.0, 18.0);
+    let response = ui.color_edit_button_srgb(&mut three).accessible_name(name);
+    bytes[..3].copy_from_slice(&three);
+    if response.changed() {
+        *colour = three.map(|b| f32::from(b) / 255.0);
+    }
+    response.on_hover_text(name)
+}
+
+/// A name that is edited in place; answers the new one when it was entered.
+pub(super) fn name_field(ui: &mut Ui, name: &str, text: &str, width: f32) -> Option<String> {
+    let id = ui.make_persistent_id(("name", name));
+    let mut draft = ui.data(|d| d.get_temp::<String>(id)).unwrap_or_else(|| text.to_owned());
+    let field = egui::TextEdit::singleline(&mut draft).id(id.with("field")).desired_width(width - 8.0).frame(egui::Frame::NONE);
+    let response = ui.add_sized(vec2(width, ROW - 2.0), field).accessible_name(name);
+    if response.has_focus() {
+        ui.data_mut(|d| d.insert_temp(id, draft));
+        return None;
+    }
+    ui.data_mut(|d| d.remove::<String>(id));
+    let draft = draft.trim().to_owned();
+    (response.lost_focus() && draft != text && !draft.is_empty()).then_some(draft)
+}
+
+/// A line of text that says what is missing.
+pub(super) fn empty(ui: &mut Ui, text: &str) {
+    ui.label(RichText::new(text).color(theme::TEXT_WEAK));
+}
+
+/// Contents from the right.
+pub(super) fn from_right<R>(ui: &mut Ui, body: impl FnOnce(&mut Ui) -> R) -> R {
+    ui.with_layout(Layout::right_to_left(Align::Center), body).inner
+}
+
+/// One line of buttons that ends at the right.
+pub(super) fn from_right_row<R>(ui: &mut Ui, body: impl FnOnce(&mut Ui) -> R) -> R {
+    ui.allocate_ui_with_layout(vec2(ui.available_width(), 32.0), Layout::right_to_left(Align::Center), body).inner
+}
