@@ -149,8 +149,8 @@ impl App {
         }
     }
 
-    /// Opens whatever a path is: a project folder or a volume.
-    pub(super) fn open_path(&mut self, path: &Path) {
+    /// Opens whatever a path is: a project folder or a volume. What is open is replaced.
+    pub fn open(&mut self, path: &Path) {
         let command = if path.is_dir() {
             Command::Project(ProjectCommand::Open { path: path.into() })
         } else {
@@ -257,7 +257,7 @@ impl App {
         if self.snapshot.unsaved {
             self.dialog = Some(Dialog::Replace(path));
         } else {
-            self.open_path(&path);
+            self.open(&path);
         }
     }
 

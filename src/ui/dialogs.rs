@@ -140,7 +140,7 @@ impl App {
     pub(super) fn dialogs(&mut self, ctx: &egui::Context) {
         let Some(dialog) = self.dialog.clone() else { return };
         let frame = egui::Frame::popup(&ctx.style_of(egui::Theme::Dark)).inner_margin(20);
-        let modal = Modal::new(Id::new("dialog")).frame(frame).backdrop_color(Color32::from_black_alpha(140));
+        let modal = Modal::new(Id::unique("dialog")).frame(frame).backdrop_color(Color32::from_black_alpha(140));
         modal.show(ctx, |ui| {
             ui.set_width(440.0);
             match dialog {
@@ -206,7 +206,7 @@ impl App {
                 if self.snapshot.project.is_some() {
                     // Commands are done in order: the save is on disk before the other volume is read.
                     self.save();
-                    self.open_path(&path);
+                    self.open(&path);
                 } else {
                     self.say(Gravity::Note, "Save the project first, then open the other volume.".into());
                     self.save();
@@ -214,7 +214,7 @@ impl App {
             }
             Some(Answer::No) => {
                 self.dialog = None;
-                self.open_path(&path);
+                self.open(&path);
             }
             Some(Answer::Cancel) => self.dialog = None,
             None => {}
@@ -226,7 +226,7 @@ impl App {
         if ctx.input(|i| i.raw.hovered_files.is_empty()) {
             return;
         }
-        egui::Area::new(Id::new("drop")).anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(ctx, |ui| {
+        egui::Area::new(Id::unique("drop")).anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(ctx, |ui| {
             egui::Frame::popup(ui.style()).inner_margin(24).show(ui, |ui| {
                 ui.label(RichText::new("Drop to open").size(18.0));
             });
@@ -263,7 +263,8 @@ fn three_buttons(ui: &mut Ui) -> Option<Answer> {
         }
         // Far from the other two: the one that loses work must not be hit by mistake.
         ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
-            let discard = egui::Button::new(RichText::new("Discard changes").color(theme::ERROR)).min_size(vec2(130.0, 30.0));
+            let discard =
+                egui::Button::new(RichText::new("Discard changes").color(theme::ERROR)).min_size(vec2(130.0, 30.0));
             if ui.add(discard).clicked() {
                 answer = Some(Answer::No);
             }

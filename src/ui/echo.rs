@@ -3,7 +3,8 @@
 //! Only what is set as it is said is echoed. The document's next snapshot replaces the copy, so an echo can never become the truth.
 
 use crate::document::{
-    BrushCommand, Command, ExplosionCommand, PartCommand, Place, Scene, SegmentCommand, TransferCommand, ViewCommand, Window,
+    BrushCommand, Command, ExplosionCommand, PartCommand, Place, Scene, SegmentCommand, TransferCommand, ViewCommand,
+    Window,
 };
 use crate::volume::Lighting;
 

@@ -21,13 +21,11 @@ pub(super) enum Icon {
     Lock,
     Unlock,
     Pin,
-    Plus,
     Trash,
     Maximise,
     Four,
     Keys,
     Close,
-    Reset,
     Message,
     Down,
     Right,
@@ -81,7 +79,9 @@ pub(super) fn paint(painter: &Painter, rect: Rect, icon: Icon, colour: Color32) 
         }
         Icon::Eye | Icon::EyeOff => {
             let arc = |s: f32| -> Vec<(f32, f32)> {
-                (0..=10).map(|i| (1.0 + 1.4 * i as f32, 8.0 - s * 4.5 * (i as f32 / 10.0 * std::f32::consts::PI).sin())).collect()
+                (0..=10)
+                    .map(|i| (1.0 + 1.4 * i as f32, 8.0 - s * 4.5 * (i as f32 / 10.0 * std::f32::consts::PI).sin()))
+                    .collect()
             };
             pen.line(&arc(1.0));
             pen.line(&arc(-1.0));
@@ -99,10 +99,6 @@ pub(super) fn paint(painter: &Painter, rect: Rect, icon: Icon, colour: Color32) 
             pen.line(&[(5.0, 2.0), (11.0, 2.0)]);
             pen.line(&[(6.0, 2.0), (6.0, 7.0), (3.5, 9.5), (12.5, 9.5), (10.0, 7.0), (10.0, 2.0)]);
             pen.line(&[(8.0, 9.5), (8.0, 14.5)]);
-        }
-        Icon::Plus => {
-            pen.line(&[(8.0, 3.0), (8.0, 13.0)]);
-            pen.line(&[(3.0, 8.0), (13.0, 8.0)]);
         }
         Icon::Trash => {
             pen.line(&[(2.5, 4.0), (13.5, 4.0)]);
@@ -125,14 +121,6 @@ pub(super) fn paint(painter: &Painter, rect: Rect, icon: Icon, colour: Color32) 
         Icon::Close => {
             pen.line(&[(4.0, 4.0), (12.0, 12.0)]);
             pen.line(&[(12.0, 4.0), (4.0, 12.0)]);
-        }
-        Icon::Reset => {
-            let points: Vec<_> = (0..=14)
-                .map(|i| (-0.5 + i as f32 * 0.37_f32).sin_cos())
-                .map(|(s, c)| (8.0 + 5.5 * c, 8.0 + 5.5 * s))
-                .collect();
-            pen.line(&points);
-            pen.line(&[(13.8, 1.8), (12.9, 5.4), (9.4, 4.6)]);
         }
         Icon::Message => {
             pen.closed(&[(8.0, 1.8), (15.0, 14.0), (1.0, 14.0)]);

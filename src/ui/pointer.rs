@@ -79,7 +79,8 @@ impl App {
 
     fn hover(&mut self, ctx: &egui::Context, rects: &[(ViewName, Rect)], open: bool, scale: f32, moved: bool) {
         let pos = ctx.input(|i| i.pointer.hover_pos());
-        let over = pos.filter(|_| open).and_then(|p| rects.iter().find(|(_, r)| r.contains(p)).map(|&(v, r)| (v, r, p)));
+        let over =
+            pos.filter(|_| open).and_then(|p| rects.iter().find(|(_, r)| r.contains(p)).map(|&(v, r)| (v, r, p)));
         let Some((view, rect, pos)) = over else {
             if self.viewports.hovered.take().is_some() {
                 self.probe = serde_json::Value::Null;
@@ -94,7 +95,15 @@ impl App {
         }
     }
 
-    fn pointer_event(&self, view: ViewName, rect: Rect, pos: Pos2, scale: f32, modifiers: Modifiers, time_s: f64) -> PointerEvent {
+    fn pointer_event(
+        &self,
+        view: ViewName,
+        rect: Rect,
+        pos: Pos2,
+        scale: f32,
+        modifiers: Modifiers,
+        time_s: f64,
+    ) -> PointerEvent {
         let (px, size) = (pixel(rect, pos, scale), pixels(rect, scale));
         let hit = match (&self.scene, view) {
             (Some(scene), ViewName::ThreeD) => self.pictures.hit(px, size, scene),

@@ -141,7 +141,8 @@ impl Session {
 
     /// Sends a request; `false` if nobody is there any more.
     pub(super) fn send(&mut self, request: Request) -> bool {
-        self.serial += 1;
+        // Only commands count: a snapshot need not wait for the pointer's last move.
+        self.serial += u64::from(matches!(request, Request::Apply(_)));
         self.requests.send((self.serial, request)).is_ok()
     }
 

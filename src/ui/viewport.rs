@@ -5,10 +5,12 @@ use super::icons::Icon;
 use super::pointer::pixels;
 use super::theme::{self, GAP, view_colour, view_title};
 use super::widgets::{Face, icon_button};
-use crate::document::{Command, Place, SlicePlane, ViewCommand, ViewName};
+use crate::document::{Place, SlicePlane, ViewCommand, ViewName};
 use crate::interact::Button;
 use crate::math::DVec2;
-use egui::{Align2, Color32, Rect, Role, Sense, Slider, Stroke, StrokeKind, TextStyle, Ui, UiBuilder, WidgetInfo, pos2, vec2};
+use egui::{
+    Align2, Color32, Rect, Role, Sense, Slider, Stroke, StrokeKind, TextStyle, Ui, UiBuilder, WidgetInfo, pos2, vec2,
+};
 use std::collections::BTreeMap;
 
 /// Height of a view's header.
@@ -96,9 +98,11 @@ impl App {
             };
             let scale = ui.ctx().pixels_per_point();
             // Nothing of a menu, a dialog or a tooltip may paint through to a view.
-            let open = ui.ctx().input(|i| i.pointer.interact_pos()).is_none_or(|p| {
-                ui.ctx().layer_id_at(p).is_none_or(|l| l == ui.layer_id())
-            }) && self.dialog.is_none();
+            let open = ui
+                .ctx()
+                .input(|i| i.pointer.interact_pos())
+                .is_none_or(|p| ui.ctx().layer_id_at(p).is_none_or(|l| l == ui.layer_id()))
+                && self.dialog.is_none();
             let bodies: Vec<_> = tiles.iter().map(|&(v, r)| (v, body_of(r, scale))).collect();
             self.take_pointer(ui.ctx(), &bodies, open);
             for (&(view, tile), &(_, body)) in tiles.iter().zip(&bodies) {
@@ -113,10 +117,11 @@ impl App {
         let header = Rect::from_min_max(tile.min, pos2(tile.max.x, body.min.y));
         ui.painter().rect_filled(header, 0.0, theme::BAR);
         let inner = header.shrink2(vec2(8.0, 0.0));
-        let mut head = ui.new_child(UiBuilder::new().max_rect(inner).layout(egui::Layout::left_to_right(egui::Align::Center)));
+        let mut head =
+            ui.new_child(UiBuilder::new().max_rect(inner).layout(egui::Layout::left_to_right(egui::Align::Center)));
         self.view_header(&mut head, view, inner);
 
-        let response = ui.interact(body, ui.id().with(("view", view)), Sense::click_and_drag());
+        let response = ui.interact(body, ui.scope_id().with(("view", view)), Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("{} view", view_title(view))));
         let Some(scene) = &self.scene else { return };
         let background = scene.look.background;
@@ -126,7 +131,13 @@ impl App {
             let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
             painter.image(texture.id(), body, uv, Color32::WHITE);
         } else if self.snapshot.gpu.as_ref().is_some_and(Result::is_err) {
-            painter.text(body.center(), Align2::CENTER_CENTER, "No GPU: no picture", egui::FontId::proportional(13.5), theme::TEXT_WEAK);
+            painter.text(
+                body.center(),
+                Align2::CENTER_CENTER,
+                "No GPU: no picture",
+                egui::FontId::proportional(13.5),
+                theme::TEXT_WEAK,
+            );
         }
         self.overlay(&painter, view, body);
         if self.viewports.hovered.is_some_and(|(v, _)| v == view) && self.viewports.maximised.is_none() {
@@ -139,7 +150,9 @@ impl App {
         let title = view_title(view);
         let (mark, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
         ui.painter().rect_filled(mark, 2.0, view_colour(view));
-        let label = ui.add(egui::Label::new(egui::RichText::new(title).color(theme::TEXT)).sense(Sense::click()).selectable(false));
+        let label = ui.add(
+            egui::Label::new(egui::RichText::new(title).color(theme::TEXT)).sense(Sense::click()).selectable(false),
+        );
         if label.on_hover_text("Double-click: one view or all four").double_clicked() {
             self.viewports.toggle(view);
         }
@@ -158,7 +171,8 @@ impl App {
             self.slice_slider(ui, view, inner.right() - button - GAP);
         }
         let at = Rect::from_min_max(pos2(inner.right() - button, inner.top() + 1.0), inner.max - vec2(0.0, 1.0));
-        let mut corner = ui.new_child(UiBuilder::new().max_rect(at).layout(egui::Layout::left_to_right(egui::Align::Center)));
+        let mut corner =
+            ui.new_child(UiBuilder::new().max_rect(at).layout(egui::Layout::left_to_right(egui::Align::Center)));
         let name = if alone { "All four views".to_owned() } else { format!("Only the {title} view") };
         let face = Face::small(if alone { Icon::Four } else { Icon::Maximise }, &name, &name);
         if icon_button(&mut corner, face).clicked() {
@@ -199,7 +213,10 @@ impl App {
             let title = if busy { "One moment" } else { "Open a volume to begin" };
             ui.label(egui::RichText::new(title).size(20.0).color(theme::TEXT));
             ui.add_space(8.0);
-            let text = self.busy.as_ref().map_or("NIfTI (.nii, .nii.gz), NRRD (.nrrd), or a Burin project folder", |b| b.0.as_str());
+            let text = self
+                .busy
+                .as_ref()
+                .map_or("NIfTI (.nii, .nii.gz), NRRD (.nrrd), or a Burin project folder", |b| b.0.as_str());
             ui.label(egui::RichText::new(text).color(theme::TEXT_WEAK));
             ui.add_space(16.0);
             if busy {
@@ -213,11 +230,6 @@ impl App {
             ui.add_space(8.0);
             ui.label(egui::RichText::new("or drop a file here").color(theme::TEXT_WEAK));
         });
-    }
-
-    /// Sends a crosshair in world mm.
-    pub(super) fn send_crosshair(&mut self, world: [f64; 3]) {
-        self.send(Command::View(ViewCommand::Crosshair { at: Place::Mm(world) }));
     }
 }
 

@@ -2,7 +2,9 @@
 
 use super::icons::{self, Icon};
 use super::theme::{self, GAP, LABEL, ROW};
-use egui::{Align, Align2, Color32, CornerRadius, DragValue, Layout, Response, RichText, Role, Sense, Stroke, TextStyle, Ui};
+use egui::{
+    Align, Align2, Color32, CornerRadius, DragValue, Layout, Response, RichText, Role, Sense, Stroke, TextStyle, Ui,
+};
 use egui::{Slider, WidgetInfo, vec2};
 use std::ops::RangeInclusive;
 
@@ -90,7 +92,12 @@ pub(super) fn slider(ui: &mut Ui, name: &str, value: &mut f64, range: RangeInclu
 }
 
 /// One of a few: all are seen, one is lit. Answers the one that was clicked.
-pub(super) fn choice<T: PartialEq + Copy>(ui: &mut Ui, name: &str, now: Option<T>, options: &[(T, &str, &str)]) -> Option<T> {
+pub(super) fn choice<T: PartialEq + Copy>(
+    ui: &mut Ui,
+    name: &str,
+    now: Option<T>,
+    options: &[(T, &str, &str)],
+) -> Option<T> {
     let mut clicked = None;
     let each = (ui.available_width() - (options.len() as f32 - 1.0)) / options.len() as f32;
     ui.spacing_mut().item_spacing.x = 1.0;
@@ -213,7 +220,8 @@ pub(super) fn colour_button(ui: &mut Ui, name: &str, colour: &mut [f32; 3]) -> R
 pub(super) fn name_field(ui: &mut Ui, name: &str, text: &str, width: f32) -> Option<String> {
     let id = ui.make_persistent_id(("name", name));
     let mut draft = ui.data(|d| d.get_temp::<String>(id)).unwrap_or_else(|| text.to_owned());
-    let field = egui::TextEdit::singleline(&mut draft).id(id.with("field")).desired_width(width - 8.0).frame(egui::Frame::NONE);
+    let field =
+        egui::TextEdit::singleline(&mut draft).id(id.with("field")).desired_width(width - 8.0).frame(egui::Frame::NONE);
     let response = ui.add_sized(vec2(width, ROW - 2.0), field).accessible_name(name);
     if response.has_focus() {
         ui.data_mut(|d| d.insert_temp(id, draft));

@@ -1,6 +1,8 @@
 //! The window and its tools: pure state machines, panels driven by accessible names, and one real window.
 
 mod interact;
+mod shots;
+mod window;
 
 use burin::document::{Origin, Scene};
 use burin::math::DVec3;

@@ -44,7 +44,8 @@ impl App {
             if icon_button(ui, Face::tool(Icon::Save, "Save", "Save the project (Ctrl + S)", true)).clicked() {
                 self.save();
             }
-            let more = egui::Button::new("More").min_size(egui::vec2(0.0, 32.0)).frame_when_inactive(false).right_text("⏷");
+            let more =
+                egui::Button::new("More").min_size(egui::vec2(0.0, 32.0)).frame_when_inactive(false).right_text("⏷");
             egui::containers::menu::MenuButton::from_button(more).ui(ui, |ui| self.more_menu(ui));
         });
         divider(ui);
@@ -52,8 +53,10 @@ impl App {
             (Icon::Undo, "Undo", "Ctrl + Z", self.snapshot.undo.last().cloned(), HistoryCommand::Undo { steps: 1 }),
             (Icon::Redo, "Redo", "Ctrl + Y", self.snapshot.redo.first().cloned(), HistoryCommand::Redo { steps: 1 }),
         ] {
-            let tip = names.as_ref().map_or_else(|| format!("{name} ({tip})"), |what| format!("{name} “{what}” ({tip})"));
-            let clicked = ui.add_enabled_ui(names.is_some(), |ui| icon_button(ui, Face::tool(icon, name, &tip, false)).clicked());
+            let tip =
+                names.as_ref().map_or_else(|| format!("{name} ({tip})"), |what| format!("{name} “{what}” ({tip})"));
+            let clicked =
+                ui.add_enabled_ui(names.is_some(), |ui| icon_button(ui, Face::tool(icon, name, &tip, false)).clicked());
             if clicked.inner {
                 self.travel(command);
             }
@@ -66,7 +69,11 @@ impl App {
             self.act(Action::SaveAs);
         }
         ui.separator();
-        if ui.button("Import selection…").on_hover_text("Another volume of the same place: what is above 0 is selected").clicked() {
+        if ui
+            .button("Import selection…")
+            .on_hover_text("Another volume of the same place: what is above 0 is selected")
+            .clicked()
+        {
             self.ask_path(Dialog::selection());
         }
         ui.separator();
@@ -102,7 +109,8 @@ impl App {
 
     fn right_part(&mut self, ui: &mut Ui) {
         ui.spacing_mut().item_spacing.x = 2.0;
-        if icon_button(ui, Face::tool(Icon::Keys, "Keys", "Keys and pointer (F1)", false).on(self.keys_open)).clicked() {
+        if icon_button(ui, Face::tool(Icon::Keys, "Keys", "Keys and pointer (F1)", false).on(self.keys_open)).clicked()
+        {
             self.act(Action::Keys);
         }
         let errors = self.messages.len();

@@ -39,7 +39,7 @@ impl App {
         let new = Brush { target, ..scene.brush };
         let change = brush_change(&scene.brush, &new);
         self.last_paint.insert(kind(target), target);
-        for command in change {
+        if let Some(command) = change {
             self.send(command);
         }
         self.act(crate::interact::Action::Choose(Tool::Brush));
@@ -80,11 +80,15 @@ impl App {
             }
         });
         row(ui, "Shape", |ui| {
-            let options = [(Shape::Sphere, "Ball", "A ball, in every view"), (Shape::Disc, "Disc", "One voxel thick, on the slice")];
+            let options = [
+                (Shape::Sphere, "Ball", "A ball, in every view"),
+                (Shape::Disc, "Disc", "One voxel thick, on the slice"),
+            ];
             new.shape = choice(ui, "Shape", Some(new.shape), &options).unwrap_or(new.shape);
         });
         row(ui, "Edge", |ui| {
-            let options = [(Falloff::Hard, "Hard", ""), (Falloff::Linear, "Linear", ""), (Falloff::Smooth, "Smooth", "")];
+            let options =
+                [(Falloff::Hard, "Hard", ""), (Falloff::Linear, "Linear", ""), (Falloff::Smooth, "Smooth", "")];
             new.falloff = choice(ui, "Edge", Some(new.falloff), &options).unwrap_or(new.falloff);
         });
         row(ui, "Dabs", |ui| {
@@ -110,10 +114,8 @@ impl App {
 
 /// Four targets on two lines would cost height; their short names fit on one.
 fn choice_short(ui: &mut Ui, now: &'static str) -> Option<&'static str> {
-    let options: Vec<_> = TARGETS
-        .iter()
-        .map(|&(key, name, tip)| (key, if key == "selection" { "Select" } else { name }, tip))
-        .collect();
+    let options: Vec<_> =
+        TARGETS.iter().map(|&(key, name, tip)| (key, if key == "selection" { "Select" } else { name }, tip)).collect();
     // The text is small enough for the narrowest panel.
     ui.style_mut().text_styles.insert(egui::TextStyle::Button, egui::FontId::proportional(12.0));
     choice(ui, "Paint", Some(now), &options)
@@ -151,16 +153,18 @@ fn target_row(ui: &mut Ui, scene: &Scene, new: &mut Brush) {
 }
 
 fn label_box(ui: &mut Ui, scene: &Scene, id: &mut u16) {
-    let named = |id: u16| scene.segments.get(id).map_or_else(|| format!("{id}  new segment"), |s| format!("{id}  {}", s.name));
+    let named =
+        |id: u16| scene.segments.get(id).map_or_else(|| format!("{id}  new segment"), |s| format!("{id}  {}", s.name));
     let swatch = ui.allocate_exact_size(vec2(14.0, 14.0), egui::Sense::hover()).0;
     ui.painter().rect_filled(swatch, 2.0, crate::ui::overlay::paint_colour(Target::Label(*id), scene));
     let width = ui.available_width() - 8.0;
-    let response = ComboBox::from_id_salt("label").width(width).truncate().selected_text(named(*id)).show_ui(ui, |ui| {
-        let next = scene.segments.0.last().map_or(1, |s| s.id.saturating_add(1));
-        for option in scene.segments.0.iter().map(|s| s.id).chain([next]) {
-            ui.selectable_value(id, option, named(option));
-        }
-    });
+    let response =
+        ComboBox::from_id_salt("label").width(width).truncate().selected_text(named(*id)).show_ui(ui, |ui| {
+            let next = scene.segments.0.last().map_or(1, |s| s.id.saturating_add(1));
+            for option in scene.segments.0.iter().map(|s| s.id).chain([next]) {
+                ui.selectable_value(id, option, named(option));
+            }
+        });
     response.response.accessible_name("Label to paint");
 }
 
@@ -187,7 +191,8 @@ fn range_row(ui: &mut Ui, new: &mut Brush, span: Option<(f64, f64)>) {
             let width = (ui.available_width() - 22.0) * 0.5;
             let speed = ((max - min) / 400.0).max(f64::MIN_POSITIVE);
             let field = |ui: &mut Ui, value: &mut f64, name: &str| -> Response {
-                ui.add_sized(vec2(width, theme::ROW - 2.0), DragValue::new(value).speed(speed).max_decimals(3)).accessible_name(name)
+                ui.add_sized(vec2(width, theme::ROW - 2.0), DragValue::new(value).speed(speed).max_decimals(3))
+                    .accessible_name(name)
             };
             let low = field(ui, &mut range[0], "Lowest value to paint");
             ui.label("–");

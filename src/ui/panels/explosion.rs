@@ -41,38 +41,42 @@ impl App {
     fn force_rows(&mut self, ui: &mut Ui, forces: Forces) {
         let id = ui.make_persistent_id("forces");
         let folded = egui::collapsing_header::CollapsingState::load_with_default_open(ui.ctx(), id, false);
-        folded
-            .show_header(ui, |ui| ui.label("Forces"))
-            .body_unindented(|ui| {
-                let mut new = forces;
-                let scale = Scale { decimals: 2, ..Scale::default() };
-                for (label, name, value, top) in [
-                    ("Return", "Return force", &mut new.return_constant, 1.0),
-                    ("Explosion", "Explosion force", &mut new.delta_explosion, 1.0),
-                    ("Viewing", "Viewing force", &mut new.delta_viewing, 1.0),
-                    ("Spacing", "Spacing force", &mut new.delta_spacing, 1.0),
-                ] {
-                    row(ui, label, |ui| {
-                        let response = slider(ui, name, value, 0.0..=top, scale);
-                        if response.changed() {
-                            self.edit(&response, Command::Explosion(ExplosionCommand::Forces { forces: new_with(forces, name, *value) }));
-                        }
-                    });
-                }
-                let mut check = |ui: &mut Ui, text: &str, tip: &str, now: bool, with: &dyn Fn(bool) -> Forces| {
-                    let mut on = now;
-                    if ui.checkbox(&mut on, text).on_hover_text(tip).changed() {
-                        self.send(Command::Explosion(ExplosionCommand::Forces { forces: with(on) }));
+        folded.show_header(ui, |ui| ui.label("Forces")).body_unindented(|ui| {
+            let mut new = forces;
+            let scale = Scale { decimals: 2, ..Scale::default() };
+            for (label, name, value, top) in [
+                ("Return", "Return force", &mut new.return_constant, 1.0),
+                ("Explosion", "Explosion force", &mut new.delta_explosion, 1.0),
+                ("Viewing", "Viewing force", &mut new.delta_viewing, 1.0),
+                ("Spacing", "Spacing force", &mut new.delta_spacing, 1.0),
+            ] {
+                row(ui, label, |ui| {
+                    let response = slider(ui, name, value, 0.0..=top, scale);
+                    if response.changed() {
+                        self.edit(
+                            &response,
+                            Command::Explosion(ExplosionCommand::Forces { forces: new_with(forces, name, *value) }),
+                        );
                     }
-                };
-                let tip = "Parts leave the line of sight to the selection";
-                check(ui, "Clear the view", tip, forces.viewing, &|viewing| Forces { viewing, ..forces });
-                let tip = "Only parts that hide the selection are pushed, as far as it takes";
-                check(ui, "Measure what hides", tip, forces.measured_gain, &|measured_gain| Forces { measured_gain, ..forces });
-                if ui.button("Standard forces").clicked() {
-                    self.send(Command::Explosion(ExplosionCommand::Forces { forces: Forces::default() }));
+                });
+            }
+            let mut check = |ui: &mut Ui, text: &str, tip: &str, now: bool, with: &dyn Fn(bool) -> Forces| {
+                let mut on = now;
+                if ui.checkbox(&mut on, text).on_hover_text(tip).changed() {
+                    self.send(Command::Explosion(ExplosionCommand::Forces { forces: with(on) }));
                 }
+            };
+            let tip = "Parts leave the line of sight to the selection";
+            check(ui, "Clear the view", tip, forces.viewing, &|viewing| Forces { viewing, ..forces });
+            let tip = "Only parts that hide the selection are pushed, as far as it takes";
+            check(ui, "Measure what hides", tip, forces.measured_gain, &|measured_gain| Forces {
+                measured_gain,
+                ..forces
             });
+            if ui.button("Standard forces").clicked() {
+                self.send(Command::Explosion(ExplosionCommand::Forces { forces: Forces::default() }));
+            }
+        });
     }
 }
 

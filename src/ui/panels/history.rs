@@ -12,36 +12,49 @@ impl App {
         let rows = done + 1 + snapshot.redo.len();
         let height = ui.available_height().clamp(ROW * 5.0, ROW * 14.0);
         let mut jump = None;
-        ScrollArea::vertical().id_salt("history").max_height(height).stick_to_bottom(true).show_rows(ui, 20.0, rows, |ui, range| {
-            for i in range {
-                let name = match i {
-                    0 => "Opened",
-                    i if i <= done => snapshot.undo[i - 1].as_str(),
-                    i => snapshot.redo[i - done - 1].as_str(),
-                };
-                let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 20.0), Sense::click());
-                let here = i == done;
-                response.widget_info(|| egui::WidgetInfo::selected(egui::Role::ListItem, true, here, format!("Step {i}: {name}")));
-                let fill = match (here, response.hovered()) {
-                    (true, _) => theme::ACCENT_FILL,
-                    (false, true) => theme::CONTROL,
-                    _ => egui::Color32::TRANSPARENT,
-                };
-                ui.painter().rect_filled(rect, 3.0, fill);
-                let colour = match i {
-                    _ if here => egui::Color32::WHITE,
-                    i if i > done => theme::TEXT_WEAK,
-                    _ => theme::TEXT,
-                };
-                let mono = egui::TextStyle::Monospace.resolve(ui.style());
-                ui.painter().text(rect.left_center() + vec2(26.0, 0.0), Align2::RIGHT_CENTER, i, mono, theme::TEXT_WEAK);
-                let font = egui::TextStyle::Body.resolve(ui.style());
-                ui.painter().text(rect.left_center() + vec2(36.0, 0.0), Align2::LEFT_CENTER, name, font, colour);
-                if response.clicked() && !here {
-                    jump = Some(i);
+        ScrollArea::vertical().id_salt("history").max_height(height).stick_to_bottom(true).show_rows(
+            ui,
+            20.0,
+            rows,
+            |ui, range| {
+                for i in range {
+                    let name = match i {
+                        0 => "Opened",
+                        i if i <= done => snapshot.undo[i - 1].as_str(),
+                        i => snapshot.redo[i - done - 1].as_str(),
+                    };
+                    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 20.0), Sense::click());
+                    let here = i == done;
+                    response.widget_info(|| {
+                        egui::WidgetInfo::selected(egui::Role::ListItem, true, here, format!("Step {i}: {name}"))
+                    });
+                    let fill = match (here, response.hovered()) {
+                        (true, _) => theme::ACCENT_FILL,
+                        (false, true) => theme::CONTROL,
+                        _ => egui::Color32::TRANSPARENT,
+                    };
+                    ui.painter().rect_filled(rect, 3.0, fill);
+                    let colour = match i {
+                        _ if here => egui::Color32::WHITE,
+                        i if i > done => theme::TEXT_WEAK,
+                        _ => theme::TEXT,
+                    };
+                    let mono = egui::TextStyle::Monospace.resolve(ui.style());
+                    ui.painter().text(
+                        rect.left_center() + vec2(26.0, 0.0),
+                        Align2::RIGHT_CENTER,
+                        i,
+                        mono,
+                        theme::TEXT_WEAK,
+                    );
+                    let font = egui::TextStyle::Body.resolve(ui.style());
+                    ui.painter().text(rect.left_center() + vec2(36.0, 0.0), Align2::LEFT_CENTER, name, font, colour);
+                    if response.clicked() && !here {
+                        jump = Some(i);
+                    }
                 }
-            }
-        });
+            },
+        );
         match jump {
             Some(i) if i < done => self.travel(HistoryCommand::Undo { steps: (done - i) as u32 }),
             Some(i) => self.travel(HistoryCommand::Redo { steps: (i - done) as u32 }),

@@ -13,7 +13,13 @@ enum Kind {
     Mip,
 }
 
-fn look(mode: Option<Mode>, shaded: Option<bool>, lighting: Option<Lighting>, step: Option<f64>, background: Option<[f32; 3]>) -> Command {
+fn look(
+    mode: Option<Mode>,
+    shaded: Option<bool>,
+    lighting: Option<Lighting>,
+    step: Option<f64>,
+    background: Option<[f32; 3]>,
+) -> Command {
     Command::View(ViewCommand::Look { mode, shaded, lighting, step_voxels: step, background })
 }
 

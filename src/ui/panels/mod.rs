@@ -48,7 +48,12 @@ impl App {
 }
 
 fn side(panel: Panel) -> Panel {
-    panel.resizable(true).frame(Frame::new().fill(theme::PANEL).inner_margin(Margin { left: 10, right: 6, top: 6, bottom: 0 }))
+    panel.resizable(true).frame(Frame::new().fill(theme::PANEL).inner_margin(Margin {
+        left: 10,
+        right: 6,
+        top: 6,
+        bottom: 0,
+    }))
 }
 
 fn scrolled(ui: &mut Ui, name: &str, body: impl FnOnce(&mut Ui)) {

@@ -16,16 +16,25 @@ impl App {
             empty(ui, "One part: the whole volume.");
         }
         let height = ROW * 6.0;
-        ScrollArea::vertical().id_salt("parts").max_height(height).show_rows(ui, ROW - 4.0, parts.len(), |ui, range| {
-            for part in &parts[range] {
-                self.part_row(ui, part);
-            }
-        });
+        ScrollArea::vertical().id_salt("parts").max_height(height).show_rows(
+            ui,
+            ROW - 4.0,
+            parts.len(),
+            |ui, range| {
+                for part in &parts[range] {
+                    self.part_row(ui, part);
+                }
+            },
+        );
     }
 
     fn part_row(&mut self, ui: &mut Ui, part: &Part) {
         let id = part.id;
-        let set = |name: Option<String>, colour: Option<[f32; 3]>, own_colour: bool, visible: Option<bool>, pinned: Option<bool>| {
+        let set = |name: Option<String>,
+                   colour: Option<[f32; 3]>,
+                   own_colour: bool,
+                   visible: Option<bool>,
+                   pinned: Option<bool>| {
             Command::Part(PartCommand::Set { id, name, colour, own_colour, visible, pinned, importance: None })
         };
         ui.push_id(("part", id.0), |ui| {
@@ -57,7 +66,8 @@ impl App {
                         self.send(set(None, None, false, None, Some(!part.pinned)));
                     }
                     let show = format!("Show {}", part.name);
-                    let (icon, tint) = if part.visible { (Icon::Eye, theme::TEXT) } else { (Icon::EyeOff, theme::TEXT_WEAK) };
+                    let (icon, tint) =
+                        if part.visible { (Icon::Eye, theme::TEXT) } else { (Icon::EyeOff, theme::TEXT_WEAK) };
                     if icon_button(ui, Face::small(icon, &show, "Shown or hidden").tint(tint)).clicked() {
                         self.send(set(None, None, false, Some(!part.visible), None));
                     }

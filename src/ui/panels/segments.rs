@@ -38,7 +38,8 @@ impl App {
 
     fn segment_row(&mut self, ui: &mut Ui, segment: &Segment, painted: bool) {
         let id = segment.id;
-        let same = |name, colour, visible, locked| Command::Segment(SegmentCommand::Set { id, name, colour, visible, locked });
+        let same =
+            |name, colour, visible, locked| Command::Segment(SegmentCommand::Set { id, name, colour, visible, locked });
         ui.push_id(("segment", id), |ui| {
             ui.horizontal(|ui| {
                 let full = egui::Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), ROW - 4.0));
@@ -49,7 +50,13 @@ impl App {
                 let name = format!("Paint segment {}", segment.name);
                 pick.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, painted, &name));
                 let font = egui::TextStyle::Monospace.resolve(ui.style());
-                ui.painter().text(rect.right_center() - vec2(2.0, 0.0), egui::Align2::RIGHT_CENTER, id, font, theme::TEXT);
+                ui.painter().text(
+                    rect.right_center() - vec2(2.0, 0.0),
+                    egui::Align2::RIGHT_CENTER,
+                    id,
+                    font,
+                    theme::TEXT,
+                );
                 if pick.on_hover_text("Paint this label").clicked() {
                     self.paint_with(Target::Label(id));
                 }

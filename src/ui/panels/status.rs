@@ -53,8 +53,12 @@ impl App {
         let index = open.grid.index_from_world().transform_point3(world);
         let voxel = open.grid.voxel_at(index);
         let shown = |v: [u32; 3]| format!("{:>4} {:>4} {:>4}", v[0], v[1], v[2]);
-        ui.add(Label::new(mono(voxel.map_or_else(|| "outside".into(), |v| format!("ijk {}", shown(v))))).selectable(false));
-        ui.add(Label::new(mono(format!("RAS {:>7.1} {:>7.1} {:>7.1} mm", world.x, world.y, world.z))).selectable(false));
+        ui.add(
+            Label::new(mono(voxel.map_or_else(|| "outside".into(), |v| format!("ijk {}", shown(v))))).selectable(false),
+        );
+        ui.add(
+            Label::new(mono(format!("RAS {:>7.1} {:>7.1} {:>7.1} mm", world.x, world.y, world.z))).selectable(false),
+        );
         if voxel.is_some() {
             let (value, label) = self.voxel_text();
             ui.add(Label::new(mono(value)).selectable(false));
@@ -70,13 +74,16 @@ impl App {
         let value = number(&self.probe["density"]).map_or_else(String::new, |d| format!("value {}", short(d)));
         let mut extra = Vec::new();
         if let Some(id) = self.probe["label"].as_u64().filter(|&id| id != 0) {
-            let name = self.scene.as_ref().and_then(|s| s.segments.get(id as u16)).map_or("unnamed", |s| s.name.as_str());
+            let name =
+                self.scene.as_ref().and_then(|s| s.segments.get(id as u16)).map_or("unnamed", |s| s.name.as_str());
             extra.push(format!("{id} {name}"));
         }
         if let Some(selected) = number(&self.probe["selection"]).filter(|&s| s > 0.0) {
             extra.push(format!("selected {:.0} %", selected * 100.0));
         }
-        if let Some(part) = self.hovered_part().and_then(|id| self.scene.as_ref()?.explosion.parts.iter().find(|p| p.id == id)) {
+        if let Some(part) =
+            self.hovered_part().and_then(|id| self.scene.as_ref()?.explosion.parts.iter().find(|p| p.id == id))
+        {
             extra.push(part.name.clone());
         }
         (value, (!extra.is_empty()).then(|| extra.join("  ·  ")))
@@ -99,7 +106,8 @@ impl App {
                 ui.label(RichText::new("No GPU").color(theme::ERROR)).on_hover_text(reason);
             }
             Some(Ok(name)) => {
-                ui.add(Label::new(RichText::new(short_gpu(name)).color(theme::TEXT_WEAK)).truncate()).on_hover_text(name);
+                ui.add(Label::new(RichText::new(short_gpu(name)).color(theme::TEXT_WEAK)).truncate())
+                    .on_hover_text(name);
             }
             None => {}
         }

@@ -72,7 +72,11 @@ impl App {
         let painter = ui.painter_at(outer);
         painter.rect_filled(outer, 3.0, theme::DEEP);
         let rect = outer.shrink2(vec2(HANDLE * 0.5 + 1.0, HANDLE * 0.5 + 1.0));
-        let (lo, hi) = if histogram.max > histogram.min { (histogram.min, histogram.max) } else { (histogram.min, histogram.min + 1.0) };
+        let (lo, hi) = if histogram.max > histogram.min {
+            (histogram.min, histogram.max)
+        } else {
+            (histogram.min, histogram.min + 1.0)
+        };
         let plot = Plot { rect, lo, hi };
         self.transfer.paint_bars(&painter, &plot, &histogram);
         paint_curve(&painter, &plot, &old);
@@ -118,7 +122,13 @@ impl App {
         }
     }
 
-    fn colour_strip(&mut self, ui: &mut Ui, plot: &Plot, old: &TransferFunction, new: &mut TransferFunction) -> Option<Response> {
+    fn colour_strip(
+        &mut self,
+        ui: &mut Ui,
+        plot: &Plot,
+        old: &TransferFunction,
+        new: &mut TransferFunction,
+    ) -> Option<Response> {
         let mut touched = None;
         let (outer, ground) = ui.allocate_exact_size(vec2(ui.available_width(), STRIP + HANDLE), Sense::click());
         ground.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Colours over the values"));
@@ -159,14 +169,16 @@ impl App {
         let mut touched = None;
         let speed = (plot.hi - plot.lo) / 500.0;
         let field = |ui: &mut Ui, value: &mut f64, speed: f64, name: &str| {
-            ui.add_sized(vec2(70.0, ROW - 2.0), DragValue::new(value).speed(speed).max_decimals(3)).accessible_name(name)
+            ui.add_sized(vec2(70.0, ROW - 2.0), DragValue::new(value).speed(speed).max_decimals(3))
+                .accessible_name(name)
         };
         row(ui, "Point", |ui| {
             match self.transfer.selected {
                 Some(Point::Opacity(i)) if i < new.opacity.len() => {
                     let (mut value, mut opacity) = (new.opacity[i].0, f64::from(new.opacity[i].1));
                     let a = field(ui, &mut value, speed, "Value of the point").on_hover_text("Value");
-                    let b = field(ui, &mut opacity, 0.005, "Opacity of the point").on_hover_text("Opacity of one unit of length");
+                    let b = field(ui, &mut opacity, 0.005, "Opacity of the point")
+                        .on_hover_text("Opacity of one unit of length");
                     if a.changed() || b.changed() {
                         curve::move_opacity(new, i, value, opacity, plot.gap());
                         touched = Some(a | b);
@@ -213,7 +225,10 @@ impl TransferEditor {
             let height = bars[a.min(bars.len())..b.min(bars.len())].iter().copied().fold(0.0, f32::max);
             let x = plot.rect.left() + c as f32;
             let top = plot.rect.bottom() - height * plot.rect.height() * 0.94;
-            mesh.add_colored_rect(Rect::from_min_max(pos2(x, top), pos2(x + 1.0, plot.rect.bottom())), Color32::from_rgb(0x43, 0x46, 0x4c));
+            mesh.add_colored_rect(
+                Rect::from_min_max(pos2(x, top), pos2(x + 1.0, plot.rect.bottom())),
+                Color32::from_rgb(0x43, 0x46, 0x4c),
+            );
         }
         painter.add(Shape::mesh(mesh));
     }
@@ -227,7 +242,7 @@ fn heights(bins: &[u64]) -> Vec<f32> {
 
 fn handle(ui: &Ui, salt: (&str, usize), at: Pos2, name: &str) -> Response {
     let rect = Rect::from_center_size(at, vec2(HANDLE + 7.0, HANDLE + 7.0));
-    let response = ui.interact(rect, ui.id().with(salt), Sense::click_and_drag());
+    let response = ui.interact(rect, ui.scope_id().with(salt), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Slider, true, name));
     response
 }

@@ -1,0 +1,219 @@
+//! The thread that owns the document: does commands in order, lets parts move, draws what is seen.
+//!
+//! Commands come first; pictures are drawn when none waits, one view at a time, so that a stroke's samples never queue behind a
+//! picture for longer than one takes. Knows egui only to wake the window.
+
+use super::session::{Far, Gravity, Opened, Report, Request, Session, Snapshot};
+use crate::document::{
+    Command, Document, DocumentError, ExplosionCommand, HistoryCommand, Place, ProjectCommand, Question, ViewName,
+    VolumeCommand,
+};
+use crate::math::DVec2;
+use crate::volume::Histogram;
+use serde_json::Value;
+use std::sync::Arc;
+use std::sync::mpsc::{RecvTimeoutError, TryRecvError};
+use std::time::Duration;
+
+/// Steps of 1/60 s that parts do between two pictures at most.
+const MOST_STEPS: u32 = 4;
+
+/// Starts it; the session is the window's end. The thread ends when the window drops it.
+///
+/// # Errors
+/// If the system gives no thread.
+pub(super) fn spawn(document: Document, wake: egui::Context) -> std::io::Result<Session> {
+    let (session, far) = Session::pair();
+    let worker = Worker {
+        far,
+        document,
+        wake,
+        serial: 0,
+        shown: Vec::new(),
+        held: false,
+        probe: None,
+        moving: false,
+        histogram: None,
+        told: None,
+    };
+    std::thread::Builder::new().name("document".into()).spawn(move || worker.run())?;
+    Ok(session)
+}
+
+struct Worker {
+    far: Far,
+    document: Document,
+    wake: egui::Context,
+    serial: u64,
+    shown: Vec<ViewName>,
+    held: bool,
+    probe: Option<(ViewName, DVec2, [u32; 2])>,
+    moving: bool,
+    histogram: Option<Arc<Histogram>>,
+    /// Revision and serial of the last snapshot sent.
+    told: Option<(u64, u64, bool)>,
+}
+
+impl Worker {
+    fn run(mut self) {
+        self.tell();
+        loop {
+            if !self.take_requests() {
+                return;
+            }
+            if self.moving {
+                self.step();
+            }
+            self.tell();
+            self.answer_probe();
+        }
+    }
+
+    /// Does what waits; sleeps if nothing does and nothing moves. `false`: the window is gone.
+    fn take_requests(&mut self) -> bool {
+        let idle = !self.moving && self.probe.is_none();
+        if idle {
+            match self.far.requests.recv_timeout(Duration::from_secs(3600)) {
+                Ok((serial, request)) => self.take(serial, request),
+                Err(RecvTimeoutError::Timeout) => return true,
+                Err(RecvTimeoutError::Disconnected) => return false,
+            }
+        }
+        loop {
+            match self.far.requests.try_recv() {
+                Ok((serial, request)) => self.take(serial, request),
+                Err(TryRecvError::Empty) => return true,
+                Err(TryRecvError::Disconnected) => return false,
+            }
+        }
+    }
+
+    fn take(&mut self, serial: u64, request: Request) {
+        self.serial = serial;
+        match request {
+            Request::Apply(command) => self.apply(command),
+            Request::Probe { view, px, size } => self.probe = Some((view, px, size)),
+            Request::Show(views) => self.shown = views,
+            Request::Held(held) => self.held = held,
+        }
+    }
+
+    fn apply(&mut self, command: Command) {
+        let started = lasts(&command);
+        if let Some(what) = &started {
+            self.report(Report::Started(what.clone()));
+        }
+        let moves = matches!(
+            &command,
+            Command::Explosion(_)
+                | Command::Part(_)
+                | Command::History(HistoryCommand::Undo { .. } | HistoryCommand::Redo { .. })
+        );
+        let result = self.document.apply(command.clone());
+        if started.is_some() {
+            self.report(Report::Finished);
+        }
+        match result {
+            Ok(answer) => {
+                self.moving |= matches!(
+                    command,
+                    Command::Explosion(ExplosionCommand::Degree { .. } | ExplosionCommand::Forces { .. })
+                );
+                if moves && !matches!(command, Command::Explosion(_)) {
+                    self.moving = false;
+                }
+                self.say_warnings(&answer);
+                if started.is_some() {
+                    self.report(Report::Done(command, answer));
+                }
+            }
+            // A group that was closed by something else is no news.
+            Err(DocumentError::NotNow(_))
+                if matches!(command, Command::History(HistoryCommand::End {} | HistoryCommand::Cancel {})) => {}
+            Err(error) => self.report(Report::Message(Gravity::Error, error.to_string())),
+        }
+    }
+
+    fn say_warnings(&self, answer: &Value) {
+        let one = answer["warning"].as_str().into_iter();
+        let many = answer["warnings"].as_array().into_iter().flatten().filter_map(Value::as_str);
+        for warning in one.chain(many) {
+            self.report(Report::Message(Gravity::Warning, warning.to_owned()));
+        }
+    }
+
+    /// Lets the parts move on.
+    fn step(&mut self) {
+        match self.document.apply(Command::Explosion(ExplosionCommand::Step { steps: MOST_STEPS })) {
+            Ok(answer) => self.moving = answer["at_rest"].as_bool() == Some(false),
+            Err(error) => {
+                self.moving = false;
+                self.report(Report::Message(Gravity::Error, error.to_string()));
+            }
+        }
+    }
+
+    fn answer_probe(&mut self) {
+        let Some((view, px, size)) = self.probe.take() else { return };
+        let at = Place::Pixel { view, px: px.to_array(), size: Some(size) };
+        // Nothing under the pointer is an answer too.
+        let answer = self.document.apply(Command::Ask(Question::Voxel { at })).unwrap_or(Value::Null);
+        self.report(Report::Probe(answer));
+    }
+
+    /// Sends a snapshot if anything is new.
+    fn tell(&mut self) {
+        let now = (self.document.revision(), self.serial, self.moving);
+        if self.told == Some(now) {
+            return;
+        }
+        let open = self.document.state().map(|state| {
+            let histogram = match &self.histogram {
+                Some(known) if **known == state.histogram => known.clone(),
+                _ => Arc::new(state.histogram.clone()),
+            };
+            Opened {
+                scene: Arc::new(state.scene.clone()),
+                grid: *state.grid(),
+                voxel_type: state.source.voxel_type(),
+                statistics: state.statistics,
+                histogram,
+            }
+        });
+        self.histogram = open.as_ref().map(|o| o.histogram.clone());
+        let history = self.document.history();
+        let snapshot = Snapshot {
+            serial: self.serial,
+            open,
+            undo: history.undo_names().map(str::to_owned).collect(),
+            redo: history.redo_names().map(str::to_owned).collect(),
+            moving: self.moving,
+            ..Snapshot::default()
+        };
+        self.told = Some(now);
+        self.report(Report::Snapshot(Arc::new(snapshot)));
+    }
+
+    fn report(&self, report: Report) {
+        // Nobody there: the next look at the requests ends the thread.
+        let _gone = self.far.reports.send(report);
+        self.wake.request_repaint();
+    }
+}
+
+/// What the window says while a command runs that may take over a tenth of a second.
+fn lasts(command: &Command) -> Option<String> {
+    let name = |p: &std::path::Path| p.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    match command {
+        Command::Volume(VolumeCommand::Open { path, .. }) | Command::Project(ProjectCommand::Open { path }) => {
+            Some(format!("Opening {}", name(path)))
+        }
+        Command::Volume(VolumeCommand::Export { path, .. }) => Some(format!("Exporting {}", name(path))),
+        Command::Project(ProjectCommand::Save { .. }) => Some("Saving".into()),
+        Command::Explosion(ExplosionCommand::Settle {}) => Some("Settling parts".into()),
+        Command::Selection(_) => Some("Selecting".into()),
+        Command::Segment(crate::document::SegmentCommand::Remove { .. }) => Some("Removing a segment".into()),
+        Command::Render(_) => Some("Drawing a picture".into()),
+        _ => None,
+    }
+}
