@@ -33,7 +33,7 @@ pub(super) const WARNING: Color32 = Color32::from_rgb(0xe3, 0xb3, 0x5a);
 /// Height of rows that are clicked.
 pub(super) const ROW: f32 = 24.0;
 /// Width of the labels in front of controls.
-pub(super) const LABEL: f32 = 76.0;
+pub(super) const LABEL: f32 = 84.0;
 /// One step of the grid.
 pub(super) const GAP: f32 = 4.0;
 

@@ -99,10 +99,15 @@ pub(super) fn choice<T: PartialEq + Copy>(
     options: &[(T, &str, &str)],
 ) -> Option<T> {
     let mut clicked = None;
-    let each = (ui.available_width() - (options.len() as f32 - 1.0)) / options.len() as f32;
     ui.spacing_mut().item_spacing.x = 1.0;
+    let font = TextStyle::Button.resolve(ui.style());
+    // Each gets its text and an equal share of what is left, so that no text meets its neighbour.
+    let text_width = |label: &str| ui.painter().layout_no_wrap(label.to_owned(), font.clone(), Color32::WHITE).size().x;
+    let widths: Vec<f32> = options.iter().map(|o| text_width(o.1)).collect();
+    let spare = ui.available_width() - (options.len() as f32 - 1.0) - widths.iter().sum::<f32>();
+    let spare = (spare / options.len() as f32).max(4.0);
     for (i, (value, label, tip)) in options.iter().enumerate() {
-        let (rect, response) = ui.allocate_exact_size(vec2(each, ROW - 2.0), Sense::click());
+        let (rect, response) = ui.allocate_exact_size(vec2(widths[i] + spare, ROW - 2.0), Sense::click());
         let on = now == Some(*value);
         let enabled = ui.is_enabled();
         response.widget_info(|| WidgetInfo::selected(Role::RadioButton, enabled, on, format!("{name}: {label}")));
@@ -113,8 +118,8 @@ pub(super) fn choice<T: PartialEq + Copy>(
             se: if last { 3 } else { 0 },
         };
         paint_face(ui, rect, &response, on, round(i == 0, i + 1 == options.len()));
-        let font = TextStyle::Button.resolve(ui.style());
-        ui.painter().text(rect.center(), Align2::CENTER_CENTER, label, font, face_colour(ui, &response, on));
+        let colour = face_colour(ui, &response, on);
+        ui.painter().text(rect.center(), Align2::CENTER_CENTER, label, font.clone(), colour);
         let response = if tip.is_empty() { response } else { response.on_hover_text(*tip) };
         if response.clicked() && !on {
             clicked = Some(*value);
@@ -220,8 +225,11 @@ pub(super) fn colour_button(ui: &mut Ui, name: &str, colour: &mut [f32; 3]) -> R
 pub(super) fn name_field(ui: &mut Ui, name: &str, text: &str, width: f32) -> Option<String> {
     let id = ui.make_persistent_id(("name", name));
     let mut draft = ui.data(|d| d.get_temp::<String>(id)).unwrap_or_else(|| text.to_owned());
-    let field =
-        egui::TextEdit::singleline(&mut draft).id(id.with("field")).desired_width(width - 8.0).frame(egui::Frame::NONE);
+    let field = egui::TextEdit::singleline(&mut draft)
+        .id(id.with("field"))
+        .desired_width(width - 8.0)
+        .vertical_align(Align::Center)
+        .frame(egui::Frame::NONE);
     let response = ui.add_sized(vec2(width, ROW - 2.0), field).accessible_name(name);
     if response.has_focus() {
         ui.data_mut(|d| d.insert_temp(id, draft));

@@ -187,8 +187,10 @@ impl Worker {
             open,
             undo: history.undo_names().map(str::to_owned).collect(),
             redo: history.redo_names().map(str::to_owned).collect(),
+            project: self.document.project_dir().map(Into::into),
+            unsaved: self.document.is_unsaved(),
+            gpu: self.gpu.clone(),
             moving: self.moving,
-            ..Snapshot::default()
         };
         self.told = Some(now);
         self.report(Report::Snapshot(Arc::new(snapshot)));

@@ -1,7 +1,6 @@
 //! The window and its tools: pure state machines, panels driven by accessible names, and one real window.
 
 mod interact;
-mod shots;
 mod window;
 
 use burin::document::{Origin, Scene};

@@ -1,24 +1,27 @@
 //! The window driven by accessible names; the other end of its session is the test.
 
 use super::scene;
-use burin::document::{Command, ExplosionCommand, HistoryCommand, PartCommand, Scene, SegmentCommand, ViewCommand};
+use burin::document::{
+    BrushCommand, Command, ExplosionCommand, HistoryCommand, PartCommand, ProjectCommand, Scene, SegmentCommand,
+    StrokeCommand, TransferCommand, ViewCommand,
+};
 use burin::explode::{Part, PartId};
 use burin::math::{DVec3, Pose};
 use burin::paint::Target;
-use burin::ui::{App, Far, Opened, Report, Request, Session, Snapshot};
+use burin::ui::{App, Far, Gravity, Opened, Report, Request, Session, Snapshot};
 use burin::volume::{Histogram, Statistics, VoxelType};
 use egui::{Modifiers, vec2};
 use egui_kittest::{Harness, kittest::Queryable};
 use std::sync::Arc;
 
-pub struct Window {
-    pub harness: Harness<'static, App>,
+struct Window {
+    harness: Harness<'static, App>,
     far: Far,
-    pub scene: Scene,
+    scene: Scene,
     serial: u64,
 }
 
-pub fn part(id: u32, name: &str) -> Part {
+fn part(id: u32, name: &str) -> Part {
     Part {
         id: PartId(id),
         name: name.into(),
@@ -33,17 +36,16 @@ pub fn part(id: u32, name: &str) -> Part {
 }
 
 impl Window {
-    pub fn empty(size: [f32; 2]) -> Self {
+    fn empty(size: [f32; 2]) -> Self {
         let (session, far) = Session::pair();
         let app = App::new(session);
-        let harness = Harness::builder()
-            .with_size(vec2(size[0], size[1]))
-            .build_ui_state(|ui, app: &mut App| app.show(ui), app);
+        let harness =
+            Harness::builder().with_size(vec2(size[0], size[1])).build_ui_state(|ui, app: &mut App| app.show(ui), app);
         Self { harness, far, scene: scene().1, serial: 0 }
     }
 
     /// A window with a volume, two segments, two parts and some steps.
-    pub fn open(size: [f32; 2]) -> Self {
+    fn open(size: [f32; 2]) -> Self {
         let mut window = Self::empty(size);
         let s = &mut window.scene;
         for id in [1, 2] {
@@ -54,7 +56,7 @@ impl Window {
         window
     }
 
-    pub fn snapshot(&mut self, change: impl FnOnce(&mut Snapshot)) {
+    fn snapshot(&mut self, change: impl FnOnce(&mut Snapshot)) {
         let (grid, _) = scene();
         let histogram = Histogram { min: 0.0, max: 100.0, bins: (0..50).map(|i| 1000 / (i + 1)).collect() };
         let opened = Opened {
@@ -76,14 +78,14 @@ impl Window {
         self.report(Report::Snapshot(Arc::new(snapshot)));
     }
 
-    pub fn report(&mut self, report: Report) {
+    fn report(&mut self, report: Report) {
         self.far.reports.send(report).unwrap();
         self.harness.run_steps(3);
         self.sent();
     }
 
     /// What the window asked for since the last time, without the sizes that it reports of itself.
-    pub fn sent(&mut self) -> Vec<Command> {
+    fn sent(&mut self) -> Vec<Command> {
         self.far
             .requests
             .try_iter()
@@ -99,7 +101,7 @@ impl Window {
             .collect()
     }
 
-    pub fn click(&mut self, name: &str) -> Vec<Command> {
+    fn click(&mut self, name: &str) -> Vec<Command> {
         self.harness.get_by_label(name).click();
         self.harness.run_steps(3);
         self.sent()
@@ -110,4 +112,301 @@ impl Window {
         self.harness.run_steps(3);
         self.sent()
     }
+}
+
+const SMALL: [f32; 2] = [1280.0, 800.0];
+const LARGE: [f32; 2] = [2560.0, 1440.0];
+
+#[test]
+fn every_control_has_a_name_of_its_own() {
+    let window = Window::open(SMALL);
+    let mut nameless = Vec::new();
+    let mut names = std::collections::BTreeMap::<String, u32>::new();
+    let mut stack = vec![window.harness.root()];
+    while let Some(node) = stack.pop() {
+        stack.extend(node.children());
+        let about = node.accesskit_node();
+        let role = about.role();
+        use egui::accesskit::Role as R;
+        if !matches!(
+            role,
+            R::Button
+                | R::CheckBox
+                | R::RadioButton
+                | R::Slider
+                | R::SpinButton
+                | R::TextInput
+                | R::ComboBox
+                | R::ColorWell
+        ) {
+            continue;
+        }
+        match about.label().filter(|l| !l.trim().is_empty()) {
+            Some(label) => *names.entry(format!("{role:?} {label}")).or_default() += 1,
+            None => nameless.push(format!("{role:?} at {:?}", node.rect())),
+        }
+    }
+    assert_eq!(nameless, Vec::<String>::new());
+    let twice: Vec<_> = names.iter().filter(|(_, n)| **n > 1).collect();
+    assert!(twice.is_empty(), "a name must say which control it is: {twice:?}");
+    assert!(names.len() > 60, "the walk found only {} controls", names.len());
+}
+
+#[test]
+fn tools_are_chosen_by_button_and_by_key() {
+    let mut window = Window::open(SMALL);
+    for tool in burin::interact::Tool::ALL {
+        let at = |window: &Window| window.harness.get_by_label(tool.name()).accesskit_node().is_selected();
+        let named = window.harness.get_all_by_label(tool.name()).count();
+        assert_eq!(named, 1);
+        window.click(tool.name());
+        assert_eq!(at(&window), Some(true), "{tool:?} by its button");
+    }
+    for (key, tool) in [(egui::Key::B, "Brush"), (egui::Key::N, "Navigate"), (egui::Key::L, "Line split")] {
+        window.key(Modifiers::NONE, key);
+        assert_eq!(window.harness.get_by_label(tool).accesskit_node().is_selected(), Some(true), "{tool} by its key");
+    }
+}
+
+#[test]
+fn keys_become_commands() {
+    let mut window = Window::open(SMALL);
+    let undo = Command::History(HistoryCommand::Undo { steps: 1 });
+    let redo = Command::History(HistoryCommand::Redo { steps: 1 });
+    assert_eq!(window.key(Modifiers::COMMAND, egui::Key::Z), [undo]);
+    assert_eq!(window.key(Modifiers::COMMAND, egui::Key::Y), [redo.clone()]);
+    assert_eq!(window.key(Modifiers::COMMAND | Modifiers::SHIFT, egui::Key::Z), [redo]);
+    assert!(matches!(window.key(Modifiers::NONE, egui::Key::CloseBracket)[..],
+        [Command::Brush(BrushCommand::Set { radius_mm: Some(r), .. })] if r > 5.0));
+    assert!(matches!(
+        window.key(Modifiers::NONE, egui::Key::Num2)[..],
+        [Command::Brush(BrushCommand::Set { target: Some(Target::Label(2)), .. })]
+    ));
+    window.snapshot(|s| s.project = Some("/data/head.burin".into()));
+    assert!(matches!(
+        window.key(Modifiers::COMMAND, egui::Key::S)[..],
+        [Command::Project(ProjectCommand::Save { .. })]
+    ));
+}
+
+#[test]
+fn a_key_typed_into_a_name_is_no_shortcut() {
+    let mut window = Window::open(SMALL);
+    window.harness.get_by_label("Name of part 1").focus();
+    window.harness.run_steps(2);
+    assert_eq!(window.key(Modifiers::NONE, egui::Key::Num3), []);
+    window.harness.get_by_label("Name of part 1").type_text(" lobe");
+    window.harness.run_steps(2);
+    let renamed = window.key(Modifiers::NONE, egui::Key::Enter);
+    assert!(
+        matches!(&renamed[..], [Command::Part(PartCommand::Set { id: PartId(1), name: Some(name), colour: None, .. })]
+        if name.contains("lobe")),
+        "{renamed:?}"
+    );
+}
+
+#[test]
+fn the_degree_slider_is_one_step_of_history() {
+    let mut window = Window::open(SMALL);
+    let rail = window.harness.get_by_label("Degree of explosion").rect();
+    let at = |share: f32| egui::pos2(rail.left() + rail.width() * share, rail.center().y);
+    window.harness.drag_at(at(0.05));
+    window.harness.run_steps(2);
+    for share in [0.2, 0.4, 0.5] {
+        window.harness.hover_at(at(share));
+        window.harness.run_steps(1);
+    }
+    window.harness.drop_at(at(0.5));
+    window.harness.run_steps(2);
+    let sent = window.sent();
+    let degrees: Vec<f64> = sent
+        .iter()
+        .filter_map(|c| match c {
+            Command::Explosion(ExplosionCommand::Degree { value }) => Some(*value),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(sent.first(), Some(&Command::History(HistoryCommand::Begin {})), "{sent:?}");
+    assert_eq!(sent.last(), Some(&Command::History(HistoryCommand::End {})), "{sent:?}");
+    assert_eq!(sent.len(), degrees.len() + 2, "one group about the whole drag: {sent:?}");
+    assert!(degrees.is_sorted() && (degrees[degrees.len() - 1] - 0.5).abs() < 0.05, "{degrees:?}");
+}
+
+#[test]
+fn a_dragged_point_of_the_transfer_function_is_one_step_and_stays_a_function() {
+    let mut window = Window::open(SMALL);
+    let from = window.harness.get_by_label("Opacity point 2").rect().center();
+    window.harness.drag_at(from);
+    window.harness.run_steps(2);
+    for step in 1..=4 {
+        window.harness.hover_at(from - vec2(10.0, 12.0) * step as f32);
+        window.harness.run_steps(1);
+    }
+    window.harness.drop_at(from - vec2(40.0, 48.0));
+    window.harness.run_steps(2);
+    let sent = window.sent();
+    let set: Vec<_> = sent
+        .iter()
+        .filter_map(|c| match c {
+            Command::Transfer(TransferCommand::Set { function }) => Some(function),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(sent.len(), set.len() + 2, "{sent:?}");
+    let (old, new) = (&window.scene.transfer, set.last().unwrap());
+    new.check().unwrap();
+    assert_eq!(new.opacity.len(), old.opacity.len());
+    assert!(new.opacity[1].0 < old.opacity[1].0 && new.opacity[1].1 > old.opacity[1].1);
+    assert_eq!((new.opacity[0], new.opacity[2]), (old.opacity[0], old.opacity[2]));
+    assert_eq!(new.colour, old.colour);
+}
+
+#[test]
+fn a_step_of_history_is_reached_by_a_click() {
+    let mut window = Window::open(SMALL);
+    assert_eq!(window.click("Step 1: Stroke"), [Command::History(HistoryCommand::Undo { steps: 2 })]);
+    assert_eq!(window.click("Step 4: Degree of explosion"), [Command::History(HistoryCommand::Redo { steps: 1 })]);
+    assert_eq!(window.click("Step 3: Rename part"), [], "that is where one is");
+}
+
+#[test]
+fn parts_and_segments_are_hidden_pinned_and_locked_by_name() {
+    let mut window = Window::open(SMALL);
+    assert!(matches!(
+        window.click("Show Left half")[..],
+        [Command::Part(PartCommand::Set { id: PartId(1), visible: Some(false), pinned: None, .. })]
+    ));
+    assert!(matches!(
+        window.click("Pin Right half")[..],
+        [Command::Part(PartCommand::Set { id: PartId(2), visible: None, pinned: Some(true), .. })]
+    ));
+    assert!(matches!(
+        window.click("Lock Segment 2")[..],
+        [Command::Segment(SegmentCommand::Set { id: 2, locked: Some(true), visible: None, .. })]
+    ));
+    let label = window.click("Paint segment Segment 1");
+    assert!(
+        matches!(label[..], [Command::Brush(BrushCommand::Set { target: Some(Target::Label(1)), .. })]),
+        "{label:?}"
+    );
+}
+
+#[test]
+fn the_window_follows_before_the_document_answers() {
+    let mut window = Window::open(SMALL);
+    assert_eq!(window.key(Modifiers::NONE, egui::Key::CloseBracket).len(), 1);
+    let second = window.key(Modifiers::NONE, egui::Key::CloseBracket);
+    assert!(
+        matches!(second[..], [Command::Brush(BrushCommand::Set { radius_mm: Some(r), .. })] if r > 5.0 * 1.15 * 1.1),
+        "the second press grows what the first one made: {second:?}"
+    );
+}
+
+#[test]
+fn errors_stay_until_they_are_dismissed() {
+    let mut window = Window::open(SMALL);
+    let text = "/data/x.nii: dim[1]: -3 found, 1 to 32767 expected";
+    window.report(Report::Message(Gravity::Error, text.into()));
+    window.harness.run_steps(50);
+    assert!(window.harness.query_by_label(text).is_some());
+    window.click("Dismiss message 1");
+    assert!(window.harness.query_by_label(text).is_none());
+}
+
+#[test]
+fn work_that_takes_its_time_is_named_while_it_runs() {
+    let mut window = Window::open(SMALL);
+    window.report(Report::Started("Saving".into()));
+    assert!(window.harness.query_by_label_contains("Saving").is_some());
+    window.report(Report::Finished);
+    assert!(window.harness.query_by_label_contains("Saving").is_none());
+}
+
+#[test]
+fn a_stroke_on_a_slice_sends_every_sample() {
+    let mut window = Window::open(SMALL);
+    window.click("Brush");
+    let at = window.harness.get_by_label("Axial view").rect().center();
+    window.harness.drag_at(at);
+    // Several samples in one frame: none may be lost.
+    for i in 1..=5 {
+        window.harness.event(egui::Event::PointerMoved(at + vec2(i as f32 * 6.0, 0.0)));
+    }
+    window.harness.run_steps(2);
+    window.harness.drop_at(at + vec2(30.0, 0.0));
+    window.harness.run_steps(2);
+    let sent = window.sent();
+    assert!(matches!(sent[0], Command::Stroke(StrokeCommand::Begin { .. })), "{sent:?}");
+    let extends = sent.iter().filter(|c| matches!(c, Command::Stroke(StrokeCommand::Extend { .. }))).count();
+    assert_eq!(extends, 5, "{sent:?}");
+    assert_eq!(sent.last(), Some(&Command::Stroke(StrokeCommand::End {})));
+}
+
+#[test]
+fn escape_takes_a_stroke_back() {
+    let mut window = Window::open(SMALL);
+    window.click("Brush");
+    let at = window.harness.get_by_label("Coronal view").rect().center();
+    window.harness.drag_at(at);
+    window.harness.run_steps(2);
+    let sent = window.key(Modifiers::NONE, egui::Key::Escape);
+    assert_eq!(sent.last(), Some(&Command::Stroke(StrokeCommand::Cancel {})), "{sent:?}");
+}
+
+#[test]
+fn one_view_fills_the_place_of_four_and_goes_back() {
+    let mut window = Window::open(SMALL);
+    let before = window.harness.get_by_label("Sagittal view").rect();
+    window.click("Only the Sagittal view");
+    let alone = window.harness.get_by_label("Sagittal view").rect();
+    assert!(alone.width() > before.width() * 1.9 && window.harness.query_by_label("Axial view").is_none());
+    window.click("All four views");
+    assert_eq!(window.harness.get_by_label("Sagittal view").rect(), before);
+}
+
+#[test]
+fn what_is_needed_is_in_sight_at_both_sizes() {
+    for size in [SMALL, LARGE] {
+        let window = Window::open(size);
+        let whole = egui::Rect::from_min_size(egui::Pos2::ZERO, vec2(size[0], size[1]));
+        for name in [
+            "Open",
+            "Save",
+            "Undo",
+            "Brush",
+            "Move part",
+            "Brush radius",
+            "Show Segment 1",
+            "Opacity of layer Selection",
+            "Opacity point 1",
+            "Mode: Volume",
+            "Degree of explosion",
+            "Pin Left half",
+            "Step 1: Stroke",
+            "3D view",
+            "Axial slice",
+        ] {
+            let rect = window.harness.get_by_label(name).rect();
+            assert!(whole.contains_rect(rect), "{name} at {rect:?} in {size:?}");
+        }
+    }
+}
+
+#[test]
+fn the_page_of_keys_opens_by_f1_and_closes_by_escape() {
+    let mut window = Window::open(SMALL);
+    window.key(Modifiers::NONE, egui::Key::F1);
+    for line in burin::interact::SHORTCUTS {
+        assert!(window.harness.query_all_by_label(line.what).count() > 0, "{} is missing", line.what);
+    }
+    window.key(Modifiers::NONE, egui::Key::Escape);
+    assert!(window.harness.query_by_label("Zoom").is_none());
+}
+
+#[test]
+fn nothing_open_says_what_to_do() {
+    let mut window = Window::empty(SMALL);
+    window.harness.run_steps(3);
+    assert!(window.harness.query_by_label("Open a volume to begin").is_some());
+    assert!(window.harness.get_by_label("Save").accesskit_node().is_disabled());
 }

@@ -44,8 +44,7 @@ impl App {
             if icon_button(ui, Face::tool(Icon::Save, "Save", "Save the project (Ctrl + S)", true)).clicked() {
                 self.save();
             }
-            let more =
-                egui::Button::new("More").min_size(egui::vec2(0.0, 32.0)).frame_when_inactive(false).right_text("⏷");
+            let more = egui::Button::new("More…").min_size(egui::vec2(0.0, 32.0)).frame_when_inactive(false);
             egui::containers::menu::MenuButton::from_button(more).ui(ui, |ui| self.more_menu(ui));
         });
         divider(ui);

@@ -116,7 +116,7 @@ impl App {
 fn choice_short(ui: &mut Ui, now: &'static str) -> Option<&'static str> {
     let options: Vec<_> =
         TARGETS.iter().map(|&(key, name, tip)| (key, if key == "selection" { "Select" } else { name }, tip)).collect();
-    // The text is small enough for the narrowest panel.
+    // Four words have to fit beside the label in the narrowest panel.
     ui.style_mut().text_styles.insert(egui::TextStyle::Button, egui::FontId::proportional(12.0));
     choice(ui, "Paint", Some(now), &options)
 }

@@ -51,7 +51,7 @@ impl App {
     fn window_rows(&mut self, ui: &mut Ui, window: Window) {
         row(ui, "Window", |ui| {
             let speed = (window.width / 200.0).max(f64::MIN_POSITIVE);
-            let each = (ui.available_width() - 20.0) * 0.5;
+            let each = (ui.available_width() - theme::GAP) * 0.5;
             let (mut level, mut width) = (window.level, window.width);
             for (name, letter, value) in [("Window level", "L", &mut level), ("Window width", "W", &mut width)] {
                 let field = DragValue::new(value).speed(speed).max_decimals(2).prefix(format!("{letter} "));

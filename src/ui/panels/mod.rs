@@ -21,7 +21,7 @@ use egui::{Frame, Margin, Panel, ScrollArea, Ui};
 
 impl App {
     pub(super) fn left_panel(&mut self, ui: &mut Ui) {
-        side(Panel::left("tools")).default_size(264.0).size_range(232.0..=420.0).show(ui, |ui| {
+        side(Panel::left("tools")).default_size(276.0).size_range(252.0..=420.0).show(ui, |ui| {
             scrolled(ui, "left", |ui| {
                 ui.add_enabled_ui(self.opened().is_some(), |ui| {
                     section(ui, "Brush", true, |ui| self.brush_panel(ui));

@@ -28,8 +28,8 @@ impl App {
             }
         });
         let next = segments.last().map_or(1, |s| s.id.saturating_add(1));
-        let add = egui::Button::new("Add segment").min_size(vec2(ui.available_width(), ROW - 2.0));
-        if ui.add(add).clicked() {
+        let size = vec2(ui.available_width(), ROW - 2.0);
+        if ui.add_sized(size, egui::Button::new("Add segment")).clicked() {
             let add = SegmentCommand::Set { id: next, name: None, colour: None, visible: None, locked: None };
             self.send(Command::Segment(add));
             self.paint_with(Target::Label(next));
