@@ -5,10 +5,12 @@
 //! itself; what it wants done are [`Command`](crate::document::Command)s.
 
 mod brush;
+pub mod curve;
 mod event;
 mod gesture;
 mod keys;
 mod machine;
+pub mod readout;
 mod slices;
 mod tool;
 

@@ -6,7 +6,9 @@ use super::panels::transfer::TransferEditor;
 use super::session::{Gravity, Opened, Report, Request, Session, Snapshot};
 use super::viewport::Viewports;
 use super::{pictures::Pictures, theme};
-use crate::document::{Command, HistoryCommand, ProjectCommand, Scene, ViewCommand, ViewName, VolumeCommand};
+use crate::document::{
+    Command, DensityKeeping, HistoryCommand, ProjectCommand, Scene, ViewCommand, ViewName, VolumeCommand,
+};
 use crate::explode::PartId;
 use crate::interact::{Context, Event, Interaction};
 use egui::{Id, Response, Ui};
@@ -165,7 +167,7 @@ impl App {
             return;
         }
         if self.snapshot.project.is_some() {
-            self.send(Command::Project(ProjectCommand::Save { path: None }));
+            self.send(Command::Project(ProjectCommand::Save { path: None, density: DensityKeeping::default() }));
         } else {
             self.ask_path(Dialog::save_as(self));
         }
@@ -236,7 +238,8 @@ impl App {
     pub(super) fn choose(&mut self, choice: Chosen) {
         match choice {
             Chosen::Open(path) => self.open_guarded(path),
-            Chosen::SaveAs(path) => self.send(Command::Project(ProjectCommand::Save { path: Some(path) })),
+            Chosen::SaveAs(path) => self
+                .send(Command::Project(ProjectCommand::Save { path: Some(path), density: DensityKeeping::default() })),
             Chosen::Export(field, path) => self.send(Command::Volume(VolumeCommand::Export { field, path })),
             Chosen::Image(path) => self.send(Command::Render(crate::document::RenderCommand::Image {
                 path,

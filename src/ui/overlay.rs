@@ -143,7 +143,7 @@ fn scale_bar(painter: &Painter, body: Rect, mm_per_point: f64) {
     if !(mm_per_point.is_finite() && mm_per_point > 0.0) {
         return;
     }
-    let length_mm = round_length(mm_per_point * 90.0);
+    let length_mm = crate::interact::readout::round_length(mm_per_point * 90.0);
     let points = (length_mm / mm_per_point) as f32;
     let at = pos2(body.min.x + 10.0, body.max.y - 10.0);
     let ends = [at, at + vec2(points, 0.0)];
@@ -157,12 +157,6 @@ fn scale_bar(painter: &Painter, body: Rect, mm_per_point: f64) {
     let text = if length_mm >= 10.0 { format!("{} cm", length_mm / 10.0) } else { format!("{length_mm} mm") };
     let middle = at + vec2(points * 0.5, -5.0);
     shaded_text(painter, middle, Align2::CENTER_BOTTOM, text, FontId::proportional(12.0), colour);
-}
-
-/// The largest 1, 2 or 5 × 10ⁿ that is not longer.
-fn round_length(mm: f64) -> f64 {
-    let power = 10.0_f64.powf(mm.log10().floor());
-    [5.0, 2.0].into_iter().map(|m| m * power).find(|&l| l <= mm).unwrap_or(power)
 }
 
 /// The body's axes as they lie in the 3D picture.
@@ -181,17 +175,5 @@ fn orientation_mark(painter: &Painter, body: Rect, right: DVec3, up: DVec3) {
         let colour = view_colour(view).gamma_multiply(0.35 + 0.65 * nearness);
         painter.line_segment([centre, centre + flat], Stroke::new(1.5, colour));
         shaded_text(painter, centre + flat * 1.28, Align2::CENTER_CENTER, letter, FontId::proportional(11.5), colour);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::round_length;
-
-    #[test]
-    fn scale_bars_are_one_two_or_five() {
-        for (mm, bar) in [(90.0, 50.0), (49.0, 20.0), (10.0, 10.0), (0.7, 0.5), (1999.0, 1000.0), (2000.0, 2000.0)] {
-            assert!((round_length(mm) - bar).abs() < 1e-9, "{mm}: {}", round_length(mm));
-        }
     }
 }

@@ -228,7 +228,7 @@ pub(super) fn name_field(ui: &mut Ui, name: &str, text: &str, width: f32) -> Opt
     let field = egui::TextEdit::singleline(&mut draft)
         .id(id.with("field"))
         .desired_width(width - 8.0)
-        .vertical_align(Align::Center)
+        .align(egui::Align2::LEFT_CENTER)
         .frame(egui::Frame::NONE);
     let response = ui.add_sized(vec2(width, ROW - 2.0), field).accessible_name(name);
     if response.has_focus() {

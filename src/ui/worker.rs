@@ -32,6 +32,7 @@ pub(super) fn spawn(document: Document, wake: egui::Context) -> std::io::Result<
         shown: Vec::new(),
         held: false,
         probe: None,
+        gpu: None,
         moving: false,
         histogram: None,
         told: None,
@@ -48,6 +49,7 @@ struct Worker {
     shown: Vec<ViewName>,
     held: bool,
     probe: Option<(ViewName, DVec2, [u32; 2])>,
+    gpu: Option<Result<String, String>>,
     moving: bool,
     histogram: Option<Arc<Histogram>>,
     /// Revision and serial of the last snapshot sent.

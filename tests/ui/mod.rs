@@ -1,6 +1,9 @@
 //! The window and its tools: pure state machines, panels driven by accessible names, and one real window.
 
+mod curve;
 mod interact;
+mod looks;
+mod slices;
 mod window;
 
 use burin::document::{Origin, Scene};

@@ -11,7 +11,10 @@ use burin::paint::Target;
 use burin::ui::{App, Far, Gravity, Opened, Report, Request, Session, Snapshot};
 use burin::volume::{Histogram, Statistics, VoxelType};
 use egui::{Modifiers, vec2};
-use egui_kittest::{Harness, kittest::Queryable};
+use egui_kittest::{
+    Harness,
+    kittest::{NodeT, Queryable},
+};
 use std::sync::Arc;
 
 struct Window {

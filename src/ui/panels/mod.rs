@@ -2,7 +2,6 @@
 
 mod bar;
 mod brush;
-mod curve;
 mod explosion;
 mod history;
 mod keys;

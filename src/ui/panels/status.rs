@@ -2,6 +2,7 @@
 
 use crate::document::{Scene, SlicePlane, ViewName};
 use crate::explode::PartId;
+use crate::interact::readout;
 use crate::math::DVec3;
 use crate::ui::app::App;
 use crate::ui::theme;
@@ -71,7 +72,7 @@ impl App {
     /// Value and label of the voxel as the document answered last.
     fn voxel_text(&self) -> (String, Option<String>) {
         let number = |v: &Value| v.as_f64();
-        let value = number(&self.probe["density"]).map_or_else(String::new, |d| format!("value {}", short(d)));
+        let value = number(&self.probe["density"]).map_or_else(String::new, |d| format!("value {}", readout::short(d)));
         let mut extra = Vec::new();
         if let Some(id) = self.probe["label"].as_u64().filter(|&id| id != 0) {
             let name =
@@ -128,30 +129,7 @@ fn at_rest(scene: &Scene, part: Option<PartId>, world: DVec3) -> DVec3 {
     part.map_or(world, |p| p.pose.unapply(world))
 }
 
-/// Six digits at most: a status line is read in passing.
-fn short(value: f64) -> String {
-    if value.fract() == 0.0 && value.abs() < 1e9 {
-        format!("{value:.0}")
-    } else if (1e-3..1e6).contains(&value.abs()) {
-        let decimals = (5 - value.abs().log10().floor() as i32).clamp(0, 6) as usize;
-        format!("{value:.decimals$}")
-    } else {
-        format!("{value:.4e}")
-    }
-}
-
 /// The card's name without what stands in brackets behind it.
 fn short_gpu(name: &str) -> String {
     name.split(['(', ',', ';']).next().unwrap_or(name).trim().to_owned()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::short;
-
-    #[test]
-    fn values_are_short_and_keep_six_digits() {
-        let shown = [0.0, 255.0, -1024.0, 0.125, 1234.5678, 0.000_012, 12_345_678.9].map(short);
-        assert_eq!(shown, ["0", "255", "-1024", "0.125000", "1234.57", "1.2000e-5", "1.2346e7"]);
-    }
 }

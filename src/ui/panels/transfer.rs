@@ -1,7 +1,7 @@
 //! The transfer function over the histogram: points that are dragged, added and removed by hand.
 
-use super::curve;
 use crate::document::{Command, TransferCommand};
+use crate::interact::curve;
 use crate::ui::app::App;
 use crate::ui::theme::{self, ROW};
 use crate::ui::widgets::{colour_button, row};
