@@ -85,7 +85,7 @@ fn main() -> ExitCode {
 
 fn perform(arguments: Arguments) -> Result<(), String> {
     match arguments.command {
-        None => Err("this build has no window; `burin run SCRIPT` does the same commands".into()),
+        None => burin::ui::run(burin::ui::Options { open: arguments.path }),
         Some(Command::Run { script, project, keep_going }) => run(&script, project, keep_going),
         Some(Command::Info { file, json }) => info(&file, json),
         Some(Command::Render { path, output, size, camera, degree, view, transparent }) => render(

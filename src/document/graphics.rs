@@ -75,6 +75,15 @@ impl Graphics {
         self.with(state, "a picture", |t, _| t.caster.image(&t.gpu, &mut t.pools, &fields(state), frame))
     }
 
+    pub(super) fn rows(
+        &mut self,
+        state: &State,
+        frame: &Frame,
+        rows: std::ops::Range<u32>,
+    ) -> Result<Image, DocumentError> {
+        self.with(state, "a picture", |t, _| t.caster.rows(&t.gpu, &mut t.pools, &fields(state), frame, rows.clone()))
+    }
+
     pub(super) fn slice(&mut self, state: &State, frame: &SliceFrame) -> Result<Image, DocumentError> {
         let colour =
             self.with(state, "a slice", |t, _| t.slices.pixels(&t.gpu, &mut t.pools, &fields(state), frame))?;

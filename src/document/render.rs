@@ -41,6 +41,16 @@ impl Document {
         }
     }
 
+    /// Some rows of the 3D view in `size` pixels, as an image of their own.
+    ///
+    /// # Errors
+    /// As [`picture`](Self::picture).
+    pub fn picture_rows(&mut self, size: [u32; 2], rows: std::ops::Range<u32>) -> Result<Image, DocumentError> {
+        let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
+        let camera = checked(state.scene.views.camera)?;
+        self.graphics.rows(state, &state.frame(&camera, check_size(size)?), rows)
+    }
+
     /// The graphics adapter, or why there is none and what to do.
     ///
     /// # Errors

@@ -158,6 +158,23 @@ impl Caster {
         Ok(Some(Hit { world, rest, body: id, depth_mm }))
     }
 
+    /// Some rows of the picture, as an image of their own: a window refines band by band.
+    ///
+    /// # Errors
+    /// As [`image`](Self::image).
+    pub fn rows(
+        &mut self,
+        gpu: &Gpu,
+        pools: &mut FieldPools,
+        fields: &Fields<'_>,
+        frame: &Frame,
+        rows: std::ops::Range<u32>,
+    ) -> Result<Image, GpuError> {
+        let size = [frame.size[0], rows.end.min(frame.size[1]).saturating_sub(rows.start)];
+        let window = Window { picture: frame.size, origin: DVec2::new(0.0, f64::from(rows.start)), size };
+        self.part_of_image(gpu, pools, fields, frame, &window)
+    }
+
     fn part_of_image(
         &mut self,
         gpu: &Gpu,

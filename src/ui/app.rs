@@ -6,9 +6,7 @@ use super::panels::transfer::TransferEditor;
 use super::session::{Gravity, Opened, Report, Request, Session, Snapshot};
 use super::viewport::Viewports;
 use super::{pictures::Pictures, theme};
-use crate::document::{
-    Command, DensityKeeping, HistoryCommand, ProjectCommand, Scene, ViewCommand, ViewName, VolumeCommand,
-};
+use crate::document::{Command, HistoryCommand, ProjectCommand, Scene, ViewCommand, ViewName, VolumeCommand};
 use crate::explode::PartId;
 use crate::interact::{Context, Event, Interaction};
 use egui::{Id, Response, Ui};
@@ -161,13 +159,24 @@ impl App {
         self.send(command);
     }
 
+    /// First thing: opens what was named, and asks for what a crash left behind.
+    pub(super) fn start(&mut self, open: Option<&Path>, warning: Option<String>) {
+        if let Some(warning) = warning {
+            self.say(Gravity::Warning, warning);
+        }
+        if let Some(path) = open {
+            self.open(path);
+        }
+        self.send(Command::Project(ProjectCommand::Lost {}));
+    }
+
     /// Saves where the project is, or asks where.
     pub(super) fn save(&mut self) {
         if self.opened().is_none() {
             return;
         }
         if self.snapshot.project.is_some() {
-            self.send(Command::Project(ProjectCommand::Save { path: None, density: DensityKeeping::default() }));
+            self.send(Command::Project(ProjectCommand::Save { path: None, density: None }));
         } else {
             self.ask_path(Dialog::save_as(self));
         }
@@ -213,12 +222,20 @@ impl App {
                     }
                     self.say(gravity, text);
                 }
-                Report::Done(command, _) => self.done(ctx, &command),
+                Report::Done(command, answer) => self.done(ctx, &command, &answer),
             }
         }
     }
 
-    fn done(&mut self, ctx: &egui::Context, command: &Command) {
+    fn done(&mut self, ctx: &egui::Context, command: &Command, answer: &serde_json::Value) {
+        if let Command::Project(ProjectCommand::Lost {}) = command
+            && let Some(lost) = answer["lost"].as_array().filter(|l| !l.is_empty())
+        {
+            let one = |l: &serde_json::Value| {
+                (l["id"].as_str().unwrap_or_default().to_owned(), l["origin"].as_str().unwrap_or_default().to_owned())
+            };
+            self.dialog = Some(Dialog::Lost(lost.iter().map(one).collect()));
+        }
         if let Command::Project(ProjectCommand::Save { .. }) = command
             && self.close_after_save
         {
@@ -238,8 +255,9 @@ impl App {
     pub(super) fn choose(&mut self, choice: Chosen) {
         match choice {
             Chosen::Open(path) => self.open_guarded(path),
-            Chosen::SaveAs(path) => self
-                .send(Command::Project(ProjectCommand::Save { path: Some(path), density: DensityKeeping::default() })),
+            Chosen::SaveAs(path) => {
+                self.send(Command::Project(ProjectCommand::Save { path: Some(path), density: None }))
+            }
             Chosen::Export(field, path) => self.send(Command::Volume(VolumeCommand::Export { field, path })),
             Chosen::Image(path) => self.send(Command::Render(crate::document::RenderCommand::Image {
                 path,
@@ -344,6 +362,12 @@ impl App {
 }
 
 impl eframe::App for App {
+    fn on_exit(&mut self) {
+        if self.closing || !self.snapshot.unsaved {
+            self.request(Request::Quit);
+        }
+    }
+
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
         self.show(ui);
     }

@@ -5,6 +5,7 @@
 use super::app::{App, Chosen};
 use super::session::Gravity;
 use super::theme;
+use crate::document::{Command, ProjectCommand};
 use crate::volume::FieldKind;
 use egui::{Align2, Color32, Id, Modal, RichText, TextEdit, Ui, vec2};
 use std::path::PathBuf;
@@ -18,6 +19,8 @@ pub(super) enum Dialog {
     Close,
     /// Something else is opened over unsaved changes.
     Replace(PathBuf),
+    /// Documents that crashes left behind: id and file.
+    Lost(Vec<(String, String)>),
 }
 
 /// What a path is for.
@@ -147,6 +150,7 @@ impl App {
                 Dialog::Path { what, path } => self.path_dialog(ui, what, path),
                 Dialog::Close => self.close_dialog(ui),
                 Dialog::Replace(path) => self.replace_dialog(ui, path),
+                Dialog::Lost(lost) => self.lost_dialog(ui, lost),
             }
         });
     }
@@ -221,6 +225,42 @@ impl App {
         }
     }
 
+    fn lost_dialog(&mut self, ui: &mut Ui, mut lost: Vec<(String, String)>) {
+        ui.heading("Unsaved work was found");
+        ui.add_space(4.0);
+        let text = "The program did not end in order. These documents can be brought back with their history.";
+        ui.label(RichText::new(text).color(theme::TEXT_WEAK));
+        ui.add_space(12.0);
+        let mut gone = None;
+        for (i, (id, origin)) in lost.iter().enumerate() {
+            ui.horizontal(|ui| {
+                ui.add_sized(vec2(230.0, 26.0), egui::Label::new(short_path(origin)).truncate()).on_hover_text(origin);
+                let name = format!("Recover {}", short_path(origin));
+                if ui.add(primary("Recover")).accessible_name(name).clicked() {
+                    self.dialog = None;
+                    self.send(Command::Project(ProjectCommand::Recover { id: id.clone() }));
+                }
+                let name = format!("Throw away {}", short_path(origin));
+                let discard = egui::Button::new(RichText::new("Throw away").color(theme::ERROR));
+                if ui.add(discard).accessible_name(name).clicked() {
+                    self.send(Command::Project(ProjectCommand::Forget { id: id.clone() }));
+                    gone = Some(i);
+                }
+            });
+        }
+        if let Some(i) = gone {
+            lost.remove(i);
+            self.dialog = (!lost.is_empty()).then_some(Dialog::Lost(lost));
+        }
+        ui.add_space(12.0);
+        let later = super::widgets::from_right_row(ui, |ui| {
+            ui.add(egui::Button::new("Decide later").min_size(vec2(110.0, 30.0))).clicked()
+        });
+        if later {
+            self.dialog = None;
+        }
+    }
+
     /// Shown while files hang over the window.
     pub(super) fn drop_hint(&self, ctx: &egui::Context) {
         if ctx.input(|i| i.raw.hovered_files.is_empty()) {
@@ -281,4 +321,8 @@ fn has_file_dialog() -> bool {
     let bus = std::env::var_os("DBUS_SESSION_BUS_ADDRESS").is_some_and(|a| !a.is_empty());
     let desktop = std::env::var_os("XDG_CURRENT_DESKTOP").is_some_and(|a| !a.is_empty());
     bus && desktop
+}
+
+fn short_path(path: &str) -> String {
+    std::path::Path::new(path).file_name().map_or_else(|| path.to_owned(), |n| n.to_string_lossy().into_owned())
 }

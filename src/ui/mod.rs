@@ -12,6 +12,7 @@ mod panels;
 mod pictures;
 mod pointer;
 mod session;
+mod studio;
 pub mod theme;
 mod viewport;
 mod widgets;
@@ -20,8 +21,9 @@ mod worker;
 pub use app::App;
 pub use session::{Far, Gravity, Opened, Picture, Report, Request, Session, Snapshot};
 
-use crate::document::Document;
+use crate::document::{Document, recovery};
 use std::path::PathBuf;
+use std::sync::{Arc, Mutex};
 
 /// How the window starts.
 #[derive(Clone, Debug, Default)]
@@ -41,19 +43,37 @@ pub fn run(options: Options) -> Result<(), String> {
         .with_inner_size([1280.0, 800.0])
         .with_min_inner_size([960.0, 600.0]);
     let native = eframe::NativeOptions { viewport, ..Default::default() };
-    eframe::run_native(
+    let mut document = Document::new();
+    // Without a place for a journal work goes on; the first save makes it safe.
+    let unsafe_until_saved = match recovery::state_dir() {
+        Ok(folder) => {
+            document.keep_unsaved_in(folder);
+            None
+        }
+        Err(error) => Some(format!("work is not safe from a crash until it is saved: {error}")),
+    };
+    let thread = Arc::new(Mutex::new(None));
+    let started = thread.clone();
+    let closed = eframe::run_native(
         "burin",
         native,
         Box::new(move |cc| {
-            let session = worker::spawn(Document::new(), cc.egui_ctx.clone())?;
-            let mut app = App::new(session);
-            if let Some(path) = &options.open {
-                app.open(path);
+            let (session, thread) = worker::spawn(document, cc.egui_ctx.clone())?;
+            if let Ok(mut place) = started.lock() {
+                *place = Some(thread);
             }
+            let mut app = App::new(session);
+            app.start(options.open.as_deref(), unsafe_until_saved);
             Ok(Box::new(app))
         }),
-    )
-    .map_err(|error| {
+    );
+    // What is being written is written to its end.
+    if let Some(thread) = thread.lock().ok().and_then(|mut place| place.take())
+        && thread.join().is_err()
+    {
+        return Err("the part of the program that keeps the volume has failed; start again to recover your work".into());
+    }
+    closed.map_err(|error| {
         format!("the window did not open: {error}; a display (X11 or Wayland) and a Vulkan driver are needed")
     })
 }

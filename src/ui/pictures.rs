@@ -2,8 +2,9 @@
 
 use super::session::Picture;
 use crate::document::{Scene, ViewName};
+use crate::explode::{Part, PartId};
 use crate::interact::Hit;
-use crate::math::{Camera, DVec2};
+use crate::math::{Camera, DVec2, DVec3, Pose};
 use egui::{Color32, ColorImage, TextureHandle, TextureOptions};
 use std::collections::BTreeMap;
 
@@ -69,8 +70,22 @@ impl Pictures {
             return None;
         }
         let world = depth.camera.ray(px, size).at(along);
-        let part = depth.object[i].checked_sub(1).and_then(|id| scene.explosion.parts.iter().find(|p| p.id.0 == id));
+        let part = part_of(scene, depth.object[i].checked_sub(1)?, world);
         let depth_mm = (world - depth.camera.eye).dot(depth.camera.forward());
-        Some(Hit { world, part: part.map(|p| p.id), depth_mm })
+        Some(Hit { world, part, depth_mm })
     }
+}
+
+/// The part that a body is. While all parts are at rest they are drawn as one body, which is in no part's name: the part is then
+/// the one that holds the point.
+fn part_of(scene: &Scene, body: u32, world: DVec3) -> Option<PartId> {
+    let parts = &scene.explosion.parts;
+    if let Some(part) = parts.iter().find(|p| p.id.0 == body) {
+        return Some(part.id);
+    }
+    if parts.iter().any(|p| p.pose != Pose::IDENTITY) {
+        return None;
+    }
+    let outside = |p: &Part| p.faces.iter().map(|f| f.plane.distance(world)).fold(f64::NEG_INFINITY, f64::max);
+    parts.iter().min_by(|a, b| outside(a).total_cmp(&outside(b))).map(|p| p.id)
 }

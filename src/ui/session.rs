@@ -29,6 +29,8 @@ pub enum Request {
     Show(Vec<ViewName>),
     /// Whether something is held: pictures may be coarse meanwhile.
     Held(bool),
+    /// The window is closed in order; what is not saved may be thrown away.
+    Quit,
 }
 
 /// What the window shows.

@@ -4,6 +4,7 @@
 //! picture for longer than one takes. Knows egui only to wake the window.
 
 use super::session::{Far, Gravity, Opened, Report, Request, Session, Snapshot};
+use super::studio::Studio;
 use crate::document::{
     Command, Document, DocumentError, ExplosionCommand, HistoryCommand, Place, ProjectCommand, Question, ViewName,
     VolumeCommand,
@@ -12,8 +13,8 @@ use crate::math::DVec2;
 use crate::volume::Histogram;
 use serde_json::Value;
 use std::sync::Arc;
-use std::sync::mpsc::{RecvTimeoutError, TryRecvError};
-use std::time::Duration;
+use std::sync::mpsc::TryRecvError;
+use std::thread::JoinHandle;
 
 /// Steps of 1/60 s that parts do between two pictures at most.
 const MOST_STEPS: u32 = 4;
@@ -22,10 +23,11 @@ const MOST_STEPS: u32 = 4;
 ///
 /// # Errors
 /// If the system gives no thread.
-pub(super) fn spawn(document: Document, wake: egui::Context) -> std::io::Result<Session> {
+pub(super) fn spawn(document: Document, wake: egui::Context) -> std::io::Result<(Session, JoinHandle<()>)> {
     let (session, far) = Session::pair();
     let worker = Worker {
         far,
+        studio: Studio::default(),
         document,
         wake,
         serial: 0,
@@ -37,12 +39,19 @@ pub(super) fn spawn(document: Document, wake: egui::Context) -> std::io::Result<
         histogram: None,
         told: None,
     };
-    std::thread::Builder::new().name("document".into()).spawn(move || worker.run())?;
-    Ok(session)
+    let thread = std::thread::Builder::new().name("document".into()).spawn(move || worker.run())?;
+    Ok((session, thread))
+}
+
+enum Next {
+    Go,
+    Quit,
+    Gone,
 }
 
 struct Worker {
     far: Far,
+    studio: Studio,
     document: Document,
     wake: egui::Context,
     serial: u64,
@@ -59,48 +68,77 @@ struct Worker {
 impl Worker {
     fn run(mut self) {
         self.tell();
+        self.gpu = Some(self.document.describe_gpu());
+        self.told = None;
+        self.tell();
         loop {
-            if !self.take_requests() {
-                return;
+            match self.take_requests() {
+                Next::Go => {}
+                Next::Quit => {
+                    if let Err(error) = self.document.discard_unsaved() {
+                        tracing::warn!("{error}");
+                    }
+                    return;
+                }
+                Next::Gone => return,
             }
             if self.moving {
                 self.step();
             }
             self.tell();
             self.answer_probe();
+            self.draw();
         }
     }
 
-    /// Does what waits; sleeps if nothing does and nothing moves. `false`: the window is gone.
-    fn take_requests(&mut self) -> bool {
-        let idle = !self.moving && self.probe.is_none();
-        if idle {
-            match self.far.requests.recv_timeout(Duration::from_secs(3600)) {
-                Ok((serial, request)) => self.take(serial, request),
-                Err(RecvTimeoutError::Timeout) => return true,
-                Err(RecvTimeoutError::Disconnected) => return false,
+    /// Does what waits; sleeps if there is nothing else to do.
+    fn take_requests(&mut self) -> Next {
+        if !self.moving && self.probe.is_none() && !self.studio.has_work(&self.document, &self.shown, self.held) {
+            match self.far.requests.recv() {
+                Ok((serial, request)) => {
+                    if !self.take(serial, request) {
+                        return Next::Quit;
+                    }
+                }
+                Err(_) => return Next::Gone,
             }
         }
         loop {
             match self.far.requests.try_recv() {
-                Ok((serial, request)) => self.take(serial, request),
-                Err(TryRecvError::Empty) => return true,
-                Err(TryRecvError::Disconnected) => return false,
+                Ok((serial, request)) => {
+                    if !self.take(serial, request) {
+                        return Next::Quit;
+                    }
+                }
+                Err(TryRecvError::Empty) => return Next::Go,
+                Err(TryRecvError::Disconnected) => return Next::Gone,
             }
         }
     }
 
-    fn take(&mut self, serial: u64, request: Request) {
+    /// `false`: the window was closed in order.
+    fn take(&mut self, serial: u64, request: Request) -> bool {
         self.serial = serial;
         match request {
             Request::Apply(command) => self.apply(command),
             Request::Probe { view, px, size } => self.probe = Some((view, px, size)),
             Request::Show(views) => self.shown = views,
             Request::Held(held) => self.held = held,
+            Request::Quit => return false,
+        }
+        true
+    }
+
+    fn draw(&mut self) {
+        match self.studio.draw(&mut self.document, &self.shown, self.held || self.moving) {
+            Ok(Some(picture)) => self.report(Report::Picture(Box::new(picture))),
+            Ok(None) => {}
+            Err(error) => self.report(Report::Message(Gravity::Error, error.to_string())),
         }
     }
 
     fn apply(&mut self, command: Command) {
+        self.studio.note(&command);
         let started = lasts(&command);
         if let Some(what) = &started {
             self.report(Report::Started(what.clone()));
@@ -125,7 +163,7 @@ impl Worker {
                     self.moving = false;
                 }
                 self.say_warnings(&answer);
-                if started.is_some() {
+                if started.is_some() || matches!(command, Command::Project(_)) {
                     self.report(Report::Done(command, answer));
                 }
             }
@@ -147,7 +185,10 @@ impl Worker {
     /// Lets the parts move on.
     fn step(&mut self) {
         match self.document.apply(Command::Explosion(ExplosionCommand::Step { steps: MOST_STEPS })) {
-            Ok(answer) => self.moving = answer["at_rest"].as_bool() == Some(false),
+            Ok(answer) => {
+                self.studio.changed();
+                self.moving = answer["moving"].as_bool() == Some(true);
+            }
             Err(error) => {
                 self.moving = false;
                 self.report(Report::Message(Gravity::Error, error.to_string()));
