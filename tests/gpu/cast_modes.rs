@@ -92,7 +92,7 @@ fn stage() -> Option<Stage> {
 #[test]
 fn dvr_is_the_references() {
     let Some(mut stage) = stage() else { return };
-    let view = frame(&stage.grid, tissue(), DVec3::new(1.0, -2.0, 0.7), [96, 80]);
+    let view = frame(&stage.grid, tissue(), DVec3::new(1.0, -2.0, 0.7), [72, 60]);
     for frame in projections(&view) {
         for step_mm in [0.8, 1.7] {
             let d = stage.compare(&Frame { step_mm, ..frame.clone() });
@@ -106,7 +106,7 @@ fn dvr_is_the_references() {
 #[test]
 fn an_iso_surface_is_the_references() {
     let Some(mut stage) = stage() else { return };
-    let view = frame(&stage.grid, tissue(), DVec3::new(-1.0, -1.0, 1.2), [96, 80]);
+    let view = frame(&stage.grid, tissue(), DVec3::new(-1.0, -1.0, 1.2), [72, 60]);
     for frame in projections(&view) {
         for lighting in [None, Some(Lighting::default())] {
             let d = stage.compare(&Frame { mode: Mode::Iso(26_000.0), lighting, ..frame.clone() });
@@ -118,7 +118,7 @@ fn an_iso_surface_is_the_references() {
 #[test]
 fn mip_is_the_references() {
     let Some(mut stage) = stage() else { return };
-    let view = frame(&stage.grid, tissue(), DVec3::new(0.2, 2.0, 0.7), [96, 80]);
+    let view = frame(&stage.grid, tissue(), DVec3::new(0.2, 2.0, 0.7), [72, 60]);
     for frame in projections(&view) {
         let d = stage.compare(&Frame { mode: Mode::Mip, ..frame.clone() });
         assert!(d.covered > 0.15 && d.largest <= 1.0, "{d:?}");

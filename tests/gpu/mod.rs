@@ -1,7 +1,9 @@
 //! Kernels and the ray caster against plain references.
 
 mod brush;
+mod cast_bodies;
 mod cast_image;
+mod cast_limits;
 mod cast_modes;
 mod cast_tiles;
 mod device;

@@ -1,0 +1,369 @@
+//! The caster at its edges: closed forms, NaN, opacity, long rays, small pools, edits, picks, counts and the window.
+
+use super::cast_modes::{Stage, lumps, oblique_grid, tissue};
+use super::reference::{Dense, difference, picture};
+use crate::common::gpu::gpu;
+use crate::common::volumes::*;
+use burin::gpu::{Body, Caster, FieldPools, Frame, Mask, Wanted};
+use burin::math::{Camera, DVec2, DVec3, Plane, Pose, Projection};
+use burin::volume::*;
+
+/// Density of one value everywhere, in a box of mm.
+fn slab(value: u16) -> (Grid, Field) {
+    let grid = Grid::aligned([24, 20, 10], DVec3::new(1.0, 1.0, 2.0), DVec3::ZERO);
+    (grid, density_u16(grid, move |_| value))
+}
+
+fn flat(opacity: f32) -> TransferFunction {
+    TransferFunction {
+        colour: vec![(0.0, [0.8, 0.4, 0.2])],
+        opacity: vec![(0.0, opacity)],
+        unit_mm: 1.0,
+    }
+}
+
+/// Looks along −z on the middle of a volume from a whole number of steps above it.
+fn down(grid: &Grid, transfer: TransferFunction, step_mm: f64) -> Frame {
+    let middle = grid.world_bounds().centre();
+    let mut view = frame(grid, transfer, DVec3::Z, [24, 20]);
+    view.step_mm = step_mm;
+    view.camera = Camera {
+        eye: middle + DVec3::Z * 40.25,
+        target: middle,
+        up: DVec3::Y,
+        projection: Projection::Orthographic { height_mm: 20.0 },
+    };
+    view
+}
+
+#[test]
+fn a_slab_absorbs_as_beer_and_lambert_say() {
+    let Some(gpu) = gpu() else { return };
+    let (grid, density) = slab(7);
+    let mut stage = Stage::new(gpu, grid, density);
+    for step_mm in [0.5, 1.0, 2.0] {
+        let view = down(&grid, flat(0.08), step_mm);
+        let image = stage.image(&view);
+        let reference = picture(&Dense::of(&stage.fields(), &grid), &view);
+        // 20 mm of matter with an opacity of 0.08 per mm.
+        let clear = 0.92_f64.powi(20);
+        for (pixel, r) in image.colour.iter().zip(&reference) {
+            assert!((f64::from(pixel[3]) - (1.0 - clear)).abs() < 1e-5, "{pixel:?}, {}", 1.0 - clear);
+            assert!((f64::from(pixel[0]) - 0.8 * (1.0 - clear)).abs() < 1e-5);
+            // The table keeps opacity in 32 bits.
+            assert!((r.colour[3] - (1.0 - clear)).abs() < 1e-6, "the reference itself");
+        }
+        // Opacity ½ after ln ½ / ln 0.92 = 8.31 mm below the face at 30.25 mm: at the sample that fills that length.
+        let half = 30.25 + (0.5_f64.ln() / 0.92_f64.ln() / step_mm).ceil() * step_mm;
+        assert!((f64::from(image.depth_mm[0]) - half).abs() <= step_mm + 1e-3, "{} for {half}", image.depth_mm[0]);
+    }
+}
+
+#[test]
+fn an_iso_sphere_has_its_area_and_depth() {
+    let Some(gpu) = gpu() else { return };
+    let grid = unit_grid([40, 40, 40]);
+    let from_middle = |v: [u32; 3]| DVec3::from_array(v.map(|x| f64::from(x) - 19.5)).length();
+    let density = density_u16(grid, |v| (60_000.0 - 2000.0 * from_middle(v)) as u16);
+    let mut stage = Stage::new(gpu, grid, density);
+    let mut view = down(&grid, tissue(), 1.0);
+    view.size = [96, 96];
+    view.camera.projection = Projection::Orthographic { height_mm: 40.0 };
+    view.mode = Mode::Iso(60_000.0 - 2000.0 * 14.0);
+    view.lighting = Some(Lighting { ambient: 0.0, diffuse: 1.0, specular: 0.0, power: 1.0 });
+    view.transfer.colour = vec![(0.0, [1.0; 3])];
+    let image = stage.image(&view);
+    let reference = picture(&Dense::of(&stage.fields(), &grid), &view);
+    let area = |hits: usize| hits as f64 * (40.0 / 96.0_f64).powi(2);
+    let expected = std::f64::consts::PI * 14.0 * 14.0;
+    assert!((area(reference.iter().filter(|p| p.object == 1).count()) / expected - 1.0).abs() < 0.01);
+    assert!((area(image.object.iter().filter(|o| **o == 1).count()) / expected - 1.0).abs() < 0.01);
+    for y in 0..96 {
+        for x in 0..96 {
+            let at = DVec2::new(f64::from(x) + 0.5 - 48.0, f64::from(y) + 0.5 - 48.0) * 40.0 / 96.0;
+            if at.length() < 12.0 {
+                let height = (14.0_f64.powi(2) - at.length_squared()).sqrt();
+                let i = x as usize + 96 * y as usize;
+                // Trilinear between voxels is off a sphere by less than a tenth of a voxel.
+                assert!((f64::from(image.depth_mm[i]) - (40.25 - height)).abs() < 0.1);
+                assert!((f64::from(image.colour[i][0]) - height / 14.0).abs() < 0.03, "Lambert's cosine");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_cut_under_iso_is_capped_with_the_planes_normal() {
+    let Some(gpu) = gpu() else { return };
+    let (grid, density) = slab(40_000);
+    let mut stage = Stage::new(gpu, grid, density);
+    let mut view = down(&grid, tissue(), 1.0);
+    view.mode = Mode::Iso(30_000.0);
+    view.lighting = Some(Lighting { ambient: 0.0, diffuse: 1.0, specular: 0.0, power: 1.0 });
+    view.transfer.colour = vec![(0.0, [1.0; 3])];
+    let normal = DVec3::new(0.6, 0.0, 0.8);
+    let plane = Plane::through(DVec3::new(11.5, 9.5, 9.0), normal).unwrap();
+    view.bodies[0].region = vec![plane];
+    let image = stage.image(&view);
+    let i = image.index(DVec2::new(12.5, 10.5)).unwrap();
+    assert!((image.colour[i][0] - 0.8).abs() < 1e-5, "{:?}", image.colour[i]);
+    // The pixel's ray runs down x = 12, 0.5 mm beside the plane's point: 0.375 mm lower.
+    let depth = 40.25 - (9.0 - 0.375 - 9.0);
+    assert!((f64::from(image.depth_mm[i]) - depth).abs() < 1e-3, "{}", image.depth_mm[i]);
+}
+
+#[test]
+fn taps_that_are_nan_are_clear() {
+    let Some(gpu) = gpu() else { return };
+    let grid = oblique_grid([40, 36, 20]);
+    let density = density_f32(grid, |v| {
+        if (v[0] / 5 + v[1] / 7).is_multiple_of(3) { f32::NAN } else { 1000.0 + (v[0] * v[2]) as f32 * 60.0 }
+    });
+    let mut stage = Stage::new(gpu, grid, density);
+    for mode in [Mode::Dvr, Mode::Mip, Mode::Iso(26_000.0)] {
+        let view = Frame { mode, ..frame(&grid, tissue(), DVec3::new(0.5, -1.0, 1.0), [48, 40]) };
+        let d = stage.compare(&view);
+        assert!(d.covered > 0.03 && d.beyond_one < 0.01 && d.mean < 0.2, "{d:?}");
+    }
+}
+
+#[test]
+fn a_ray_ends_where_nothing_more_shows() {
+    let Some(gpu) = gpu() else { return };
+    let (grid, density) = slab(7);
+    let mut stage = Stage::new(gpu, grid, density);
+    let image = stage.image(&down(&grid, flat(1.0), 1.0));
+    assert!(image.colour.iter().all(|c| c[3] == 1.0 && (c[0] - 0.8).abs() < 1e-6));
+    // 0.8 per step: after 4 steps 0.0016 are left, and the fifth is not taken.
+    let image = stage.image(&down(&grid, flat(0.8), 1.0));
+    assert!(image.colour.iter().all(|c| (c[3] - (1.0 - 0.2_f32.powi(4))).abs() < 1e-5), "{:?}", image.colour[0]);
+}
+
+#[test]
+fn rays_longer_than_software_vulkan_allows_are_marched_in_passes() {
+    let Some(gpu) = gpu() else { return };
+    let grid = unit_grid([20, 20, 20]);
+    let mut stage = Stage::new(gpu, grid, lumps(grid));
+    let mut view = frame(&grid, tissue(), DVec3::new(0.3, -1.0, 0.4), [8, 8]);
+    view.step_mm = 0.001;
+    view.camera = view.camera.zoomed(0.8);
+    for mode in [Mode::Dvr, Mode::Mip, Mode::Iso(26_000.0)] {
+        let d = stage.compare(&Frame { mode, ..view.clone() });
+        assert!(d.covered > 0.1 && d.largest <= 1.0, "{mode:?} {d:?}");
+    }
+    // Merged bodies take more turns a sample, so more passes.
+    view.step_mm = 0.004;
+    view.bodies = (0..3)
+        .map(|id| Body { pose: Pose { translation: DVec3::splat(f64::from(id)), ..Pose::IDENTITY }, ..Body::whole(id) })
+        .collect();
+    let d = stage.compare(&view);
+    assert!(d.covered > 0.1 && d.largest <= 1.0, "{d:?}");
+}
+
+#[test]
+fn an_eye_inside_the_volume_sees_from_there() {
+    let Some(gpu) = gpu() else { return };
+    let grid = oblique_grid([40, 36, 30]);
+    let mut stage = Stage::new(gpu, grid, lumps(grid));
+    let mut view = frame(&grid, tissue(), DVec3::new(0.5, -1.0, 1.0), [40, 32]);
+    view.camera.eye = grid.world_bounds().centre() + DVec3::new(2.0, -3.0, 1.0);
+    let d = stage.compare(&view);
+    assert!(d.covered > 0.5 && d.largest <= 1.0, "{d:?}");
+}
+
+#[test]
+fn a_small_pool_draws_coarser_and_misses_nothing() {
+    let Some(gpu) = gpu() else { return };
+    let grid = unit_grid([100, 90, 70]);
+    let density = lumps(grid);
+    let mut stage = Stage::new(gpu.clone(), grid, density);
+    let view = frame(&grid, tissue(), DVec3::new(0.5, -1.0, 1.0), [40, 32]);
+    let fine = stage.image(&view);
+    // 36 bricks of 34³ two-byte texels; half of this budget is density's: about an eighth of them.
+    stage.pools = FieldPools::new(&gpu, &grid, &stage.fields[0], 10 * 34 * 34 * 34 * 2).unwrap();
+    let coarse = stage.image(&view);
+    let off = |a: &[f32; 4], b: &[f32; 4]| (a[3] - b[3]).abs();
+    let worst = fine.colour.iter().zip(&coarse.colour).map(|(a, b)| off(a, b)).fold(0.0, f32::max);
+    assert!(worst > 0.0 && worst < 0.25, "coarser, but nowhere missing: {worst}");
+    assert_eq!(stage.image(&view), coarse, "the picture at rest is stable");
+}
+
+#[test]
+fn an_edit_shows_in_the_next_picture() {
+    let Some(gpu) = gpu() else { return };
+    let grid = unit_grid([64, 40, 40]);
+    let mut stage = Stage::new(gpu, grid, density_u16(grid, |_| 0));
+    let view = frame(&grid, tissue(), DVec3::new(0.5, -1.0, 1.0), [40, 32]);
+    assert!(stage.image(&view).colour.iter().all(|c| c[3] == 0.0));
+    let texels = each([BRICK; 3], |v| if v[0] > 4 && v[1] > 9 && v[2] > 9 { 40_000_u16 } else { 0 });
+    let brick = Brick::from_texels(texels.iter().flat_map(|t| t.to_le_bytes()).collect(), 2);
+    let (_, refresh) = stage.fields[0].swap(vec![(BrickIndex([1, 0, 0]), Some(brick))]).unwrap();
+    stage.pools.refresh(&stage.gpu, FieldKind::Density, &stage.fields[0], &refresh).unwrap();
+    let d = stage.compare(&view);
+    assert!(d.covered > 0.05 && d.largest <= 1.0, "{d:?}");
+}
+
+#[test]
+fn a_pick_answers_with_the_surface_at_rest() {
+    let Some(gpu) = gpu() else { return };
+    let (grid, density) = slab(40_000);
+    let mut stage = Stage::new(gpu, grid, density);
+    let mut view = down(&grid, tissue(), 1.0);
+    view.mode = Mode::Iso(30_000.0);
+    view.bodies = vec![Body { pose: Pose { translation: DVec3::new(1.0, 2.0, 3.0), ..Pose::IDENTITY }, ..Body::whole(4) }];
+    let [density, colour, selection, labels] = &stage.fields;
+    let fields = burin::gpu::Fields { density, colour, selection, labels };
+    let px = DVec2::new(12.3, 9.6);
+    let hit = stage.caster.pick(&stage.gpu, &mut stage.pools, &fields, &view, px).unwrap().unwrap();
+    // The face at z = 19 mm, 3 mm higher; the ray through px.
+    let ray = view.camera.ray(px, view.size);
+    let world = DVec3::new(ray.origin.x, ray.origin.y, 22.0);
+    assert!((hit.world - world).length() < 1e-3, "{hit:?}");
+    assert!((hit.rest - (world - DVec3::new(1.0, 2.0, 3.0))).length() < 1e-3);
+    assert_eq!(hit.body, 4);
+    let beside = stage.caster.pick(&stage.gpu, &mut stage.pools, &fields, &view, DVec2::new(0.2, 19.9)).unwrap();
+    assert_eq!(beside, None);
+}
+
+#[test]
+fn visibility_counts_as_the_definition_says() {
+    let Some(gpu) = gpu() else { return };
+    let grid = oblique_grid([50, 44, 36]);
+    let mut stage = Stage::new(gpu, grid, lumps(grid));
+    stage.fields[2] = painted(FieldKind::Selection, &grid, move |v| {
+        let p = DVec3::from_array(std::array::from_fn(|a| f64::from(v[a]) / f64::from(grid.dims[a]) - 0.45));
+        [((0.32 - p.length()) * 1400.0).clamp(0.0, 255.0) as u8, 0, 0, 0]
+    });
+    let middle = grid.world_bounds().centre();
+    let cut = Plane::through(middle, DVec3::new(1.0, 0.2, 0.1)).unwrap();
+    let part = |id, plane: Plane, shift: f64| {
+        let pose = Pose { translation: plane.normal * -shift, ..Pose::IDENTITY };
+        Body { id, pose, region: vec![plane], mask: Mask::Background, tint: None }
+    };
+    let stays = Body { mask: Mask::Selection, ..Body::whole(9) };
+    let mut view = frame(&grid, tissue(), DVec3::new(0.4, -1.0, 0.6), [96, 80]);
+    view.bodies = vec![part(1, cut, 12.0), part(2, cut.flipped(), 5.0), stays];
+    let [density, colour, selection, labels] = &stage.fields;
+    let fields = burin::gpu::Fields { density, colour, selection, labels };
+    let counted = stage.caster.visibility(&stage.gpu, &mut stage.pools, &fields, &view).unwrap();
+
+    // By the book: bodies one at a time, opacity up to the sample where the selection alone reaches ½.
+    let dense = Dense::of(&fields, &grid);
+    let (mut selected, mut visible, mut hidden) = (0_i64, 0_i64, [0_i64; 2]);
+    let alone = picture(&dense, &Frame { bodies: vec![view.bodies[2].clone()], ..view.clone() });
+    for (i, there) in alone.iter().enumerate().filter(|(_, p)| p.object == 10) {
+        selected += 1;
+        let px = DVec2::new((i % 96) as f64 + 0.5, (i / 96) as f64 + 0.5);
+        let ray = view.camera.ray(px, view.size);
+        // Everything from the reached sample on is cut away by a plane across the ray, just before it.
+        let wall = Plane::through(ray.at(there.depth_mm - 1e-6), ray.dir).unwrap();
+        let opacity = |n: usize| {
+            let mut body = view.bodies[n].clone();
+            let normal = body.pose.rotation.inverse() * wall.normal;
+            body.region.push(Plane::through(body.pose.unapply(ray.at(there.depth_mm - 1e-6)), normal).unwrap());
+            super::reference::pixel(&dense, &Frame { bodies: vec![body], ..view.clone() }, px).colour[3]
+        };
+        let own = [opacity(0), opacity(1)];
+        for (h, o) in hidden.iter_mut().zip(own) {
+            *h += i64::from(o >= 0.05);
+        }
+        visible += i64::from((1.0 - own[0]) * (1.0 - own[1]) > 0.95);
+    }
+    println!("{counted:?}, by the book {selected} {visible} {hidden:?}");
+    let close = |a: u64, b: i64| (a as i64 - b).abs() <= 2;
+    assert!(selected > 100 && visible > 10 && visible < selected && hidden[0] + hidden[1] > 10);
+    assert!(close(counted.selected, selected) && close(counted.visible, visible));
+    assert_eq!(counted.hidden_by.len(), 2);
+    for (n, (id, pixels)) in counted.hidden_by.iter().enumerate() {
+        assert_eq!(*id, n as u32 + 1);
+        assert!(close(*pixels, hidden[n]));
+    }
+    assert!((counted.share() - visible as f64 / selected as f64).abs() < 0.01);
+}
+
+#[test]
+fn the_windows_picture_is_refined_until_it_is_the_image() {
+    let Some(gpu) = gpu() else { return };
+    let grid = unit_grid([40, 36, 30]);
+    let mut stage = Stage::new(gpu.clone(), grid, lumps(grid));
+    let view = frame(&grid, tissue(), DVec3::new(0.5, -1.0, 1.0), [64, 56]);
+    let image = stage.image(&view);
+    let (device, queue) = gpu.raw();
+    let format = wgpu::TextureFormat::Rgba8Unorm;
+    let target = device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d { width: 64, height: 56, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    });
+    let surface = target.create_view(&Default::default());
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: 256 * 56,
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let background = [0.1, 0.2, 0.3];
+    let mut draw = |stage: &mut Stage, moving| {
+        let [density, colour, selection, labels] = &stage.fields;
+        let fields = burin::gpu::Fields { density, colour, selection, labels };
+        let wanted = Wanted { moving, content: 1, background };
+        let done = stage.caster.draw(&gpu, &mut stage.pools, &fields, &view, wanted, &surface, format).unwrap();
+        gpu.wait().unwrap();
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(256), rows_per_image: None };
+        encoder.copy_texture_to_buffer(
+            target.as_image_copy(),
+            wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
+            target.size(),
+        );
+        queue.submit([encoder.finish()]);
+        (done, gpu.read_buffer(&buffer, "the window").unwrap())
+    };
+    let expected = image.to_rgba8(Some(background));
+    let off = |shown: &[u8]| {
+        let each = shown.iter().zip(&expected).map(|(a, b)| f64::from(a.abs_diff(*b)));
+        (each.clone().sum::<f64>() / expected.len() as f64, each.fold(0.0, f64::max))
+    };
+    let (done, preview) = draw(&mut stage, true);
+    assert!(!done && off(&preview).0 < 6.0, "half resolution looks alike: {:?}", off(&preview));
+    for _ in 0..40 {
+        let (done, shown) = draw(&mut stage, false);
+        if done {
+            assert!(off(&shown).1 <= 1.0, "{:?}", off(&shown));
+            return;
+        }
+    }
+    panic!("not refined after 40 calls");
+}
+
+#[test]
+fn nothing_and_too_much_are_answers() {
+    let Some(gpu) = gpu() else { return };
+    let (grid, density) = slab(7);
+    let mut stage = Stage::new(gpu.clone(), grid, density);
+    let mut view = down(&grid, flat(0.5), 1.0);
+    view.bodies.clear();
+    assert!(stage.image(&view).object.iter().all(|o| *o == 0));
+    view.size = [0, 7];
+    assert!(stage.image(&view).colour.is_empty());
+    view.size = [8, 8];
+    view.bodies = (0..600).map(Body::whole).collect();
+    let fields = stage.fields.clone();
+    let [density, colour, selection, labels] = &fields;
+    let fields = burin::gpu::Fields { density, colour, selection, labels };
+    let error = Caster::new(&gpu).unwrap().image(&gpu, &mut stage.pools, &fields, &view).unwrap_err();
+    assert!(error.to_string().contains("600"), "{error}");
+    view.bodies.truncate(1);
+    view.step_mm = 0.0;
+    let error = stage.caster.image(&gpu, &mut stage.pools, &fields, &view).unwrap_err();
+    assert!(error.to_string().contains("step_mm"), "{error}");
+    // Odd sizes fill their tiles only in part.
+    let odd = Frame { size: [13, 9], step_mm: 1.0, ..down(&grid, flat(0.08), 1.0) };
+    let reference = picture(&Dense::of(&fields, &grid), &odd);
+    assert!(difference(&stage.image(&odd), &reference, 1.0).largest <= 1.0);
+}
