@@ -15,11 +15,7 @@ fn slab(value: u16) -> (Grid, Field) {
 }
 
 fn flat(opacity: f32) -> TransferFunction {
-    TransferFunction {
-        colour: vec![(0.0, [0.8, 0.4, 0.2])],
-        opacity: vec![(0.0, opacity)],
-        unit_mm: 1.0,
-    }
+    TransferFunction { colour: vec![(0.0, [0.8, 0.4, 0.2])], opacity: vec![(0.0, opacity)], unit_mm: 1.0 }
 }
 
 /// Looks along −z on the middle of a volume from a whole number of steps above it.
@@ -210,7 +206,8 @@ fn a_pick_answers_with_the_surface_at_rest() {
     let mut stage = Stage::new(gpu, grid, density);
     let mut view = down(&grid, tissue(), 1.0);
     view.mode = Mode::Iso(30_000.0);
-    view.bodies = vec![Body { pose: Pose { translation: DVec3::new(1.0, 2.0, 3.0), ..Pose::IDENTITY }, ..Body::whole(4) }];
+    view.bodies =
+        vec![Body { pose: Pose { translation: DVec3::new(1.0, 2.0, 3.0), ..Pose::IDENTITY }, ..Body::whole(4) }];
     let [density, colour, selection, labels] = &stage.fields;
     let fields = burin::gpu::Fields { density, colour, selection, labels };
     let px = DVec2::new(12.3, 9.6);
