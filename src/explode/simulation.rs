@@ -21,7 +21,7 @@ const PATIENCE: u32 = 3;
 /// Half-diagonals, and quaternion distance, within which a slow part snaps to where nothing keeps it from.
 const NEAR: f64 = 1e-3;
 /// Part–point pairs from which threads pay.
-const MANY: usize = 4096;
+const MANY: usize = 1024;
 
 struct Member {
     solid: Solid,

@@ -131,6 +131,24 @@ fn the_same_camera_gives_the_same_poses_whatever_came_before() {
 }
 
 #[test]
+fn a_search_may_run_beside_the_window() {
+    let (explosion, points) = setup();
+    let view = camera(DVec3::NEG_Y);
+    let here = settle(&explosion, &points, &view);
+    let mut search = Search::new(&explosion, &points, &view).unwrap();
+    let there = std::thread::spawn(move || {
+        loop {
+            match search.advance(100) {
+                Progress::Moving => {}
+                Progress::Measure(poses) => search.measured(&measure(&explosion, &poses, &view, PX, 1.5, &matter)),
+                Progress::Done => return search.settled(),
+            }
+        }
+    });
+    assert_eq!(there.join().unwrap(), here);
+}
+
+#[test]
 fn the_gain_is_measured_at_degree_one_and_then_scaled() {
     let (explosion, points) = setup();
     let view = camera(DVec3::new(1.0, -1.0, 0.0));
