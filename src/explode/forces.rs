@@ -5,7 +5,7 @@
 //! intent: c_r·ln(1 + r/ℓ_r); c_e·exp(−r/λ_e), inside at r = 0 along the cut faces; c_v/(r + ε); c_s/(r² + ε²).
 
 use super::solid::{Nearest, Solid};
-use crate::math::{Camera, DVec3, Projection};
+use crate::math::{Camera, DVec3, Projection, Ray};
 use rapier3d::na::ComplexField;
 
 /// A force and where it is applied, about the part's centre in the part's own frame.
@@ -53,16 +53,20 @@ pub fn spacing_force(away: DVec3, constant: f64, softening: f64, fallback: DVec3
     direction * (constant / (r * r + softening * softening))
 }
 
-/// From the nearest point of the viewing ray through `point` to `centre`, both in the camera's space. The ray begins at the
-/// eye, in orthographic projection at the image plane.
-pub fn from_viewing_ray(camera: &Camera, point: DVec3, centre: DVec3) -> DVec3 {
+/// The viewing ray through a point. It begins at the eye, in orthographic projection at the image plane.
+pub fn viewing_ray(camera: &Camera, point: DVec3) -> Ray {
     let forward = camera.forward();
-    let (origin, dir) = match camera.projection {
-        Projection::Perspective { .. } => (camera.eye, (point - camera.eye).normalize_or(forward)),
-        Projection::Orthographic { .. } => (point - forward * forward.dot(point - camera.eye), forward),
-    };
-    let t = dir.dot(centre - origin).max(0.0);
-    centre - (origin + dir * t)
+    match camera.projection {
+        Projection::Perspective { .. } => Ray { origin: camera.eye, dir: (point - camera.eye).normalize_or(forward) },
+        Projection::Orthographic { .. } => {
+            Ray { origin: point - forward * forward.dot(point - camera.eye), dir: forward }
+        }
+    }
+}
+
+/// From the nearest point of a ray of unit direction to `centre`.
+pub fn from_ray(ray: &Ray, centre: DVec3) -> DVec3 {
+    centre - ray.at(ray.dir.dot(centre - ray.origin).max(0.0))
 }
 
 /// The engine's own software exponential: the system's may differ in the last bit from one processor to the next.

@@ -21,6 +21,8 @@ const TOLERATED: f64 = 0.001;
 /// A part's first gain, and the factor of the following.
 const FIRST_GAIN: f64 = 0.25;
 const RAISE: f64 = 1.5;
+/// Steps a round may take: parts that find no rest must not use up the others' rounds.
+const ROUND_STEPS: u32 = 400;
 /// Steps kept for the way from degree 1 to the degree asked for.
 const LAST_APPROACH: u32 = 200;
 
@@ -78,6 +80,8 @@ pub struct Search {
     stage: Stage,
     rounds: u32,
     steps: u32,
+    /// Steps that this round must not pass.
+    limit: u32,
     visible: Option<f64>,
 }
 
@@ -105,6 +109,7 @@ impl Search {
             stage,
             rounds: 0,
             steps: 0,
+            limit: ROUND_STEPS,
             visible: None,
         })
     }
@@ -114,7 +119,7 @@ impl Search {
         let limit = match self.stage {
             Stage::Asking => return Progress::Measure(self.simulation.poses()),
             Stage::Done => return Progress::Done,
-            Stage::Gains => self.measuring_steps(),
+            Stage::Gains => self.limit.min(self.measuring_steps()),
             Stage::Approach => MAX_STEPS,
         };
         self.steps += self.simulation.settle(&self.camera, steps.min(limit.saturating_sub(self.steps)));
@@ -153,6 +158,7 @@ impl Search {
         }
         if raised {
             self.simulation.set_gains(&self.gains);
+            self.limit = self.steps + ROUND_STEPS;
             self.stage = Stage::Gains;
         } else if self.degree == 1.0 {
             self.stage = Stage::Done;

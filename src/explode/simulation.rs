@@ -5,11 +5,11 @@
 //! input gives the same poses to the bit. Knows the camera, not the picture: gains are given to it.
 
 use super::bodies::{Bodies, STEP_S, State};
-use super::forces::{explosion_force, from_viewing_ray, return_force, spacing_force, viewing_force};
+use super::forces::{explosion_force, from_ray, return_force, spacing_force, viewing_force, viewing_ray};
 use super::octree::ExplosionPoint;
 use super::solid::Solid;
 use super::{ExplodeError, Explosion, Forces};
-use crate::math::{Camera, DQuat, DVec3, Pose};
+use crate::math::{Camera, DQuat, DVec3, Pose, Ray};
 use rayon::prelude::*;
 
 /// One factor on all forces, 1/s².
@@ -18,6 +18,10 @@ const FACTOR: f64 = 200.0;
 const SLOW: f64 = 1e-3;
 /// Slow steps in a row after which all are at rest: more than a turning point lasts.
 const PATIENCE: u32 = 3;
+/// Half-diagonals, and quaternion distance, that a part may tremble about its place, and for how many steps until that is
+/// rest: where an explosion point sits on an edge, the force on it turns from step to step.
+const TREMBLE: f64 = 1e-3;
+const TREMBLING: u32 = 30;
 /// Half-diagonals, and quaternion distance, within which a slow part snaps to where nothing keeps it from.
 const NEAR: f64 = 1e-3;
 /// Part–point pairs from which threads pay.
@@ -47,6 +51,8 @@ pub struct Simulation {
     /// Whether only the return force acts, towards poses given from outside.
     led: bool,
     slow_steps: u32,
+    /// Where the parts were when one last left the neighbourhood of where it was, and how many steps ago.
+    anchor: (Vec<State>, u32),
 }
 
 /// Force and torque about a part's centre, in units of the forces' constants and half-diagonals, world axes.
@@ -99,6 +105,7 @@ impl Simulation {
             degree: explosion.degree,
             led: false,
             slow_steps: 0,
+            anchor: (Vec::new(), 0),
         };
         simulation.set_points(points);
         Ok(simulation)
@@ -112,7 +119,7 @@ impl Simulation {
                 member.snapped = member.home.0 == Pose::IDENTITY;
             }
         }
-        self.slow_steps = 0;
+        self.disturb();
     }
 
     /// Replaces the explosion points, world mm.
@@ -120,13 +127,13 @@ impl Simulation {
         let scaled = |p: &ExplosionPoint| ExplosionPoint { position: p.position / self.unit_mm, weight: p.weight };
         let usable = |p: &&ExplosionPoint| p.position.is_finite() && p.weight.is_finite() && p.weight > 0.0;
         self.points = points.iter().filter(usable).map(scaled).collect();
-        self.slow_steps = 0;
+        self.disturb();
     }
 
     /// Changes the degree of explosion.
     pub fn set_degree(&mut self, degree: f64) {
         self.degree = degree;
-        self.slow_steps = 0;
+        self.disturb();
     }
 
     /// Changes the viewing force's gains, in order of parts.
@@ -134,7 +141,7 @@ impl Simulation {
         for (member, gain) in self.members.iter_mut().zip(gains) {
             member.gain = *gain;
         }
-        self.slow_steps = 0;
+        self.disturb();
     }
 
     /// Holds a part at a hand's pose (`Some`), or lets go of it (`None`). `index` is the order of parts.
@@ -146,7 +153,7 @@ impl Simulation {
         if let Some(pose) = pose {
             self.bodies.put(index, state_of(&pose, member.solid.centre_mm(), self.unit_mm));
         }
-        self.slow_steps = 0;
+        self.disturb();
     }
 
     /// From now on parts only return, and to these poses, which they reach exactly: an animation to what was settled.
@@ -160,7 +167,7 @@ impl Simulation {
                 member.snapped = false;
             }
         }
-        self.slow_steps = 0;
+        self.disturb();
     }
 
     /// One step of 1/60 s; answers whether anything still moves.
@@ -170,18 +177,40 @@ impl Simulation {
         self.bodies.step(&wrenches);
         let slow = (0..self.members.len()).all(|i| self.members[i].pinned.is_some() || self.bodies.speed(i) < SLOW);
         self.slow_steps = if slow { self.slow_steps + 1 } else { 0 };
-        let homing = self.led || !self.pushes();
+        self.follow_anchor();
+        let (homing, still) = (self.led || !self.pushes(), self.still());
         for (i, member) in self.members.iter_mut().enumerate() {
             member.snapped = homing && member.pinned.is_none() && {
                 let (at, home) = (self.bodies.state(i), member.home.1);
                 let near = at.shift.distance(home.shift) < NEAR && turned(at.rotation, home.rotation) < NEAR;
-                (near && self.bodies.speed(i) < SLOW) || self.slow_steps >= PATIENCE
+                (near && self.bodies.speed(i) < SLOW) || still
             };
             if member.snapped {
                 self.bodies.put(i, member.home.1);
             }
         }
         self.moving()
+    }
+
+    fn disturb(&mut self) {
+        self.slow_steps = 0;
+        self.anchor.1 = 0;
+    }
+
+    fn still(&self) -> bool {
+        self.slow_steps >= PATIENCE || self.anchor.1 >= TREMBLING
+    }
+
+    fn follow_anchor(&mut self) {
+        let states: Vec<State> = (0..self.members.len()).map(|i| self.bodies.state(i)).collect();
+        let (anchor, age) = &mut self.anchor;
+        let near =
+            |(a, b): (&State, &State)| a.shift.distance(b.shift) < TREMBLE && turned(a.rotation, b.rotation) < TREMBLE;
+        if anchor.len() == states.len() && states.iter().zip(anchor.iter()).all(near) {
+            *age += 1;
+        } else {
+            self.anchor = (states, 0);
+        }
     }
 
     /// Steps until nothing moves or `max_steps` are done; answers how many.
@@ -197,7 +226,7 @@ impl Simulation {
     /// Whether the parts had not come to rest at the last step.
     pub fn moving(&self) -> bool {
         let homing = self.led || !self.pushes();
-        self.slow_steps < PATIENCE && self.members.iter().any(|m| m.pinned.is_none() && !(homing && m.snapped))
+        !self.still() && self.members.iter().any(|m| m.pinned.is_none() && !(homing && m.snapped))
     }
 
     /// Poses in order of parts; the identity exactly where a part rests, a hand's pose exactly where it is pinned.
@@ -219,7 +248,9 @@ impl Simulation {
     pub fn wrenches(&self, camera: &Camera) -> Vec<Wrench> {
         let scaled = Camera { eye: camera.eye / self.unit_mm, target: camera.target / self.unit_mm, ..*camera };
         let states: Vec<State> = (0..self.members.len()).map(|i| self.bodies.state(i)).collect();
-        let wrench = |i: usize| self.wrench(i, &states, &scaled);
+        let rays: Vec<Ray> = self.points.iter().map(|p| viewing_ray(&scaled, p.position)).collect();
+        let sideways = scaled.right_up().0;
+        let wrench = |i: usize| self.wrench(i, &states, &rays, sideways);
         let parts = 0..self.members.len();
         // Each part's sum is one thread's, in order; threads only share out the parts.
         if self.members.len() * self.points.len() >= MANY {
@@ -236,7 +267,7 @@ impl Simulation {
         self.degree * f.delta_explosion.max(viewing).max(f.delta_spacing) > 0.0
     }
 
-    fn wrench(&self, i: usize, states: &[State], camera: &Camera) -> Wrench {
+    fn wrench(&self, i: usize, states: &[State], rays: &[Ray], sideways: DVec3) -> Wrench {
         let (member, state, f) = (&self.members[i], states[i], &self.forces);
         if member.pinned.is_some() || member.snapped && (self.led || !self.pushes()) {
             return Wrench::default();
@@ -264,8 +295,8 @@ impl Simulation {
         let centre = member.centre + state.shift;
         let (c_e, c_s) = (self.degree * f.delta_explosion, self.degree * f.delta_spacing);
         let c_v = if f.viewing { self.degree * f.delta_viewing * member.gain } else { 0.0 };
-        let (inverse, sideways) = (state.rotation.inverse(), camera.right_up().0);
-        for point in &self.points {
+        let inverse = state.rotation.inverse();
+        for (point, ray) in self.points.iter().zip(rays) {
             let share = point.weight / total;
             let local = inverse * (point.position - centre);
             if c_e > 0.0
@@ -274,7 +305,7 @@ impl Simulation {
                 add(state.rotation * push.force, state.rotation * push.at);
             }
             if c_v > 0.0 {
-                let away = from_viewing_ray(camera, point.position, centre);
+                let away = from_ray(ray, centre);
                 add(viewing_force(away, c_v * share, f.softening, sideways), DVec3::ZERO);
             }
         }

@@ -79,7 +79,10 @@ impl Solid {
         for side in &self.sides {
             let height = side.normal.dot(p) - side.offset;
             if height > TOUCHING && height < best.0 {
-                let q = side.nearest(p, height);
+                let (q, foot) = side.nearest(p, height);
+                if foot {
+                    return Nearest::Outside(q);
+                }
                 let distance = p.distance(q);
                 if distance < best.0 {
                     best = (distance, q);
@@ -103,8 +106,9 @@ impl Solid {
 }
 
 impl Side {
-    /// Nearest point of the face to a point `height` above its plane.
-    fn nearest(&self, p: DVec3, height: f64) -> DVec3 {
+    /// Nearest point of the face to a point `height` above its plane, and whether it is the foot of the perpendicular: then
+    /// no other point of the solid is nearer, since all of it lies beyond the plane.
+    fn nearest(&self, p: DVec3, height: f64) -> (DVec3, bool) {
         let foot = p - self.normal * height;
         let mut best = (f64::INFINITY, foot);
         let mut inside = true;
@@ -121,6 +125,6 @@ impl Side {
                 }
             }
         }
-        if inside { foot } else { best.1 }
+        if inside { (foot, true) } else { (best.1, false) }
     }
 }

@@ -171,12 +171,12 @@ fn the_viewing_ray_starts_at_the_eye_and_runs_through_the_point() {
     let dir = DVec3::new(1.0, 10.0, 0.0).normalize();
     let centre = DVec3::new(0.0, 0.0, 2.0);
     let foot = camera.eye + dir * dir.dot(centre - camera.eye);
-    close(from_viewing_ray(&camera, DVec3::X, centre), centre - foot, 1e-12);
+    close(from_ray(&viewing_ray(&camera, DVec3::X), centre), centre - foot, 1e-12);
     // Behind the eye the nearest point is the eye.
     let behind = DVec3::new(0.0, -13.0, 4.0);
-    close(from_viewing_ray(&camera, DVec3::X, behind), behind - camera.eye, 1e-12);
+    close(from_ray(&viewing_ray(&camera, DVec3::X), behind), behind - camera.eye, 1e-12);
     let flat = Camera { projection: Projection::Orthographic { height_mm: 5.0 }, ..camera };
-    close(from_viewing_ray(&flat, DVec3::X, centre), DVec3::new(-1.0, 0.0, 2.0), 1e-12);
+    close(from_ray(&viewing_ray(&flat, DVec3::X), centre), DVec3::new(-1.0, 0.0, 2.0), 1e-12);
 }
 
 #[test]
