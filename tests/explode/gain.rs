@@ -8,14 +8,14 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 const RADIUS: f64 = 18.0;
-const PX: u32 = 96;
+const PX: u32 = 64;
 
 /// A ball in a cube of 60 mm, off the middle, in eight octants; everything else is dense.
 fn setup() -> (Explosion, Vec<ExplosionPoint>) {
     let mut explosion = octants(&cube(60));
     explosion.degree = 1.0;
     let mut rng = ChaCha8Rng::seed_from_u64(21);
-    let points = (0..40).map(|_| ExplosionPoint {
+    let points = (0..24).map(|_| ExplosionPoint {
         position: centre() + unit(&mut rng) * RADIUS * rng.random::<f64>().cbrt(),
         weight: 1.0,
     });
@@ -35,12 +35,12 @@ fn matter(p: DVec3) -> (f64, f64) {
 
 fn camera(direction: DVec3) -> Camera {
     let up = if direction.x == 0.0 && direction.y == 0.0 { DVec3::Y } else { DVec3::Z };
-    Camera::framing(&cube(60).world_bounds(), direction, up).zoomed(1.5)
+    Camera::framing(&cube(60).world_bounds(), direction, up).zoomed(0.7)
 }
 
 fn settle(explosion: &Explosion, points: &[ExplosionPoint], camera: &Camera) -> Settled {
     settle_with_gain::<ExplodeError>(explosion, points, camera, &mut |poses| {
-        Ok(measure(explosion, poses, camera, PX, 1.5, &matter))
+        Ok(measure(explosion, poses, camera, PX, 2.5, &matter))
     })
     .unwrap()
 }
@@ -50,19 +50,19 @@ fn the_picture_of_these_tests_sees_what_it_should() {
     let (explosion, _) = setup();
     let rest = vec![Pose::IDENTITY; 8];
     let view = camera(DVec3::NEG_Y);
-    let at_rest = measure(&explosion, &rest, &view, PX, 1.5, &matter);
+    let at_rest = measure(&explosion, &rest, &view, PX, 2.5, &matter);
     assert_eq!(at_rest.visible, 0.0, "the ball is inside");
     assert!(at_rest.hidden.iter().sum::<f64>() >= 1.0);
     let mut away = rest.clone();
     for (pose, part) in away.iter_mut().zip(&explosion.parts).filter(|(_, p)| p.centre().y < 0.0) {
         pose.translation = part.centre() * DVec3::new(9.0, 0.0, 9.0);
     }
-    let open = measure(&explosion, &away, &view, PX, 1.5, &matter);
+    let open = measure(&explosion, &away, &view, PX, 2.5, &matter);
     assert_eq!((open.visible, open.hidden.iter().sum::<f64>()), (1.0, 0.0));
     // One quadrant of the front closed again hides the share of the ball that is seen there.
     let (front, _) = explosion.parts.iter().enumerate().find(|(_, p)| p.centre().cmplt(DVec3::ZERO).all()).unwrap();
     away[front] = Pose::IDENTITY;
-    let quarter = measure(&explosion, &away, &view, PX, 1.5, &matter);
+    let quarter = measure(&explosion, &away, &view, PX, 2.5, &matter);
     assert!((0.1..0.4).contains(&quarter.hidden[front]), "{quarter:?}");
     assert!((quarter.visible + quarter.hidden[front] - 1.0).abs() < 1e-12);
 }
@@ -83,7 +83,7 @@ fn ninety_nine_percent_are_visible_from_26_directions_and_less_is_moved_than_pla
         let settled = settle(&explosion, &points, &view);
         assert!(settled.at_rest && settled.rounds <= MAX_ROUNDS && settled.steps <= MAX_STEPS, "{settled:?}");
         // Looked at more closely than it was measured.
-        let seen = measure(&explosion, &settled.poses, &view, 2 * PX - 3, 1.0, &matter);
+        let seen = measure(&explosion, &settled.poses, &view, 2 * PX - 3, 2.5, &matter);
         assert!(seen.visible >= 0.99, "{direction}: {} {settled:?}", seen.visible);
         with_gain += shift(&settled.poses) / 26.0;
         let all = settle(&plain, &points, &view);
@@ -100,7 +100,7 @@ fn without_the_viewing_force_the_ball_stays_hidden() {
     let view = camera(DVec3::new(1.0, -1.0, 1.0));
     let settled = settle(&explosion, &points, &view);
     assert_eq!(settled.rounds, 0);
-    assert!(measure(&explosion, &settled.poses, &view, PX, 1.5, &matter).visible < 0.5);
+    assert!(measure(&explosion, &settled.poses, &view, PX, 2.5, &matter).visible < 0.5);
 }
 
 #[test]
@@ -122,7 +122,7 @@ fn the_same_camera_gives_the_same_poses_whatever_came_before() {
         slices += 1;
         match search.advance(7) {
             Progress::Moving => {}
-            Progress::Measure(poses) => search.measured(&measure(&later, &poses, &view, PX, 1.5, &matter)),
+            Progress::Measure(poses) => search.measured(&measure(&later, &poses, &view, PX, 2.5, &matter)),
             Progress::Done => break search.settled(),
         }
     };
@@ -140,7 +140,7 @@ fn a_search_may_run_beside_the_window() {
         loop {
             match search.advance(100) {
                 Progress::Moving => {}
-                Progress::Measure(poses) => search.measured(&measure(&explosion, &poses, &view, PX, 1.5, &matter)),
+                Progress::Measure(poses) => search.measured(&measure(&explosion, &poses, &view, PX, 2.5, &matter)),
                 Progress::Done => return search.settled(),
             }
         }

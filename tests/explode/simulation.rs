@@ -164,16 +164,16 @@ fn the_same_input_gives_the_same_poses_to_the_bit() {
     let grid = cube(64);
     let mut explosion = plain(octants(&grid), 1.0, true);
     let mut rng = ChaCha8Rng::seed_from_u64(11);
-    while explosion.parts.len() < 32 {
+    while explosion.parts.len() < 16 {
         let part = &explosion.parts[rng.random_range(0..explosion.parts.len())];
         let (id, plane) = (part.id, Plane::through(part.centre(), unit(&mut rng)).unwrap());
         explosion.split_at_rest(id, &plane).unwrap();
     }
     // Enough pairs for threads to share the parts.
-    let points = ball(200, 20.0, 2);
+    let points = ball(80, 20.0, 2);
     let run = || {
         let mut simulation = Simulation::new(&explosion, &points).unwrap();
-        simulation.settle(&front(&grid), 60);
+        simulation.settle(&front(&grid), 40);
         simulation.poses()
     };
     let bits = |poses: Vec<Pose>| -> Vec<u64> {
