@@ -30,6 +30,8 @@ pub struct App {
     pub(super) dialog: Option<Dialog>,
     /// What takes its time, and since when (seconds of egui's clock).
     pub(super) busy: Option<(String, f64)>,
+    /// Since when the document has not caught up (seconds of egui's clock).
+    pub(super) behind_since: Option<f64>,
     pub(super) probe: serde_json::Value,
     pub(super) transfer: TransferEditor,
     pub(super) selected_part: Option<PartId>,
@@ -68,6 +70,7 @@ impl App {
             keys_open: false,
             dialog: None,
             busy: None,
+            behind_since: None,
             probe: serde_json::Value::Null,
             transfer: TransferEditor::default(),
             selected_part: None,
@@ -337,6 +340,12 @@ impl App {
             self.interact(Event::Abort);
         }
         self.show_title(&ctx);
+        let now = ctx.input(|i| i.time);
+        let behind = self.snapshot.serial < self.session.serial();
+        self.behind_since = if behind { self.behind_since.or(Some(now)) } else { None };
+        if behind {
+            ctx.request_repaint_after(std::time::Duration::from_millis(50));
+        }
         if self.busy.is_some() {
             ctx.request_repaint_after(std::time::Duration::from_millis(100));
         }

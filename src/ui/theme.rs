@@ -33,7 +33,7 @@ pub const WARNING: Color32 = Color32::from_rgb(0xe3, 0xb3, 0x5a);
 /// Height of rows that are clicked.
 pub const ROW: f32 = 24.0;
 /// Width of the labels in front of controls.
-pub const LABEL: f32 = 84.0;
+pub const LABEL: f32 = 88.0;
 /// One step of the grid.
 pub const GAP: f32 = 4.0;
 

@@ -3,6 +3,7 @@
 mod curve;
 mod interact;
 mod looks;
+mod real;
 mod slices;
 mod window;
 

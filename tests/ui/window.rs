@@ -10,6 +10,7 @@ use burin::math::{DVec3, Pose};
 use burin::paint::Target;
 use burin::ui::{App, Far, Gravity, Opened, Report, Request, Session, Snapshot};
 use burin::volume::{Histogram, Statistics, VoxelType};
+use egui::accesskit::Toggled;
 use egui::{Modifiers, vec2};
 use egui_kittest::{
     Harness,
@@ -159,15 +160,19 @@ fn every_control_has_a_name_of_its_own() {
 fn tools_are_chosen_by_button_and_by_key() {
     let mut window = Window::open(SMALL);
     for tool in burin::interact::Tool::ALL {
-        let at = |window: &Window| window.harness.get_by_label(tool.name()).accesskit_node().is_selected();
+        let at = |window: &Window| window.harness.get_by_label(tool.name()).accesskit_node().toggled();
         let named = window.harness.get_all_by_label(tool.name()).count();
         assert_eq!(named, 1);
         window.click(tool.name());
-        assert_eq!(at(&window), Some(true), "{tool:?} by its button");
+        assert_eq!(at(&window), Some(Toggled::True), "{tool:?} by its button");
     }
     for (key, tool) in [(egui::Key::B, "Brush"), (egui::Key::N, "Navigate"), (egui::Key::L, "Line split")] {
         window.key(Modifiers::NONE, key);
-        assert_eq!(window.harness.get_by_label(tool).accesskit_node().is_selected(), Some(true), "{tool} by its key");
+        assert_eq!(
+            window.harness.get_by_label(tool).accesskit_node().toggled(),
+            Some(Toggled::True),
+            "{tool} by its key"
+        );
     }
 }
 

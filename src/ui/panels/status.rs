@@ -117,6 +117,9 @@ impl App {
             let time = if seconds >= 1.0 { format!("  {seconds:.0} s") } else { String::new() };
             ui.label(RichText::new(format!("{what}{time}")).color(theme::TEXT));
             ui.add(egui::Spinner::new().size(14.0).color(theme::ACCENT));
+        } else if self.behind_since.is_some_and(|since| ui.input(|i| i.time) - since > 0.1) {
+            ui.label(RichText::new("Working").color(theme::TEXT));
+            ui.add(egui::Spinner::new().size(14.0).color(theme::ACCENT));
         } else if self.snapshot.moving {
             ui.label(RichText::new("Parts are moving").color(theme::TEXT_WEAK));
         }

@@ -1,0 +1,147 @@
+//! The program in a real window with a real pointer: a volume is opened, painted on and saved.
+
+use burin::document::{Command, Document, ProjectCommand, Question};
+use burin::volume::FieldKind;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command as Process, Stdio};
+use std::time::{Duration, Instant};
+
+/// How long a loaded machine may take for one thing. An idle one needs a tenth.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Ends what it started, however the test ends.
+struct Running(Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+struct Desk {
+    display: String,
+    _server: Running,
+}
+
+impl Desk {
+    /// A screen of its own; `None`, with the reason printed, where the tools are missing.
+    fn new() -> Option<Self> {
+        let server = Process::new("Xvfb")
+            .args(["-displayfd", "1", "-screen", "0", "1280x800x24", "-nolisten", "tcp"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn();
+        let Ok(mut server) = server else {
+            println!("skipped: Xvfb is not installed");
+            return None;
+        };
+        let mut number = String::new();
+        BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
+        let desk = Self { display: format!(":{}", number.trim()), _server: Running(server) };
+        if number.trim().is_empty() {
+            println!("skipped: Xvfb gave no display");
+            return None;
+        }
+        if desk.xdotool(&["version"]).is_none() {
+            println!("skipped: xdotool is not installed");
+            return None;
+        }
+        Some(desk)
+    }
+
+    fn xdotool(&self, arguments: &[&str]) -> Option<String> {
+        let done = Process::new("xdotool")
+            .args(arguments)
+            .env("DISPLAY", &self.display)
+            .stderr(Stdio::null())
+            .output()
+            .ok()?;
+        Some(String::from_utf8_lossy(&done.stdout).trim().to_owned())
+    }
+
+    /// Events of one frame are one event to the program: a pause after each.
+    fn hand(&self, arguments: &[&str]) {
+        self.xdotool(arguments).unwrap();
+        std::thread::sleep(Duration::from_millis(60));
+    }
+
+    fn wait_for_title(&self, window: &str, wanted: impl Fn(&str) -> bool) -> String {
+        wait_for(|| {
+            let title = self.xdotool(&["getwindowname", window]).unwrap();
+            if wanted(&title) { Ok(title) } else { Err(format!("the title is {title:?}")) }
+        })
+    }
+}
+
+fn wait_for<T>(mut look: impl FnMut() -> Result<T, String>) -> T {
+    let start = Instant::now();
+    loop {
+        match look() {
+            Ok(found) => return found,
+            Err(said) => assert!(start.elapsed() < PATIENCE, "waited in vain: {said}"),
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
+/// 32³ voxels of 2 mm with a ball of 200 in the middle.
+fn write_ball(path: &Path) {
+    let mut bytes = b"NRRD0004\ntype: uint8\ndimension: 3\nspace: right-anterior-superior\nsizes: 32 32 32\n\
+        space directions: (2,0,0) (0,2,0) (0,0,2)\nspace origin: (0,0,0)\nencoding: raw\n\n"
+        .to_vec();
+    let square = |i: i32| (2 * i - 31).pow(2);
+    bytes.extend(
+        (0..32 * 32 * 32).map(|n| if square(n % 32) + square(n / 32 % 32) + square(n / 1024) < 600 { 200 } else { 10 }),
+    );
+    std::fs::write(path, bytes).unwrap();
+}
+
+#[test]
+fn a_stroke_by_hand_is_in_the_saved_project() {
+    if crate::common::gpu::gpu().is_none() {
+        return;
+    }
+    let Some(desk) = Desk::new() else { return };
+    let dir = tempfile::tempdir().unwrap();
+    write_ball(&dir.path().join("ball.nrrd"));
+    let program = Process::new(env!("CARGO_BIN_EXE_burin"))
+        .arg(dir.path().join("ball.nrrd"))
+        .env("DISPLAY", &desk.display)
+        .env("BURIN_STATE_DIR", dir.path().join("state"))
+        .env_remove("WAYLAND_DISPLAY")
+        .env_remove("DBUS_SESSION_BUS_ADDRESS")
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut program = Running(program);
+    let window = wait_for(|| {
+        assert!(program.0.try_wait().unwrap().is_none(), "the program ended");
+        let found = desk.xdotool(&["search", "--onlyvisible", "--name", "Burin"]).unwrap();
+        found.lines().last().map(str::to_owned).ok_or_else(|| "no window".to_owned())
+    });
+    desk.wait_for_title(&window, |t| t.starts_with("ball.nrrd –"));
+    desk.hand(&["windowfocus", &window]);
+    desk.hand(&["mousemove", "800", "230"]);
+    desk.hand(&["key", "b"]);
+    desk.hand(&["mousedown", "1"]);
+    for x in ["804", "810", "816", "822", "828"] {
+        desk.hand(&["mousemove", x, "236"]);
+    }
+    desk.hand(&["mouseup", "1"]);
+    desk.wait_for_title(&window, |t| t.starts_with("ball.nrrd* –"));
+    // Where no portal answers a path is typed; the one offered is beside the volume.
+    desk.hand(&["key", "ctrl+s"]);
+    std::thread::sleep(Duration::from_millis(500));
+    desk.hand(&["key", "Return"]);
+    desk.wait_for_title(&window, |t| t.starts_with("ball.burin –"));
+    drop(program);
+
+    let mut document = Document::new();
+    document.apply(Command::Project(ProjectCommand::Open { path: dir.path().join("ball.burin") })).unwrap();
+    let painted = document.apply(Command::Ask(Question::Field { field: FieldKind::Selection })).unwrap();
+    // 5 mm about 28 pixels of travel: a ball holds 65 voxels of 2 mm, the stroke some more, the volume 32,768.
+    let count = painted["nonzero"].as_u64().unwrap();
+    assert!((50..3000).contains(&count), "{painted}");
+}
