@@ -50,10 +50,34 @@ impl Journal {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
             opened => opened.map_err(KeepError::io("open", path))?,
         };
+        let shorten = file.try_clone().map_err(KeepError::io("open", path))?;
+        let (journal, mut replay, damage) = Self::read(path, file, generation, scene, map)?;
+        replay.set_aside = damage.map(|what| set_aside(path, what)).transpose()?;
+        shorten.set_len(journal.end).map_err(KeepError::io("shorten", path))?;
+        Ok(Some((journal, replay)))
+    }
+
+    /// Reads a journal that somebody else may be writing; changes nothing.
+    pub fn look(path: &Path, generation: u64, scene: &Scene, map: &DensityMap) -> Result<Option<Replay>, KeepError> {
+        let file = match File::open(path) {
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+            opened => opened.map_err(KeepError::io("open", path))?,
+        };
+        Ok(Some(Self::read(path, file, generation, scene, map)?.1))
+    }
+
+    /// The journal up to its last whole step, what it brings back, and what is wrong with the record after that if it is more
+    /// than unfinished.
+    fn read(
+        path: &Path,
+        file: File,
+        generation: u64,
+        scene: &Scene,
+        map: &DensityMap,
+    ) -> Result<(Self, Replay, Option<String>), KeepError> {
         let length = file.metadata().map_err(KeepError::io("read", path))?.len();
         let first = read_header(path, &file, generation)?;
         let reader = file.try_clone().map_err(KeepError::io("open", path))?;
-        let shorten = file.try_clone().map_err(KeepError::io("open", path))?;
         let mut journal = Self::over(path, file, generation, first - 1, Now::new(scene, map)?);
         let mut reader = BufReader::with_capacity(1 << 20, reader);
         let (stroke, damage) = journal.read_records(&mut reader, length)?;
@@ -66,10 +90,9 @@ impl Journal {
             bricks: journal.read_bricks(&mut reader)?,
             stroke,
             torn_bytes: length - journal.end,
-            set_aside: damage.map(|what| set_aside(path, what)).transpose()?,
+            set_aside: None,
         };
-        shorten.set_len(journal.end).map_err(KeepError::io("shorten", path))?;
-        Ok(Some((journal, replay)))
+        Ok((journal, replay, damage))
     }
 
     /// Takes in all whole steps. Answers the stroke that was running, and what is wrong with the record that ended the reading

@@ -6,7 +6,7 @@
 use super::journal::Journal;
 use super::journal_replay::Replay;
 use super::recovery;
-use super::store::{DensityKeeping, Saved, Store};
+use super::store::{Committed, DensityKeeping, Saved, Store, current_generation, read_generation};
 use super::store_files::remove_dir;
 use super::store_lock::Lock;
 use super::store_manifest::{Kept, Link, Manifest};
@@ -62,9 +62,7 @@ impl Keeper {
         density: Option<DensityKeeping>,
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> Result<(Self, Saved), KeepError> {
-        let mut store = Store::create(path)?;
-        let (journal, saved) = save_into(&mut store, state, density, progress)?;
-        Ok((Self { journal, place: Place::Project(Box::new(store)) }, saved))
+        save_new(path, state, density, progress)
     }
 
     /// Opens a project as it was last kept: its current generation, and what the journal holds beyond it.
@@ -96,6 +94,25 @@ impl Keeper {
             document.recovered.set_aside = set_aside;
         }
         Ok((Self { journal, place: Place::Project(Box::new(store)) }, document))
+    }
+
+    /// Reads a project as it was last kept, journal included, and leaves it alone: it may be open elsewhere or lie where nothing can
+    /// be written.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open); a damaged journal is an error.
+    pub fn look(dir: &Path) -> Result<KeptDocument, KeepError> {
+        loop {
+            let loaded = read_generation(dir)?;
+            let generation = loaded.manifest.generation;
+            let path = dir.join(journal_name(generation));
+            let (scene, map) = (&loaded.manifest.scene, &loaded.manifest.volume.map);
+            let replay = Journal::look(&path, generation, scene, map)?;
+            // Whoever has it open may have saved meanwhile, and the journal went with it.
+            if current_generation(dir)? == generation {
+                return KeptDocument::new(loaded, replay.unwrap_or_default(), &path);
+            }
+        }
     }
 
     /// Brings back a document of [`recovery::list`](super::recovery::list) and goes on keeping it where it was.
@@ -161,15 +178,13 @@ impl Keeper {
         let elsewhere = path.filter(|p| !self.project_dir().is_some_and(|dir| same_folder(p, dir)));
         match (&mut self.place, elsewhere) {
             (Place::Project(store), None) => {
-                let (journal, saved) = save_into(store, state, density, progress)?;
-                self.journal = journal;
-                Ok(saved)
+                let Committed { saved, made, doubt } = save_into(store, state, density, progress)?;
+                self.journal = made;
+                doubt.map_or(Ok(saved), Err)
             }
             (Place::Unsaved { .. }, None) => Err(KeepError::NoPath),
             (_, Some(path)) => {
-                let mut store = Store::create(path)?;
-                let (journal, saved) = save_into(&mut store, state, density, progress)?;
-                let next = Self { journal, place: Place::Project(Box::new(store)) };
+                let (next, saved) = save_new(path, state, density, progress)?;
                 // What the old place holds beyond its last save is in the new one.
                 std::mem::replace(self, next).discard().unwrap_or_else(|e| tracing::warn!("{e}"));
                 Ok(saved)
@@ -210,30 +225,33 @@ fn save_into(
     state: &State,
     density: Option<DensityKeeping>,
     progress: &(dyn Fn(f32) -> bool + Sync),
-) -> Result<(Journal, Saved), KeepError> {
+) -> Result<Committed<Journal>, KeepError> {
     let dir = store.dir().to_owned();
-    let mut fresh = None;
     // Before the rename, so that there is no moment at which a generation is current and nothing can be noted.
     let start = |generation| {
-        let path = dir.join(journal_name(generation));
-        fresh = Some(Journal::create(&path, generation, &state.scene, state.density.map())?);
-        Ok(())
+        Journal::create(&dir.join(journal_name(generation)), generation, &state.scene, state.density.map())
     };
-    let saved = store.save(state, density, start, progress);
-    match (saved, fresh) {
-        (Ok(saved), Some(journal)) => {
-            remove_other_journals(&dir, journal.path());
-            Ok((journal, saved))
+    let committed = store.save(state, density, start, progress)?;
+    remove_other_journals(&dir, committed.made.path());
+    Ok(committed)
+}
+
+/// The same into a new project; without success the folder is as it was.
+fn save_new(
+    path: &Path,
+    state: &State,
+    density: Option<DensityKeeping>,
+    progress: &(dyn Fn(f32) -> bool + Sync),
+) -> Result<(Keeper, Saved), KeepError> {
+    let mut store = Store::create(path)?;
+    match save_into(&mut store, state, density, progress) {
+        Ok(Committed { doubt: Some(error), .. }) => Err(error),
+        Ok(Committed { saved, made, .. }) => {
+            Ok((Keeper { journal: made, place: Place::Project(Box::new(store)) }, saved))
         }
-        (Err(error), fresh) => {
-            if let Some(journal) = fresh {
-                std::fs::remove_file(journal.path()).unwrap_or_else(|e| tracing::warn!("{e}"));
-            }
+        Err(error) => {
+            store.abandon();
             Err(error)
-        }
-        (Ok(saved), None) => {
-            let path = dir.join(journal_name(saved.generation));
-            Ok((Journal::create(&path, saved.generation, &state.scene, state.density.map())?, saved))
         }
     }
 }

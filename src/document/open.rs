@@ -74,17 +74,15 @@ impl Opened {
     /// If it is open elsewhere or damaged, the source fails, or `progress` said no.
     pub fn project(dir: &Path, progress: &(dyn Fn(f32) -> bool + Sync)) -> Result<Self, DocumentError> {
         let (keeper, kept) = Keeper::open(dir)?;
-        Self::kept(keeper, kept, progress)
+        Self::kept(Some(keeper), kept, progress)
     }
 
-    /// The same to look at: whatever is done to it is noted nowhere, and the project is free again for others.
+    /// The same to look at: whatever is done to it is noted nowhere, and others may have it open.
     ///
     /// # Errors
     /// As [`project`](Self::project).
     pub fn project_to_read(dir: &Path, progress: &(dyn Fn(f32) -> bool + Sync)) -> Result<Self, DocumentError> {
-        let mut opened = Self::project(dir, progress)?;
-        opened.keeper = None;
-        Ok(opened)
+        Self::kept(None, Keeper::look(dir)?, progress)
     }
 
     /// A document of [`recovery::list`](super::recovery::list).
@@ -93,11 +91,11 @@ impl Opened {
     /// As [`project`](Self::project).
     pub fn lost(folder: &Path, id: &str, progress: &(dyn Fn(f32) -> bool + Sync)) -> Result<Self, DocumentError> {
         let (keeper, kept) = Keeper::recover(folder, id)?;
-        Self::kept(keeper, kept, progress)
+        Self::kept(Some(keeper), kept, progress)
     }
 
     fn kept(
-        keeper: Keeper,
+        keeper: Option<Keeper>,
         kept: KeptDocument,
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> Result<Self, DocumentError> {
@@ -109,7 +107,7 @@ impl Opened {
         if let Some((path, reason)) = &recovered.set_aside {
             warnings.push(format!("the journal was damaged and put aside as {}: {reason}", path.display()));
         }
-        Ok(Self { state, keeper: Some(keeper), recovered, warnings })
+        Ok(Self { state, keeper, recovered, warnings })
     }
 }
 

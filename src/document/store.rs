@@ -41,6 +41,16 @@ pub struct Saved {
     pub files_linked: u64,
 }
 
+/// A save that is done.
+#[derive(Debug)]
+pub(super) struct Committed<T> {
+    pub saved: Saved,
+    /// What was made before the rename.
+    pub made: T,
+    /// What failed after it: the new generation is current, but a power cut could bring the old one back.
+    pub doubt: Option<KeepError>,
+}
+
 /// Whether a project holds its density or only says where it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -77,12 +87,14 @@ pub(super) struct Store {
     /// The current generation's; `None` before the first save.
     manifest: Option<Manifest>,
     source: Option<Arc<ZarrSource>>,
+    is_new_folder: bool,
     _lock: Lock,
 }
 
 impl Store {
     /// A new project in a folder that is empty or not there yet. Nothing is a project before the first save.
     pub fn create(dir: &Path) -> Result<Self, KeepError> {
+        let is_new_folder = !dir.exists();
         std::fs::create_dir_all(dir).map_err(KeepError::io("create", dir))?;
         let lock = Lock::take(dir)?;
         for entry in std::fs::read_dir(dir).map_err(KeepError::io("read", dir))? {
@@ -92,48 +104,21 @@ impl Store {
                 return Err(KeepError::NotEmpty { path: dir.to_owned(), found: name });
             }
         }
-        Ok(Self { dir: dir.to_owned(), generation: 0, manifest: None, source: None, _lock: lock })
+        Ok(Self { dir: dir.to_owned(), generation: 0, manifest: None, source: None, is_new_folder, _lock: lock })
     }
 
     /// Opens a project and reads its current generation.
     pub fn open(dir: &Path) -> Result<(Self, Loaded), KeepError> {
-        let project = dir.join(PROJECT);
-        match std::fs::metadata(&project) {
-            Err(error) if error.kind() == ErrorKind::NotFound => {
-                return Err(KeepError::NotAProject { path: dir.to_owned() });
-            }
-            Err(error) => return Err(KeepError::io("read", &project)(error)),
-            Ok(_) => {}
-        }
+        check_project(dir)?;
         let lock = Lock::take(dir)?;
-        let generation = read_project(&project)?;
-        let at = dir.join(generation_name(generation));
-        let manifest = Manifest::read(&at.join(MANIFEST))?;
-        let grid = manifest.grid();
-        let density = match &manifest.volume.kept {
-            Kept::Whole => {
-                let v = &manifest.volume;
-                let scaling = (v.scaling[0], v.scaling[1]);
-                LoadedDensity::Whole(Arc::new(ZarrSource::open(&at, v.name.clone(), grid, v.voxel_type, scaling)?))
-            }
-            Kept::Linked(link) => {
-                link.check()?;
-                LoadedDensity::Linked(link.path.clone())
-            }
-        };
-        let edited = read_edited(&at, grid.dims, manifest.shards_of(super::store_fields::EDITED))?;
-        let mut edits = BTreeMap::new();
-        for kind in FieldKind::ALL {
-            let shards = manifest.shards_of(array_name(kind));
-            let only = (kind == FieldKind::Density).then_some(&edited[..]);
-            edits.insert(kind, read_field(&at, kind, manifest.texel_format(kind), grid.dims, shards, only)?);
-        }
-        let source = match &density {
+        let loaded = read_generation(dir)?;
+        let source = match &loaded.density {
             LoadedDensity::Whole(source) => Some(source.clone()),
             LoadedDensity::Linked(_) => None,
         };
-        let store = Self { dir: dir.to_owned(), generation, manifest: Some(manifest.clone()), source, _lock: lock };
-        Ok((store, Loaded { manifest, density, edits }))
+        let (generation, manifest) = (loaded.manifest.generation, Some(loaded.manifest.clone()));
+        let store = Self { dir: dir.to_owned(), generation, manifest, source, is_new_folder: false, _lock: lock };
+        Ok((store, loaded))
     }
 
     /// The project's folder.
@@ -147,14 +132,18 @@ impl Store {
     }
 
     /// Writes the next generation and makes it the current one. `before` is called with its number when everything is on
-    /// disk and only the rename is left. `keeping` is as before if `None`, whole the first time. `progress` gets the share done and answers whether to go on.
-    pub fn save(
+    /// disk and only the rename is left. `keeping` is as before if `None`, whole the first time. `progress` gets the share done
+    /// and answers whether to go on.
+    ///
+    /// # Errors
+    /// If it could not be done; the current generation is what it was.
+    pub fn save<T>(
         &mut self,
         state: &State,
         keeping: Option<DensityKeeping>,
-        before: impl FnOnce(u64) -> Result<(), KeepError>,
+        before: impl FnOnce(u64) -> Result<T, KeepError>,
         progress: &(dyn Fn(f32) -> bool + Sync),
-    ) -> Result<Saved, KeepError> {
+    ) -> Result<Committed<T>, KeepError> {
         let generation = self.generation + 1;
         let keeping = keeping.unwrap_or(match self.manifest.as_ref().map(|m| &m.volume.kept) {
             Some(Kept::Linked(_)) => DensityKeeping::Linked,
@@ -166,28 +155,39 @@ impl Store {
             let manifest = self.write(&writer, generation, state, keeping, progress)?;
             writer.sync()?;
             sync_dir(&self.dir)?;
-            before(generation)?;
+            let made = before(generation)?;
             replace(&self.dir.join(PROJECT), &project_json(generation)?)?;
-            Ok((writer, manifest))
+            Ok((writer, manifest, made))
         });
-        let (writer, manifest) = match written {
+        let (writer, manifest, made) = match written {
             Ok(done) => done,
             Err(error) => {
-                // project.json may name it already, if all but the last sync went well; then it is whole and stays.
-                if read_project(&self.dir.join(PROJECT)).ok() != Some(generation) {
-                    remove_dir(&at).unwrap_or_else(|e| tracing::warn!("{e}"));
-                }
+                remove_dir(&at).unwrap_or_else(|e| tracing::warn!("{e}"));
                 return Err(error);
             }
         };
-        if let Some(source) = &self.source {
-            source.move_to(&at)?;
-        }
+        // The new generation is the current one from here on, whatever else fails.
         self.generation = generation;
         self.manifest = Some(manifest);
-        self.prune();
+        let moved = self.source.as_ref().map_or(Ok(()), |source| source.move_to(&at));
+        let doubt = moved.and_then(|()| sync_dir(&self.dir)).err();
+        if doubt.is_none() {
+            self.prune();
+        }
         progress(1.0);
-        Ok(Saved { generation, bytes_written: writer.bytes_written(), files_linked: writer.files_linked() })
+        let saved = Saved { generation, bytes_written: writer.bytes_written(), files_linked: writer.files_linked() };
+        Ok(Committed { saved, made, doubt })
+    }
+
+    /// Takes back what [`create`](Self::create) made, if nothing was saved since.
+    pub fn abandon(self) {
+        let Self { dir, generation, is_new_folder, _lock: lock, .. } = self;
+        drop(lock);
+        if generation == 0 {
+            let removed = std::fs::remove_file(dir.join("lock"));
+            let removed = removed.and_then(|()| if is_new_folder { std::fs::remove_dir(&dir) } else { Ok(()) });
+            removed.unwrap_or_else(|e| tracing::warn!("{}: {e}", dir.display()));
+        }
     }
 
     fn write(
@@ -247,6 +247,53 @@ impl Store {
             }
         }
     }
+}
+
+/// The generation that a project names.
+pub(super) fn current_generation(dir: &Path) -> Result<u64, KeepError> {
+    check_project(dir)?;
+    read_project(&dir.join(PROJECT))
+}
+
+/// Fails unless there is a project.
+fn check_project(dir: &Path) -> Result<(), KeepError> {
+    let project = dir.join(PROJECT);
+    match std::fs::metadata(&project) {
+        Err(error) if error.kind() == ErrorKind::NotFound => Err(KeepError::NotAProject { path: dir.to_owned() }),
+        Err(error) => Err(KeepError::io("read", &project)(error)),
+        Ok(_) => Ok(()),
+    }
+}
+
+/// Reads a project's current generation.
+pub(super) fn read_generation(dir: &Path) -> Result<Loaded, KeepError> {
+    let generation = current_generation(dir)?;
+    let at = dir.join(generation_name(generation));
+    let path = at.join(MANIFEST);
+    let manifest = Manifest::read(&path)?;
+    if manifest.generation != generation {
+        return Err(KeepError::malformed(&path, "generation", manifest.generation, generation.to_string()));
+    }
+    let grid = manifest.grid();
+    let density = match &manifest.volume.kept {
+        Kept::Whole => {
+            let v = &manifest.volume;
+            let scaling = (v.scaling[0], v.scaling[1]);
+            LoadedDensity::Whole(Arc::new(ZarrSource::open(&at, v.name.clone(), grid, v.voxel_type, scaling)?))
+        }
+        Kept::Linked(link) => {
+            link.check()?;
+            LoadedDensity::Linked(link.path.clone())
+        }
+    };
+    let edited = read_edited(&at, grid.dims, manifest.shards_of(super::store_fields::EDITED))?;
+    let mut edits = BTreeMap::new();
+    for kind in FieldKind::ALL {
+        let shards = manifest.shards_of(array_name(kind));
+        let only = (kind == FieldKind::Density).then_some(&edited[..]);
+        edits.insert(kind, read_field(&at, kind, manifest.texel_format(kind), grid.dims, shards, only)?);
+    }
+    Ok(Loaded { manifest, density, edits })
 }
 
 /// Reads the description of a document that was never saved; its fields are blank but for the journal's bricks.

@@ -115,7 +115,8 @@ fn create_new(path: &Path, bytes: &[u8]) -> std::io::Result<File> {
     Ok(file)
 }
 
-/// Makes `path` hold `bytes`: whoever looks finds the old file or the new one, also after a crash.
+/// Makes `path` hold `bytes`: whoever looks finds the old file or the new one, also after a crash. A power cut may still bring
+/// the old one back until the folder is synced.
 pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), KeepError> {
     let beside = path.with_extension("new");
     match std::fs::remove_file(&beside) {
@@ -123,8 +124,7 @@ pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), KeepError> {
         _ => {}
     }
     write_new(&beside, bytes)?;
-    std::fs::rename(&beside, path).map_err(KeepError::io("replace", path))?;
-    path.parent().map_or(Ok(()), sync_dir)
+    std::fs::rename(&beside, path).map_err(KeepError::io("replace", path))
 }
 
 /// Makes the names in a folder survive a power cut.

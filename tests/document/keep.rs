@@ -168,14 +168,16 @@ fn a_brick_that_is_empty_again_takes_its_shard_away() {
 #[test]
 fn a_source_goes_on_reading_after_its_generation_is_gone() {
     let dir = tempfile::tempdir().unwrap();
-    drop(saved(dir.path(), &state(DIMS, dir.path())));
-    let (mut keeper, state) = reopened(&dir.path().join("project"));
-    let before = state.source.read([0; 3], DIMS).unwrap();
+    let state = state(DIMS, dir.path());
+    drop(saved(dir.path(), &state));
+    let (mut keeper, kept) = Keeper::open(&dir.path().join("project")).unwrap();
+    let LoadedDensity::Whole(source) = kept.density else { panic!("whole") };
     for _ in 0..3 {
         save(&mut keeper, None, &state);
     }
     assert!(!dir.path().join("project/generation-000001").exists());
-    assert_eq!(state.source.read([0; 3], DIMS).unwrap(), before);
+    // Nothing was read before, so nothing is remembered.
+    assert_eq!(source.read([0; 3], DIMS).unwrap(), state.source.read([0; 3], DIMS).unwrap());
 }
 
 #[test]
@@ -223,6 +225,26 @@ fn one_project_is_open_once() {
 }
 
 #[test]
+fn a_project_can_be_looked_at_while_it_is_open() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(DIMS, dir.path());
+    let mut keeper = saved(dir.path(), &state);
+    let project = dir.path().join("project");
+    for n in 0..2 {
+        let (kind, index, _) = paint(&mut state, FieldKind::Labels, [n, 0, 0], u64::from(n));
+        let command = burin::document::Command::Selection(burin::document::SelectionCommand::Clear {});
+        keeper.record(&command, &state, &[(kind, index)], true).unwrap();
+        let before = files(&project);
+        let seen = Keeper::look(&project).unwrap();
+        assert_eq!(seen.recovered.steps, 1);
+        assert_same(&state, &state_of(seen), "seen");
+        assert_eq!(files(&project).keys().collect::<Vec<_>>(), before.keys().collect::<Vec<_>>());
+        save(&mut keeper, None, &state);
+    }
+    assert_same(&state, &state_of(Keeper::look(&project).unwrap()), "saved");
+}
+
+#[test]
 fn a_new_project_takes_no_folder_with_something_in_it() {
     let dir = tempfile::tempdir().unwrap();
     let state = state(DIMS, dir.path());
@@ -230,5 +252,9 @@ fn a_new_project_takes_no_folder_with_something_in_it() {
     let refused = keeper.save(Some(dir.path()), &state, None, &|_| true).unwrap_err();
     assert!(matches!(&refused, KeepError::NotEmpty { found, .. } if found == "origin.bin"), "{refused}");
     assert!(matches!(keeper.save(None, &state, None, &|_| true), Err(KeepError::NoPath)));
+    // What a failed first save made is gone again.
+    let elsewhere = dir.path().join("elsewhere");
+    let stopped = keeper.save(Some(&elsewhere), &state, None, &|_| false).unwrap_err();
+    assert!(matches!(stopped, KeepError::Stopped) && !elsewhere.exists());
     keeper.discard().unwrap();
 }

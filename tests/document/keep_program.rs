@@ -1,9 +1,10 @@
 //! The program itself, killed at seeded moments while it does a script: what is found is what it had answered for, or one
-//! command more. `BURIN_KILLS` sets how often (20).
+//! command more. With an adapter it paints real strokes. `BURIN_KILLS` sets how often (20).
 
 use super::keep_kill::kills;
 use super::keep_support::difference;
 use super::maker::{run, write_nrrd};
+use crate::common::gpu::gpu;
 use burin::document::Document;
 use burin::math::DVec3;
 use burin::volume::Grid;
@@ -16,7 +17,7 @@ use std::path::Path;
 use std::process::{Command as Process, Stdio};
 use std::time::Instant;
 
-fn line(rng: &mut ChaCha8Rng, volume: &Path) -> String {
+fn line(rng: &mut ChaCha8Rng, volume: &Path, strokes: bool) -> String {
     let n: f64 = rng.random_range(1.0..150.0);
     let around = |rng: &mut ChaCha8Rng| [0; 3].map(|_| rng.random_range(-1.0..1.0));
     let lines = [
@@ -35,7 +36,25 @@ fn line(rng: &mut ChaCha8Rng, volume: &Path) -> String {
         json!({"project":{"save":{}}}),
         json!({"project":{"save":{}}}),
     ];
-    lines.choose(rng).unwrap().to_string()
+    let points: Vec<Value> = (0..3)
+        .map(|_| json!({"at":{"mm":around(rng).map(|v: f64| 24.0 + 14.0 * v)},"pressure":rng.random_range(0.2..1.0)}))
+        .collect();
+    let target = match rng.random_range(0..4) {
+        0 => json!({"selection":1.0}),
+        1 => json!({"label":3}),
+        2 => json!({"colour":[1.0,0.5,0.0,0.75]}),
+        _ => json!({"density":n}),
+    };
+    let painted = [
+        json!({"brush":{"set":{"target":target,"radius_mm":n / 15.0}}}),
+        json!({"stroke":{"paint":{"points":points}}}),
+        json!({"stroke":{"paint":{"points":points}}}),
+        json!({"stroke":{"begin":{"points":points}}}),
+        json!({"stroke":{"extend":{"points":points}}}),
+        json!({"stroke":{"end":{}}}),
+    ];
+    let from = if strokes && rng.random_range(0..2) == 0 { &painted[..] } else { &lines[..] };
+    from.choose(rng).unwrap().to_string()
 }
 
 fn opened(project: &Path) -> Document {
@@ -69,12 +88,13 @@ fn a_killed_script_loses_at_most_the_command_in_progress() {
     run(&mut document, &json!({"project":{"save":{"path":base}}}).to_string()).unwrap();
     drop(document);
     let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let adapter = gpu();
     let (mut commands, mut saves, mut ahead) = (0, 0, 0);
     for round in 0..kills() {
         let (project, mirror) = (dir.path().join(format!("p{round}")), dir.path().join(format!("m{round}")));
         copy(&base, &project);
         copy(&base, &mirror);
-        let script: Vec<String> = (0..40).map(|_| line(&mut rng, &volume)).collect();
+        let script: Vec<String> = (0..40).map(|_| line(&mut rng, &volume, adapter.is_some())).collect();
         let mut child = Process::new(env!("CARGO_BIN_EXE_burin"))
             .args(["run", "-", "--keep-going", "--project"])
             .arg(&project)
@@ -100,16 +120,26 @@ fn a_killed_script_loses_at_most_the_command_in_progress() {
 
         let found = opened(&project);
         let mut expected = opened(&mirror);
+        if let Some(gpu) = &adapter {
+            expected.use_gpu(gpu.clone());
+        }
         for command in &script[..answered] {
             let _ = run(&mut expected, command);
         }
-        let mut difference_found = difference(expected.state().unwrap(), found.state().unwrap());
-        if difference_found.is_some() && answered < script.len() {
-            let _ = run(&mut expected, &script[answered]);
-            difference_found = difference(expected.state().unwrap(), found.state().unwrap());
+        let mut wrong = difference(expected.state().unwrap(), found.state().unwrap());
+        let next = script.get(answered);
+        // The next command may have got as far as ending the stroke that was running.
+        let ends_stroke = next.is_some_and(|c| !c.contains("stroke") && !c.contains("orbit"));
+        if wrong.is_some() && expected.is_painting() && ends_stroke {
+            expected.settle().unwrap();
+            wrong = difference(expected.state().unwrap(), found.state().unwrap());
+        }
+        if let (Some(_), Some(next)) = (&wrong, next) {
+            let _ = run(&mut expected, next);
+            wrong = difference(expected.state().unwrap(), found.state().unwrap());
             ahead += 1;
         }
-        if let Some(what) = difference_found {
+        if let Some(what) = wrong {
             let last = &script[answered.saturating_sub(2)..(answered + 1).min(script.len())];
             panic!("round {round}, {answered} commands answered, around {last:?}: {what}");
         }
