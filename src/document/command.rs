@@ -28,7 +28,7 @@ pub enum Command {
     View(ViewCommand),
     /// The brush's settings.
     Brush(BrushCommand),
-    /// Painting.
+    /// Painting. While a stroke runs, any command but a question, a move of the view or a step of the simulation ends it first.
     Stroke(StrokeCommand),
     /// The selection as a whole.
     Selection(SelectionCommand),
@@ -38,7 +38,7 @@ pub enum Command {
     Part(PartCommand),
     /// The forces that move them.
     Explosion(ExplosionCommand),
-    /// Undo and redo.
+    /// Undo and redo of everything but views, which have `view.back`, and the brush.
     History(HistoryCommand),
     /// Questions; they change nothing.
     Ask(Question),

@@ -30,7 +30,7 @@ impl Document {
             }
             ExplosionCommand::Settle {} => {
                 let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
-                let settled = self.motion.settle(state, &mut self.graphics)?;
+                let settled = self.motion.settle(state, &mut self.graphics, &self.watch)?;
                 self.open_mut()?.scene.explosion.set_poses(&settled.poses);
                 edit.follows();
                 Ok(json!({

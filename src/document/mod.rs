@@ -48,6 +48,7 @@ mod undo;
 mod view;
 mod view_history;
 mod volume;
+mod watch;
 
 pub use command::*;
 pub use error::DocumentError;
@@ -61,6 +62,7 @@ pub use slice_plane::{SlicePlane, side_letter};
 pub use state::State;
 pub use store::{DensityKeeping, LoadedDensity, Saved};
 pub use store_source::ZarrSource;
+pub use watch::Watch;
 
 use edit::Edit;
 use graphics::Graphics;
@@ -80,6 +82,7 @@ pub struct Document {
     graphics: Graphics,
     motion: Motion,
     running: Option<Running>,
+    watch: Watch,
     keeper: Option<Keeper>,
     unsaved_in: Option<PathBuf>,
     save_to: Option<PathBuf>,
@@ -99,7 +102,7 @@ impl Document {
         self.state = Some(state);
         self.graphics.forget();
         self.motion.forget();
-        self.keeper = None;
+        self.leave_place();
         self.unsaved = false;
         self.history.clear();
         self.views.clear();
@@ -119,6 +122,11 @@ impl Document {
     /// Where older steps of history go; the system's temporary folder unless said otherwise. Forgets past steps.
     pub fn keep_history_in(&mut self, folder: PathBuf) {
         self.history = History::new(folder);
+    }
+
+    /// Says who is told how far a long command has got, and may stop it: opening, saving, exporting, importing, settling.
+    pub fn set_watch(&mut self, watch: Watch) {
+        self.watch = watch;
     }
 
     /// Changes whenever the document did: whoever shows it draws again.

@@ -5,9 +5,9 @@
 
 use super::graphics::Graphics;
 use super::step::Refreshed;
-use super::{DocumentError, State};
+use super::{DocumentError, State, Watch};
 use crate::explode::{
-    Explosion, ExplosionPoint, Measured, Octrees, Progress, Search, Settled, Simulation, settle_with_gain,
+    Explosion, ExplosionPoint, MAX_ROUNDS, Measured, Octrees, Progress, Search, Settled, Simulation, settle_with_gain,
 };
 use crate::math::{Camera, Pose};
 use crate::volume::{Brick, BrickIndex, FieldKind, TransferFunction};
@@ -107,11 +107,22 @@ impl Motion {
     }
 
     /// Rest poses, at once.
-    pub(super) fn settle(&mut self, state: &State, graphics: &mut Graphics) -> Result<Settled, DocumentError> {
+    pub(super) fn settle(
+        &mut self,
+        state: &State,
+        graphics: &mut Graphics,
+        watch: &Watch,
+    ) -> Result<Settled, DocumentError> {
+        let mut round = 0.0;
         let points = self.points(state)?.to_vec();
         let (explosion, camera) = (&state.scene.explosion, state.scene.views.camera);
-        let settled =
-            settle_with_gain(explosion, &points, &camera, &mut |poses: &[Pose]| measure(state, graphics, poses))?;
+        let settled = settle_with_gain(explosion, &points, &camera, &mut |poses: &[Pose]| {
+            if !watch.go_on(round / MAX_ROUNDS as f32) {
+                return Err(DocumentError::Stopped);
+            }
+            round += 1.0;
+            measure(state, graphics, poses)
+        })?;
         self.reached = Some((Cause { explosion: at_rest(explosion), camera, points }, settled.clone()));
         self.search = None;
         self.bodies = None;

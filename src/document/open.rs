@@ -200,11 +200,6 @@ pub(super) fn histogram(
     Ok(Histogram { min: lo, max: lo + width * bins as f64, bins: counts })
 }
 
-/// A volume on the same grid, for what is read beside the one that is open.
-pub(super) fn read_beside(path: &Path) -> Result<std::sync::Arc<dyn BrickSource>, DocumentError> {
-    Ok(io::open(path)?.source(0, 0, &|_| true)?)
-}
-
 impl From<io::IoError> for DocumentError {
     fn from(error: io::IoError) -> Self {
         match error {

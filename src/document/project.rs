@@ -46,11 +46,13 @@ impl Document {
         match command {
             ProjectCommand::Open { path } => {
                 self.let_go_of(&path);
-                let opened = Opened::project(&path, &|_| true)?;
+                let watch = self.watch.clone();
+                let opened = Opened::project(&path, &|x| watch.go_on(x))?;
                 Ok(self.take(opened))
             }
             ProjectCommand::Save { path, density } => {
-                let saved = self.save(path.as_deref(), density, &|_| true)?;
+                let watch = self.watch.clone();
+                let saved = self.save(path.as_deref(), density, &|x| watch.go_on(x))?;
                 Ok(json!({ "saved": saved, "path": self.project_dir() }))
             }
             ProjectCommand::Lost {} => {
@@ -58,7 +60,8 @@ impl Document {
                 Ok(json!({ "lost": lost }))
             }
             ProjectCommand::Recover { id } => {
-                let opened = Opened::lost(&self.recovery_folder()?, &id, &|_| true)?;
+                let watch = self.watch.clone();
+                let opened = Opened::lost(&self.recovery_folder()?, &id, &|x| watch.go_on(x))?;
                 Ok(self.take(opened))
             }
             ProjectCommand::Forget { id } => {
@@ -105,6 +108,15 @@ impl Document {
         let (keeper, state) = (self.keeper.as_mut()?, self.state.as_ref()?);
         let noted = keeper.record(command, state, touched, synced);
         noted.err().map(|e| format!("this step is done but not safe from a crash yet: {e}"))
+    }
+
+    /// Another document is about to be open. A recovery folder with nothing in it worth recovering goes; anything else stays to be
+    /// found.
+    pub(super) fn leave_place(&mut self) {
+        let keeper = self.keeper.take().filter(|k| !self.unsaved && k.project_dir().is_none());
+        if let Some(Err(error)) = keeper.map(Keeper::discard) {
+            tracing::warn!("{error}");
+        }
     }
 
     /// A project that is opened again first has to be closed; it comes back as it was.

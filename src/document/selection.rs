@@ -4,6 +4,7 @@ use super::edit::Edit;
 use super::selection_import::import;
 use super::view::finite;
 use super::{Document, DocumentError, SelectionCommand, State};
+use crate::io;
 use crate::volume::{Brick, BrickIndex, Changes, FieldKind};
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -13,6 +14,7 @@ const MAX_SOFTEN_VOXELS: f64 = 128.0;
 
 impl Document {
     pub(super) fn selection(&mut self, command: SelectionCommand, edit: &mut Edit) -> Result<Value, DocumentError> {
+        let watch = self.watch.clone();
         let state = self.open_mut()?;
         let changes = match command {
             SelectionCommand::FromLabel { label } => {
@@ -30,7 +32,8 @@ impl Document {
                 if !(0.0..=most).contains(&soften_mm) {
                     return Err(DocumentError::invalid("soften_mm", soften_mm, format!("0 to {most} mm")));
                 }
-                import(state, super::open::read_beside(&path)?.as_ref(), threshold, soften_mm)?
+                let other = io::open(&path)?.source(0, 0, &|x| watch.go_on(x * 0.3))?;
+                import(state, other.as_ref(), threshold, soften_mm, &|x| watch.go_on(0.3 + x * 0.7))?
             }
         };
         replace(state, edit, changes)?;

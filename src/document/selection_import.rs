@@ -5,10 +5,11 @@
 //! are measured along the voxel axes at their spacings, so a sheared grid counts as a straight one. Works block by block, each
 //! with as much around it as the ramp reaches, so that memory does not grow with the volume.
 
-use super::State;
+use super::{DocumentError, State};
 use crate::math::{DAffine3, DVec3};
 use crate::volume::{BRICK, BRICK_VOXELS, Brick, BrickIndex, BrickSource, Changes, Grid, SourceError, Voxels};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Bricks along an edge of a block: larger blocks read less of their surroundings twice.
 const BLOCK: u32 = 2;
@@ -16,13 +17,14 @@ const BLOCK: u32 = 2;
 /// The bricks of a selection of all voxels whose value in `other` is above `threshold`. Where `other` ends, nothing is selected.
 ///
 /// # Errors
-/// If `other` fails.
+/// If `other` fails, or `progress` said no.
 pub(super) fn import(
     state: &State,
     other: &dyn BrickSource,
     threshold: f64,
     soften_mm: f64,
-) -> Result<Changes, SourceError> {
+    progress: &(dyn Fn(f32) -> bool + Sync),
+) -> Result<Changes, DocumentError> {
     let grid = *state.grid();
     let bricks = state.selection.brick_dims(0);
     let blocks = bricks.map(|b| b.div_ceil(BLOCK));
@@ -31,9 +33,13 @@ pub(super) fn import(
     let all: Vec<[u32; 3]> = (0..blocks.iter().product::<u32>())
         .map(|i| [i % blocks[0], i / blocks[0] % blocks[1], i / blocks[0] / blocks[1]])
         .collect();
+    let (count, begun) = (all.len() as f32, AtomicUsize::new(0));
     let done = all
         .into_par_iter()
         .map(|block| {
+            if !progress(begun.fetch_add(1, Ordering::Relaxed) as f32 / count) {
+                return Err(DocumentError::Stopped);
+            }
             let first = block.map(|b| b * BLOCK * BRICK);
             let size: [u32; 3] = std::array::from_fn(|a| (BLOCK * BRICK).min(grid.dims[a] - first[a]));
             let lo: [i64; 3] = std::array::from_fn(|a| i64::from(first[a]) - i64::from(ramp.reach[a]));
@@ -44,7 +50,7 @@ pub(super) fn import(
             let selected = ramp.soften(&mask, around);
             Ok(cut(&selected, around, ramp.reach, first, size))
         })
-        .collect::<Result<Vec<_>, SourceError>>()?;
+        .collect::<Result<Vec<_>, DocumentError>>()?;
     Ok(done.into_iter().flatten().collect())
 }
 

@@ -10,7 +10,8 @@ impl Document {
         match command {
             VolumeCommand::Open { path, component, frame, range } => {
                 let origin = Origin { path, component, frame };
-                let opened = Opened::volume(origin, range, self.unsaved_in.as_deref(), &|_| true)?;
+                let watch = self.watch.clone();
+                let opened = Opened::volume(origin, range, self.unsaved_in.as_deref(), &|x| watch.go_on(x))?;
                 Ok(self.take(opened))
             }
             VolumeCommand::Export { field, path } => {
@@ -21,7 +22,7 @@ impl Document {
                     state.grid(),
                     &state.scene.segments,
                     Compression::default(),
-                    &|_| true,
+                    &|x| self.watch.go_on(x),
                 )?;
                 Ok(json!({ "exported": exported }))
             }

@@ -13,6 +13,7 @@ mod maker;
 mod maker_gpu;
 mod nouns;
 mod parts;
+mod program;
 mod projects;
 mod script;
 mod selection;

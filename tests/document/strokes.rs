@@ -170,3 +170,32 @@ fn a_stroke_outlives_the_loss_of_its_device() {
     assert_eq!(bytes(&whole), bytes(&broken));
     assert!(broken.state().unwrap().field(FieldKind::Density).edits().len() > 1);
 }
+
+#[test]
+fn a_stroke_that_was_running_at_a_crash_is_finished() {
+    let Some(probe) = block() else { return };
+    drop(probe);
+    let folder = tempfile::tempdir().unwrap();
+    let (volume, project) = (folder.path().join("v.nrrd"), folder.path().join("p"));
+    let grid = burin::volume::Grid::aligned([40, 36, 34], burin::math::DVec3::ONE, burin::math::DVec3::ZERO);
+    super::maker::write_nrrd(&volume, &grid, |v| v[0] as f32);
+    let begin = |name: &str| {
+        let mut document = Document::new();
+        run(&mut document, &json!({"volume":{"open":{"path":volume}}}).to_string()).unwrap();
+        let path = project.with_extension(name);
+        run(&mut document, &json!({"project":{"save":{"path":path}}}).to_string()).unwrap();
+        run(&mut document, r#"{"brush":{"set":{"radius_mm":6}}}"#).unwrap();
+        run(&mut document, r#"{"stroke":{"begin":{"points":[{"at":{"mm":[10,10,10]},"pressure":0.5}]}}}"#).unwrap();
+        run(&mut document, r#"{"stroke":{"extend":{"points":[{"at":{"mm":[30,20,30]}}]}}}"#).unwrap();
+        (document, path)
+    };
+    let (mut whole, _) = begin("whole");
+    run(&mut whole, r#"{"stroke":{"end":{}}}"#).unwrap();
+    let (crashed, path) = begin("crashed");
+    drop(crashed);
+    let mut again = Document::new();
+    let answer = run(&mut again, &json!({"project":{"open":{"path":path}}}).to_string()).unwrap();
+    assert_eq!(answer["recovered"]["stroke"], "painted");
+    assert_eq!(bytes(&again), bytes(&whole));
+    assert_eq!(again.history().undo_names().collect::<Vec<_>>(), ["Paint selection"]);
+}
