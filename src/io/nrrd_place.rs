@@ -104,7 +104,7 @@ fn roles(
         } else if kinds[a] == "time" {
             Role::Frame
         } else if silent(a) && a + 1 == n && next == count {
-            warnings.push(format!("axis {a} has no direction and no kind: taken as frames"));
+            warnings.push(format!("axis {a} is not space and has no kind: taken as frames"));
             Role::Frame
         } else {
             Role::Component

@@ -252,3 +252,39 @@ fn a_file_can_be_written_over_the_one_its_voxels_are_read_from() {
         assert_eq!(read(&path, 0), (grid, voxels.clone()));
     }
 }
+
+/// Names the file in the environment of the child below.
+const CHILD: &str = "BURIN_TEST_EXPORT_TO";
+
+#[test]
+#[ignore = "run by the test below with a limit on the size of files"]
+fn export_to_a_full_disk() {
+    let Some(path) = std::env::var_os(CHILD) else { return };
+    let grid = Grid::aligned([100; 3], DVec3::ONE, DVec3::ZERO);
+    let field = density(noise(VoxelType::U8, 1_000_000, 2), grid, (1.0, 0.0), DensityMap::codes(0.0, 255.0, Some(1.0)));
+    for compression in [Compression::Raw, Compression::Gzip] {
+        let error = io::export(&path, &field, &grid, &Segments::default(), compression, &go_on()).unwrap_err();
+        println!("{error}");
+        assert!(matches!(error, IoError::System { action: "write the file", .. }), "{error}");
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_leaves_the_old_file_and_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = keep(&folder, "out.nrrd", b"the old one");
+    // Blocks of 512 bytes in sh: 128 KiB a file; with SIGXFSZ ignored a write answers with an error.
+    let out = std::process::Command::new("sh")
+        .args(["-c", "trap '' XFSZ; ulimit -f 256; exec \"$0\" \"$@\""])
+        .arg(std::env::current_exe().unwrap())
+        .args(["--exact", "io::export::export_to_a_full_disk", "--ignored", "--nocapture"])
+        .env(CHILD, &path)
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&out.stdout).into_owned();
+    assert!(out.status.success(), "{said}{}", String::from_utf8_lossy(&out.stderr));
+    assert_eq!(said.matches("out.nrrd: cannot write the file: ").count(), 2, "{said}");
+    assert_eq!(std::fs::read(&path).unwrap(), b"the old one");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}

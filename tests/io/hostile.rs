@@ -50,6 +50,30 @@ fn a_file_that_asks_for_more_than_it_holds_is_refused_before_its_voxels_are_read
 }
 
 #[test]
+#[cfg(target_os = "linux")]
+fn a_header_alone_makes_nobody_allocate() {
+    let folder = tempfile::tempdir().unwrap();
+    // 2 MB that deflate could not shrink, and a header that asks for 1.9 GB: deflate might have.
+    let mut file = Nifti::new(VoxelType::I16, &[1000, 1000, 950], false).bytes;
+    file.extend_from_slice(noise(VoxelType::U8, 2_000_000, 1).as_bytes());
+    let path = keep(&folder, "asks.nii.gz", &gzip(&file));
+    assert!(io::open(&path).is_ok());
+    // With room for the program and little else; KiB in sh.
+    let out = std::process::Command::new("sh")
+        .args(["-c", "ulimit -v 1500000; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_burin"), "render"])
+        .args([&path, std::path::Path::new("-o"), &folder.path().join("a.png")])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&out.stderr).into_owned();
+    assert_eq!(out.status.code(), Some(2), "{said}");
+    // Not "no memory": the voxels were never asked for.
+    assert!(
+        said.contains("asks.nii.gz: voxel data: found an end after") && said.contains("1900000000 bytes"),
+        "{said}"
+    );
+}
+
+#[test]
 fn a_cut_or_damaged_stream_is_an_error_and_not_zeros() {
     let folder = tempfile::tempdir().unwrap();
     let voxels = noise(VoxelType::I16, 30_000, 4);
