@@ -7,6 +7,7 @@
 mod ask;
 mod brush;
 mod command;
+mod command_parts;
 mod defaults;
 mod edit;
 mod error;
@@ -51,6 +52,7 @@ mod volume;
 mod watch;
 
 pub use command::*;
+pub use command_parts::*;
 pub use error::DocumentError;
 pub use history::{DEFAULT_BUDGET_BYTES, History};
 pub use keep_error::KeepError;
