@@ -141,11 +141,6 @@ impl Gpu {
         Err(GpuError::Lost { reason: words.unwrap_or_else(|| "no reason given".into()) })
     }
 
-    /// The first error that nobody waited for, once.
-    pub fn take_error(&self) -> Option<String> {
-        self.health.words.lock().unwrap_or_else(PoisonError::into_inner).take()
-    }
-
     /// Does `work` and waits for the device's opinion of it. `what` names the work in errors.
     ///
     /// # Errors

@@ -146,8 +146,8 @@ impl Skips {
             }
         }
         let all = bricks.len() == self.bricks.iter().map(|&b| b as usize).product::<usize>();
-        for map in 0..3 {
-            let touched = if all { Some([[0; 3], self.cells.map(|n| n - 1)]) } else { changed[map] };
+        for (map, changed) in changed.into_iter().enumerate() {
+            let touched = if all { Some([[0; 3], self.cells.map(|n| n - 1)]) } else { changed };
             let Some([lo, hi]) = touched else { continue };
             let lo = lo.map(|v| v.saturating_sub(CAP));
             let hi: [u32; 3] = std::array::from_fn(|a| (hi[a] + 1 + CAP).min(self.cells[a]));

@@ -14,6 +14,7 @@ use crate::volume::{
     BRICK, BrickIndex, BrickKey, DensityMap, Field, FieldKind, Grid, Mode, TexelFormat, TransferFunction,
 };
 use std::collections::{BTreeSet, HashSet};
+use std::sync::OnceLock;
 
 mod cells;
 mod edit;
@@ -66,6 +67,8 @@ pub struct FieldPools {
     slices: [Option<u32>; 3],
     /// By brick of level 0: whether the look shows any of it. Empty: not known.
     visible: Vec<bool>,
+    /// By brick of level 0: how much it hides. Known once it was needed.
+    extinction: OnceLock<Vec<f32>>,
     /// Bricks whose cells are to be renewed; `None`: all.
     stale_cells: Option<BTreeSet<usize>>,
     /// Bricks of a running stroke, of density and of the selection: they may show anything.
@@ -81,13 +84,14 @@ pub struct FieldPools {
     group: wgpu::BindGroup,
 }
 
-/// Share of the budget that a field may take, in eighths.
-fn eighths(kind: FieldKind) -> u64 {
-    match kind {
-        FieldKind::Density => 4,
-        FieldKind::Colour => 2,
-        FieldKind::Selection | FieldKind::Labels => 1,
-    }
+/// What a field may take of the budget. Density is most of every volume; the others cost only where someone painted.
+fn share(budget_bytes: u64, kind: FieldKind) -> u64 {
+    budget_bytes / 32
+        * match kind {
+            FieldKind::Density => 20,
+            FieldKind::Colour => 6,
+            FieldKind::Selection | FieldKind::Labels => 3,
+        }
 }
 
 const fn place(kind: FieldKind) -> usize {
@@ -95,14 +99,14 @@ const fn place(kind: FieldKind) -> usize {
 }
 
 impl FieldPools {
-    /// Pools for the volume of `density`, together at most `budget_bytes`, half of it for density. Nothing is uploaded yet.
+    /// Pools for the volume of `density`, together at most `budget_bytes`, five eighths of it for density. Nothing is uploaded yet.
     ///
     /// # Errors
     /// Out of memory, or a lost device.
     pub fn new(gpu: &Gpu, grid: &Grid, density: &Field, budget_bytes: u64) -> Result<Self, GpuError> {
         let bricks = density.brick_dims(0);
-        let share = budget_bytes / 8 * eighths(FieldKind::Density);
-        let pool = Pool::new(gpu, FieldKind::Density, density.format(), bricks, share)?;
+        let most = share(budget_bytes, FieldKind::Density);
+        let pool = Pool::new(gpu, FieldKind::Density, density.format(), bricks, most)?;
         let skips = Skips::new(gpu, grid.dims, bricks)?;
         gpu.scoped("the fields' bindings", || {
             let nothing = bindings::nothing(gpu);
@@ -122,6 +126,7 @@ impl FieldPools {
                 sight: None,
                 slices: [None; 3],
                 visible: Vec::new(),
+                extinction: OnceLock::new(),
                 stale_cells: None,
                 forced: Default::default(),
                 stale: true,
@@ -150,6 +155,7 @@ impl FieldPools {
                 self.stale = true;
             }
             self.stale |= !self.complete;
+            self.extinction.take();
             self.look = Some(Look { transfer: frame.transfer.clone(), mode: frame.mode, shows });
         }
         let same = self
@@ -188,6 +194,7 @@ impl FieldPools {
             self.map = *fields.density.map();
             self.pools[0] = None;
             self.visible.clear();
+            self.extinction.take();
             self.stale_cells = None;
             self.stale = true;
         }
@@ -251,7 +258,7 @@ impl FieldPools {
 
     fn new_pool(&self, gpu: &Gpu, field: &Field) -> Result<Pool, GpuError> {
         let kind = field.kind();
-        Pool::new(gpu, kind, field.format(), self.bricks, self.budget / 8 * eighths(kind))
+        Pool::new(gpu, kind, field.format(), self.bricks, share(self.budget, kind))
     }
 
     fn brick_at(&self, b: BrickIndex) -> usize {

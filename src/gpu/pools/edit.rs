@@ -14,6 +14,9 @@ impl FieldPools {
             pool.renew(gpu, field, &refresh.slots)?;
         }
         self.stale = true;
+        if kind == FieldKind::Density {
+            self.extinction.take();
+        }
         for key in &refresh.slots {
             let below = key.index.0.map(|b| b << key.level);
             let end: [u32; 3] = std::array::from_fn(|a| ((key.index.0[a] + 1) << key.level).min(self.bricks[a]));
@@ -43,10 +46,10 @@ impl FieldPools {
         if level == 0 {
             self.forced[map].remove(&i);
         }
-        if level == 0 || level == drawn {
-            if let Some(stale) = &mut self.stale_cells {
-                stale.insert(i);
-            }
+        if let Some(stale) = &mut self.stale_cells
+            && (level == 0 || level == drawn)
+        {
+            stale.insert(i);
         }
     }
 
@@ -100,7 +103,8 @@ impl FieldPools {
         Ok(origins)
     }
 
-    /// Ends the keep of pinned bricks and of cells marked as occupied.
+    /// Ends the keep of pinned bricks and of cells marked as occupied. What was written to them is committed (by
+    /// [`refresh`](Self::refresh)) or put back by the caller.
     pub fn unpin(&mut self, kind: FieldKind) {
         if let Some(pool) = &mut self.pools[place(kind)] {
             pool.unpin();

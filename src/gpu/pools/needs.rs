@@ -29,8 +29,8 @@ impl FieldPools {
         let [nx, ny, _] = self.bricks.map(|n| n as usize);
         let mut urgency = match (&self.sight, &self.look) {
             (Some(sight), Some(look)) => {
-                let extinction = sight::extinctions(density, &self.grid, &look.transfer);
-                sight::urgency(sight, &self.grid, self.bricks, &extinction)
+                let known = || sight::extinctions(density, &self.grid, &look.transfer);
+                sight::urgency(sight, &self.grid, self.bricks, self.extinction.get_or_init(known))
             }
             _ => vec![0.0; self.bricks.iter().map(|&b| b as usize).product()],
         };
