@@ -113,7 +113,8 @@ struct BrushItem {
     // Dabs that can meet the slot.
     first_dab: u32,
     dab_count: u32,
-    unused_a: u32,
+    // Of the dispatch's first item: where its jobs begin.
+    first_job: u32,
     unused_b: u32,
     unused_c: u32,
 }
@@ -137,6 +138,9 @@ struct BrushItem {
 @group(0) @binding(8) var<storage, read> density: array<u32>;
 // Bit of every locked label.
 @group(0) @binding(9) var<storage, read> locked: array<u32>;
+// Per workgroup: number of its item, and of the workgroup within the item's box in the lower 16 bits. Without it as many
+// workgroups as the largest box needs would run for every item, and idle ones cost as much as busy ones on software Vulkan.
+@group(0) @binding(10) var<storage, read> jobs: array<u32>;
 
 fn g_of(voxel: vec3<i32>, i: u32) -> f32 {
     let offset = vec3<f32>(voxel - dabs[i].base) - dabs[i].fraction;
@@ -337,14 +341,19 @@ fn own_key(old: u32) -> u32 {
 
 @compute @workgroup_size(8, 8, 4)
 fn brush(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let item = group.y;
+    let job = jobs[items[0].first_job + group.x];
+    let item = job >> 16u;
     let size = items[item].size;
     // The box's words in one row of invocations: a row of a slot rarely fills a workgroup's.
-    let flat = group.x * 256u + local;
+    let flat = (job & 0xffffu) * 256u + local;
     if flat >= size.x * size.y * size.z {
         return;
     }
-    let step = vec3<u32>(flat % size.x, (flat / size.x) % size.y, flat / (size.x * size.y));
+    // Division in floats, exact for such small numbers: that of integers is done lane by lane on software Vulkan.
+    let layer = u32((f32(flat) + 0.5) / f32(size.x * size.y));
+    let within = flat - layer * size.x * size.y;
+    let line = u32((f32(within) + 0.5) / f32(size.x));
+    let step = vec3<u32>(within - line * size.x, line, layer);
     let at = items[item].lo + step;
     let place = items[item].place;
     let row = at.z * SLOT + at.y;

@@ -26,6 +26,8 @@ pub struct Painter {
     uniforms: wgpu::Buffer,
     /// New words of a dispatch, on their way into the slots.
     next: wgpu::Buffer,
+    /// What each workgroup does.
+    jobs: wgpu::Buffer,
     locked: wgpu::Buffer,
     /// Bound where a stroke has no use for a buffer.
     nothing: wgpu::Buffer,
@@ -46,6 +48,7 @@ impl Painter {
             Ok(Self {
                 uniforms: buffer(gpu, "brush uniforms", 1 << 16, Use::UNIFORM | Use::COPY_DST),
                 next: buffer(gpu, "brush words", 1 << 20, Use::STORAGE | Use::COPY_SRC),
+                jobs: buffer(gpu, "brush jobs", 1 << 14, Use::STORAGE | Use::COPY_DST),
                 locked: buffer(gpu, "brush locked", 65_536 / 8, Use::STORAGE | Use::COPY_DST),
                 nothing: buffer(gpu, "brush nothing", 16, Use::STORAGE),
                 gpu: gpu.clone(),
@@ -149,26 +152,28 @@ impl Painter {
         stroke.take(&self.gpu, fields, &new, &slots, &mut encoder, texture)?;
 
         let plan = Plan::new(stroke, &groups, variant);
-        let Self { gpu, kernels, uniforms, next, locked, nothing, .. } = self;
+        let Self { gpu, kernels, uniforms, next, jobs, locked, nothing, .. } = self;
         let submitted = gpu.scoped("dabs", || {
             use wgpu::BufferUsages as Use;
             grow(gpu, uniforms, plan.uniforms.len() as u64, Use::UNIFORM | Use::COPY_DST);
             grow(gpu, next, plan.next_bytes, Use::STORAGE | Use::COPY_SRC);
+            grow(gpu, jobs, plan.jobs.len() as u64 * 4, Use::STORAGE | Use::COPY_DST);
             gpu.queue.write_buffer(uniforms, 0, &plan.uniforms);
+            gpu.queue.write_buffer(jobs, 0, bytemuck::cast_slice(&plan.jobs));
             if begins {
                 gpu.queue.write_buffer(locked, 0, bytemuck::cast_slice(&stroke.locked));
             }
             let groups: Vec<_> = stroke
                 .chunks
                 .iter()
-                .map(|chunk| bind(gpu, &kernels.layout, chunk, [&*uniforms, next, locked, nothing]))
+                .map(|chunk| bind(gpu, &kernels.layout, chunk, [&*uniforms, next, jobs, locked, nothing]))
                 .collect();
             for dispatch in &plan.dispatches {
                 let mut pass = encoder
                     .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("dabs"), timestamp_writes: None });
                 pass.set_pipeline(&pipeline);
                 pass.set_bind_group(0, &groups[dispatch.chunk], &[dispatch.dabs_at, dispatch.items_at]);
-                pass.dispatch_workgroups(dispatch.workgroups[0], dispatch.workgroups[1], 1);
+                pass.dispatch_workgroups(dispatch.workgroups, 1, 1);
                 drop(pass);
                 for copy in &dispatch.copies {
                     encoder.copy_buffer_to_texture(
@@ -277,7 +282,7 @@ fn bind(
     gpu: &Gpu,
     layout: &wgpu::BindGroupLayout,
     chunk: &Chunk,
-    [uniforms, next, locked, nothing]: [&wgpu::Buffer; 4],
+    [uniforms, next, jobs, locked, nothing]: [&wgpu::Buffer; 5],
 ) -> wgpu::BindGroup {
     let part = |size: u64| {
         wgpu::BindingResource::Buffer(wgpu::BufferBinding {
@@ -297,6 +302,7 @@ fn bind(
         chunk.base.as_ref().unwrap_or(nothing).as_entire_binding(),
         chunk.density.as_ref().unwrap_or(nothing).as_entire_binding(),
         locked.as_entire_binding(),
+        jobs.as_entire_binding(),
     ];
     let entries: Vec<_> =
         (0_u32..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();

@@ -67,7 +67,7 @@ impl Work {
             size: std::array::from_fn(|a| end[a] - lo[a]),
             first_dab: self.dabs[0],
             dab_count: self.dabs[1] - self.dabs[0] + 1,
-            unused_a: 0,
+            first_job: 0,
             unused_b: 0,
             unused_c: 0,
         }
@@ -79,6 +79,8 @@ pub(super) struct Plan {
     /// The stroke's constants, then dabs and items at their offsets.
     pub(super) uniforms: Vec<u8>,
     pub(super) dispatches: Vec<Dispatch>,
+    /// Per workgroup of all dispatches: item and workgroup within it.
+    pub(super) jobs: Vec<u32>,
     /// Bytes of new words of the largest dispatch.
     pub(super) next_bytes: u64,
 }
@@ -89,7 +91,7 @@ pub(super) struct Dispatch {
     /// Offsets within the uniforms.
     pub(super) dabs_at: u32,
     pub(super) items_at: u32,
-    pub(super) workgroups: [u32; 2],
+    pub(super) workgroups: u32,
     pub(super) copies: Vec<Copy>,
 }
 
@@ -103,28 +105,31 @@ pub(super) struct Copy {
 
 impl Plan {
     pub(super) fn new(stroke: &Stroke, groups: &[Group<'_>], variant: Variant) -> Self {
-        let mut plan = Self { uniforms: Vec::new(), dispatches: Vec::new(), next_bytes: 0 };
+        let mut plan = Self { uniforms: Vec::new(), dispatches: Vec::new(), jobs: Vec::new(), next_bytes: 0 };
         plan.append(bytemuck::bytes_of(&stroke.constants), ALIGNED);
         for (dabs, work) in groups {
             let dabs: Vec<_> = dabs.iter().map(BrushDab::new).collect();
             let dabs_at = plan.append(bytemuck::cast_slice(&dabs), DABS_BYTES as usize);
             for chunk in 0..stroke.chunks.len() {
                 let (mut items, mut copies) = (Vec::new(), Vec::new());
-                let (mut words, mut longest) = (0, 0);
+                let mut words = 0;
+                let first_job = plan.jobs.len();
                 for (brick, work) in work {
                     let Some(home) = stroke.homes.get(brick).filter(|h| h.chunk == chunk) else { continue };
                     let item = work.item(*brick, stroke.grid.dims, home.place, variant.per_word(), words);
                     copies.push(Copy::of(&item, home.slot, variant));
                     words += item.size[1] * item.size[2] * (PITCH / 4);
-                    longest = longest.max(item.size.iter().product::<u32>().div_ceil(GROUP));
-                    items.push(item);
+                    let number = (items.len() as u32) << 16;
+                    plan.jobs
+                        .extend((0..item.size.iter().product::<u32>().div_ceil(GROUP)).map(|group| number | group));
+                    items.push(BrushItem { first_job: first_job as u32, ..item });
                 }
                 if items.is_empty() {
                     continue;
                 }
                 let items_at = plan.append(bytemuck::cast_slice(&items), ITEMS_BYTES as usize);
                 plan.next_bytes = plan.next_bytes.max(u64::from(words) * 4);
-                let workgroups = [longest, items.len() as u32];
+                let workgroups = (plan.jobs.len() - first_job) as u32;
                 plan.dispatches.push(Dispatch { chunk, dabs_at, items_at, workgroups, copies });
             }
         }

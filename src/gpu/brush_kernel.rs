@@ -75,8 +75,8 @@ shared_struct! {
         pub first_dab: u32,
         /// Dabs from there.
         pub dab_count: u32,
-        /// 0.
-        pub unused_a: u32,
+        /// Of the first item: where the dispatch's jobs begin.
+        pub first_job: u32,
         /// 0.
         pub unused_b: u32,
         /// 0.
@@ -174,6 +174,7 @@ impl Kernels {
             storage(7, true),
             storage(8, true),
             storage(9, true),
+            storage(10, true),
         ];
         let layout = gpu.scoped("the brush's bindings", || {
             Ok(gpu

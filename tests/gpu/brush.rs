@@ -71,6 +71,23 @@ impl Canvas {
         Self { grid, base, density, colour, selection, labels, pools, painter, segments }
     }
 
+    /// Nothing painted, density 0.
+    fn blank(gpu: &Gpu, grid: Grid) -> Self {
+        let density = density_u16(grid, |_| 0);
+        let pools = FieldPools::new(gpu, &grid, &density, 64 << 20).unwrap();
+        Self {
+            grid,
+            base: density.read(0, [0; 3], grid.dims).unwrap(),
+            density,
+            colour: Field::blank(FieldKind::Colour, &grid),
+            selection: Field::blank(FieldKind::Selection, &grid),
+            labels: Field::blank(FieldKind::Labels, &grid),
+            pools,
+            painter: Painter::new(gpu).unwrap(),
+            segments: Segments::default(),
+        }
+    }
+
     fn codes(gpu: &Gpu, grid: Grid) -> Self {
         Self::new(gpu, grid, density_u16(grid, |v| noise(v, 0) as u16))
     }

@@ -122,9 +122,7 @@ fn the_printed_form_of_equation_1_is_not_what_is_painted() {
 fn a_hard_ball_has_the_volume_of_a_ball() {
     let Some(gpu) = gpu() else { return };
     let grid = unit_grid([80; 3]);
-    let density = density_u16(grid, |_| 0);
-    let mut canvas = Canvas::new(&gpu, grid, density);
-    canvas.labels = Field::blank(FieldKind::Labels, &grid);
+    let mut canvas = Canvas::blank(&gpu, grid);
     let radius = 30.0;
     let brush = Brush { radius_mm: radius, falloff: Falloff::Hard, target: Target::Label(9), ..Brush::default() };
     let found = canvas.paint(&brush, &[dab_at(&grid, DVec3::new(40.2, 39.7, 40.4), radius)]);
@@ -139,9 +137,7 @@ fn a_voxel_at_exactly_the_radius_is_painted() {
     let Some(gpu) = gpu() else { return };
     // 0.1 has no exact f64 or f32; 3-4-5 triangles lie on the rim.
     let grid = Grid::aligned([40; 3], DVec3::splat(0.1), DVec3::splat(-7.3));
-    let density = density_u16(grid, |_| 0);
-    let mut canvas = Canvas::new(&gpu, grid, density);
-    canvas.selection = Field::blank(FieldKind::Selection, &grid);
+    let mut canvas = Canvas::blank(&gpu, grid);
     let brush = Brush { radius_mm: 0.5, falloff: Falloff::Hard, ..Brush::default() };
     let found = canvas.paint(&brush, &[dab_at(&grid, DVec3::splat(31.0), 0.5)]);
     let at = |v: [usize; 3]| found[v[0] + 40 * (v[1] + 40 * v[2])];
