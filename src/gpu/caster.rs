@@ -414,10 +414,14 @@ fn resolve(image: &mut Image, drawn: &[Drawn], frame: &Frame, window: &Window) {
         if *object == 0 {
             continue;
         }
-        let depth = &mut image.depth_mm[i];
+        let depth = image.depth_mm[i];
         let Some(d) = drawn.get((*object / 2) as usize - 1) else { continue };
+        if let ([(id, _)], None) = (d.members.as_slice(), d.selected) {
+            *object = id + 1;
+            continue;
+        }
         let px = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5) + window.origin;
-        let world = frame.camera.ray(px, window.picture).at(f64::from(*depth));
+        let world = frame.camera.ray(px, window.picture).at(f64::from(depth));
         *object = d.owner(world, *object & 1 == 1, &mut hint) + 1;
     }
 }

@@ -34,16 +34,13 @@ pub(super) fn image(gpu: &Gpu, targets: &Targets) -> Result<Image, GpuError> {
     }
     gpu.queue.submit([encoder.finish()]);
     let bytes = gpu.read_buffer(&buffer, "a picture")?;
-    let rows = |part: usize, size: u32| {
-        let start = offsets[part];
-        (0..height as usize).flat_map(move |y| {
-            let row = start + y * pitch(size) as usize;
-            row..row + (width * size) as usize
-        })
-    };
     let words = |part: usize, size: u32| -> Vec<u32> {
-        let packed: Vec<u8> = rows(part, size).map(|i| bytes[i]).collect();
-        packed.chunks_exact(4).map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]])).collect()
+        let mut words = Vec::with_capacity((width * height * size / 4) as usize);
+        for row in bytes[offsets[part]..].chunks_exact(pitch(size) as usize).take(height as usize) {
+            let row = row[..(width * size) as usize].chunks_exact(4);
+            words.extend(row.map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]])));
+        }
+        words
     };
     let colour = words(0, 16).chunks_exact(4).map(|c| std::array::from_fn(|i| f32::from_bits(c[i]))).collect();
     let depth = |bits: u32| Some(f32::from_bits(bits)).filter(|d| *d < FAR).unwrap_or(f32::INFINITY);
