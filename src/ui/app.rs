@@ -42,7 +42,8 @@ pub struct App {
     pub(super) close_after_save: bool,
     pub(super) closing: bool,
     title: String,
-    scaled: bool,
+    /// The zoom that the window's size asked for; 0 before the first pass.
+    zoom: f32,
 }
 
 /// What a file dialog, which runs beside the window, came back with.
@@ -80,7 +81,7 @@ impl App {
             close_after_save: false,
             closing: false,
             title: String::new(),
-            scaled: false,
+            zoom: 0.0,
         }
     }
 
@@ -308,15 +309,23 @@ impl App {
         if self.snapshot.unsaved { format!("{name}*") } else { name }
     }
 
+    /// Puts the theme on, and larger text where the window becomes large; what the user zooms by hand stays until then.
+    fn scale(&mut self, ctx: &egui::Context) {
+        if self.zoom == 0.0 {
+            theme::apply(ctx);
+        }
+        let native = ctx.native_pixels_per_point().unwrap_or(1.0);
+        let zoom = theme::zoom_for(ctx.viewport_rect().height() * ctx.pixels_per_point(), native);
+        if zoom != self.zoom {
+            self.zoom = zoom;
+            ctx.set_zoom_factor(zoom);
+        }
+    }
+
     /// One pass over the window.
     pub fn show(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
-        if !self.scaled {
-            self.scaled = true;
-            theme::apply(&ctx);
-            let native = ctx.native_pixels_per_point().unwrap_or(1.0);
-            ctx.set_zoom_factor(theme::zoom_for(ctx.viewport_rect().height() * ctx.pixels_per_point(), native));
-        }
+        self.scale(&ctx);
         self.take_reports(&ctx);
         self.take_choices();
         self.take_drops(&ctx);

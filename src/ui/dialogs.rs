@@ -228,24 +228,27 @@ impl App {
     fn lost_dialog(&mut self, ui: &mut Ui, mut lost: Vec<(String, String)>) {
         ui.heading("Unsaved work was found");
         ui.add_space(4.0);
-        let text = "The program did not end in order. These documents can be brought back with their history.";
+        let text = "The program did not end in order. These documents can be brought back as they were.";
         ui.label(RichText::new(text).color(theme::TEXT_WEAK));
         ui.add_space(12.0);
         let mut gone = None;
         for (i, (id, origin)) in lost.iter().enumerate() {
-            ui.horizontal(|ui| {
-                ui.add_sized(vec2(230.0, 26.0), egui::Label::new(short_path(origin)).truncate()).on_hover_text(origin);
+            super::widgets::from_right_row(ui, |ui| {
                 let name = format!("Recover {}", short_path(origin));
                 if ui.add(primary("Recover")).accessible_name(name).clicked() {
                     self.dialog = None;
                     self.send(Command::Project(ProjectCommand::Recover { id: id.clone() }));
                 }
+                ui.add_space(24.0);
                 let name = format!("Throw away {}", short_path(origin));
                 let discard = egui::Button::new(RichText::new("Throw away").color(theme::ERROR));
-                if ui.add(discard).accessible_name(name).clicked() {
+                if ui.add(discard.min_size(vec2(0.0, 30.0))).accessible_name(name).clicked() {
                     self.send(Command::Project(ProjectCommand::Forget { id: id.clone() }));
                     gone = Some(i);
                 }
+                ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                    ui.add(egui::Label::new(short_path(origin)).truncate()).on_hover_text(origin);
+                });
             });
         }
         if let Some(i) = gone {

@@ -41,6 +41,7 @@ pub fn run(options: Options) -> Result<(), String> {
         .with_title("Burin")
         .with_app_id("burin")
         .with_inner_size([1280.0, 800.0])
+        .with_maximized(true)
         .with_min_inner_size([960.0, 600.0]);
     let native = eframe::NativeOptions { viewport, ..Default::default() };
     let mut document = Document::new();

@@ -21,6 +21,8 @@ const COARSEST: f64 = 4.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Basis {
     content: u64,
+    /// Of parts; slices show the volume at rest.
+    poses: u64,
     size: [u32; 2],
     plane: Option<SlicePlane>,
     camera: Camera,
@@ -31,6 +33,8 @@ struct Drawn {
     basis: Basis,
     /// All pixels are there.
     fine: bool,
+    /// When, counted in pictures.
+    turn: u64,
 }
 
 /// A fine picture on its way.
@@ -47,6 +51,8 @@ struct Refining {
 #[derive(Debug)]
 pub(super) struct Studio {
     content: u64,
+    poses: u64,
+    turn: u64,
     drawn: BTreeMap<ViewName, Drawn>,
     refining: Option<Refining>,
     /// Of the 3D view, lately.
@@ -55,7 +61,7 @@ pub(super) struct Studio {
 
 impl Default for Studio {
     fn default() -> Self {
-        Self { content: 0, drawn: BTreeMap::new(), refining: None, micros_per_pixel: 0.5 }
+        Self { content: 0, poses: 0, turn: 0, drawn: BTreeMap::new(), refining: None, micros_per_pixel: 0.5 }
     }
 }
 
@@ -67,16 +73,13 @@ impl Studio {
                 !matches!(view, ViewCommand::Look { .. } | ViewCommand::Window { .. } | ViewCommand::Layer(_))
             }
             Command::Brush(_) | Command::Ask(_) | Command::Render(_) => true,
+            Command::Part(_) | Command::Explosion(_) => {
+                self.poses += 1;
+                true
+            }
             _ => false,
         };
-        if !keeps {
-            self.changed();
-        }
-    }
-
-    /// What is seen has changed.
-    pub(super) fn changed(&mut self) {
-        self.content += 1;
+        self.content += u64::from(!keeps);
     }
 
     fn basis(&self, document: &Document, view: ViewName) -> Option<Basis> {
@@ -84,23 +87,19 @@ impl Studio {
         let views = &state.scene.views;
         let plane = SlicePlane::new(state.grid(), views, view);
         let size = views.slice(view).map_or(views.size, |s| s.size);
-        Some(Basis { content: self.content, size, plane, camera: views.camera })
+        Some(Basis { content: self.content, poses: self.poses, size, plane, camera: views.camera })
     }
 
-    /// The view that needs drawing most: those that show something old, slices first because they are quick; then the coarse.
+    /// The view that needs drawing most: of those that show something old the one that waited longest, so that none starves
+    /// while a stroke or a motion changes them all the time; then the coarse.
     fn next(&self, document: &Document, shown: &[ViewName], rough: bool) -> Option<(ViewName, Basis)> {
-        let stale = |view: &ViewName| -> Option<(ViewName, Basis)> {
-            let basis = self.basis(document, *view)?;
-            let same = self.drawn.get(view).is_some_and(|d| same(&d.basis, &basis, *view));
-            (!same).then_some((*view, basis))
-        };
-        let coarse = |view: &ViewName| -> Option<(ViewName, Basis)> {
-            let is_coarse = self.drawn.get(view).is_some_and(|d| !d.fine);
-            Some((*view, self.basis(document, *view).filter(|_| is_coarse && !rough)?))
-        };
-        let slices = || shown.iter().filter(|v| **v != ViewName::ThreeD);
-        let solid = || shown.iter().filter(|v| **v == ViewName::ThreeD);
-        slices().find_map(stale).or_else(|| solid().find_map(stale)).or_else(|| solid().find_map(coarse))
+        let all = || shown.iter().filter_map(|&view| Some((view, self.basis(document, view)?)));
+        let stale = all().filter(|(view, basis)| !self.drawn.get(view).is_some_and(|d| same(&d.basis, basis, *view)));
+        let waited = |view: &ViewName| self.drawn.get(view).map_or(0, |d| d.turn);
+        // Slices are quick: of those that never were drawn they come first.
+        let stale = stale.min_by_key(|(view, _)| (waited(view), *view == ViewName::ThreeD));
+        let coarse = || all().find(|(view, _)| !rough && self.drawn.get(view).is_some_and(|d| !d.fine));
+        stale.or_else(coarse)
     }
 
     /// Whether a view waits to be drawn.
@@ -119,17 +118,18 @@ impl Studio {
         rough: bool,
     ) -> Result<Option<Picture>, DocumentError> {
         let Some((view, basis)) = self.next(document, shown, rough) else { return Ok(None) };
+        self.turn += 1;
         let drawn = if view == ViewName::ThreeD {
             let known = self.drawn.get(&view).is_some_and(|d| same(&d.basis, &basis, view));
             if known { self.refine(document, basis) } else { self.preview(document, basis) }
         } else {
             let image = document.picture(view, basis.size, None);
-            self.drawn.insert(view, Drawn { basis, fine: true });
+            self.drawn.insert(view, Drawn { basis, fine: true, turn: self.turn });
             image.map(|image| Some(picture(view, basis.camera, &image, [0.0; 3])))
         };
         if drawn.is_err() {
             self.refining = None;
-            self.drawn.insert(view, Drawn { basis, fine: true });
+            self.drawn.insert(view, Drawn { basis, fine: true, turn: self.turn });
         }
         drawn
     }
@@ -139,12 +139,12 @@ impl Studio {
         let pixels = f64::from(basis.size[0]) * f64::from(basis.size[1]);
         let divisor = (pixels * self.micros_per_pixel / 1000.0 / MOVING_MS).sqrt();
         // Half the pixels either way, or fewer; all of them only if they are nearly free.
-        let divisor = if divisor < 0.5 { 1.0 } else { (divisor * 2.0).round().mul_add(0.5, 0.0).clamp(2.0, COARSEST) };
+        let divisor = if divisor < 0.5 { 1.0 } else { ((divisor * 2.0).round() * 0.5).clamp(2.0, COARSEST) };
         let size = basis.size.map(|s| ((f64::from(s) / divisor).round() as u32).max(1));
         let begun = Instant::now();
         let image = document.picture(ViewName::ThreeD, size, None)?;
         self.learn(begun, size);
-        self.drawn.insert(ViewName::ThreeD, Drawn { basis, fine: size == basis.size });
+        self.drawn.insert(ViewName::ThreeD, Drawn { basis, fine: size == basis.size, turn: self.turn });
         Ok(Some(picture(ViewName::ThreeD, basis.camera, &image, background(document))))
     }
 
@@ -168,7 +168,7 @@ impl Studio {
             self.refining = Some(now);
             return Ok(None);
         }
-        self.drawn.insert(ViewName::ThreeD, Drawn { basis, fine: true });
+        self.drawn.insert(ViewName::ThreeD, Drawn { basis, fine: true, turn: self.turn });
         let Refining { rgba, depth_mm, object, .. } = now;
         let camera = basis.camera;
         Ok(Some(Picture { view: ViewName::ThreeD, size: basis.size, rgba, depth_mm, object, camera }))
@@ -182,7 +182,10 @@ impl Studio {
 
 /// Whether two pictures would be equal: a slice does not depend on the camera, the 3D view not on the planes.
 fn same(a: &Basis, b: &Basis, view: ViewName) -> bool {
-    let place = if view == ViewName::ThreeD { a.camera == b.camera } else { a.plane == b.plane };
+    let place = match view {
+        ViewName::ThreeD => a.camera == b.camera && a.poses == b.poses,
+        _ => a.plane == b.plane,
+    };
     a.content == b.content && a.size == b.size && place
 }
 

@@ -135,5 +135,5 @@ fn visuals() -> Visuals {
 
 /// What scales the whole window: large screens without a scale of their own get larger text.
 pub(super) fn zoom_for(height_px: f32, native_scale: f32) -> f32 {
-    if native_scale <= 1.01 && height_px >= 1350.0 { 1.25 } else { 1.0 }
+    if native_scale <= 1.01 && height_px >= 1200.0 { 1.25 } else { 1.0 }
 }

@@ -184,9 +184,10 @@ impl Worker {
 
     /// Lets the parts move on.
     fn step(&mut self) {
-        match self.document.apply(Command::Explosion(ExplosionCommand::Step { steps: MOST_STEPS })) {
+        let step = Command::Explosion(ExplosionCommand::Step { steps: MOST_STEPS });
+        self.studio.note(&step);
+        match self.document.apply(step) {
             Ok(answer) => {
-                self.studio.changed();
                 self.moving = answer["moving"].as_bool() == Some(true);
             }
             Err(error) => {

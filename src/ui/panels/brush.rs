@@ -46,10 +46,7 @@ impl App {
     }
 
     pub(super) fn brush_panel(&mut self, ui: &mut Ui) {
-        let Some(scene) = &self.scene else {
-            ui.label("Nothing open");
-            return;
-        };
+        let Some(scene) = &self.scene else { return };
         let old = scene.brush;
         let mut new = old;
         let middle = scene.window.level;

@@ -20,27 +20,29 @@ use egui::{Frame, Margin, Panel, ScrollArea, Ui};
 
 impl App {
     pub(super) fn left_panel(&mut self, ui: &mut Ui) {
+        if self.opened().is_none() {
+            return;
+        }
         side(Panel::left("tools")).default_size(276.0).size_range(252.0..=420.0).show(ui, |ui| {
             scrolled(ui, "left", |ui| {
-                ui.add_enabled_ui(self.opened().is_some(), |ui| {
-                    section(ui, "Brush", true, |ui| self.brush_panel(ui));
-                    section(ui, "Segments", true, |ui| self.segment_panel(ui));
-                    section(ui, "Layers", true, |ui| self.layer_panel(ui));
-                });
+                section(ui, "Brush", true, |ui| self.brush_panel(ui));
+                section(ui, "Segments", true, |ui| self.segment_panel(ui));
+                section(ui, "Layers", true, |ui| self.layer_panel(ui));
             });
         });
     }
 
     pub(super) fn right_panel(&mut self, ui: &mut Ui) {
+        if self.opened().is_none() {
+            return;
+        }
         side(Panel::right("properties")).default_size(288.0).size_range(248.0..=520.0).show(ui, |ui| {
             scrolled(ui, "right", |ui| {
-                ui.add_enabled_ui(self.opened().is_some(), |ui| {
-                    section(ui, "Transfer function", true, |ui| self.transfer_panel(ui));
-                    section(ui, "3D look", true, |ui| self.look_panel(ui));
-                    section(ui, "Explosion", true, |ui| self.explosion_panel(ui));
-                    section(ui, "Parts", true, |ui| self.part_panel(ui));
-                    section(ui, "History", true, |ui| self.history_panel(ui));
-                });
+                section(ui, "Transfer function", true, |ui| self.transfer_panel(ui));
+                section(ui, "3D look", true, |ui| self.look_panel(ui));
+                section(ui, "Explosion", true, |ui| self.explosion_panel(ui));
+                section(ui, "Parts", true, |ui| self.part_panel(ui));
+                section(ui, "History", true, |ui| self.history_panel(ui));
             });
         });
     }
