@@ -1,7 +1,7 @@
 //! Damaged projects and refusing disks: an error that says what and where, and nothing lost.
 
 use super::keep_support::*;
-use burin::document::{Command, KeepError, Keeper, State, StrokeCommand};
+use burin::document::{Command, KeepError, Keeper, KeptDocument, State, StrokeCommand};
 use burin::volume::*;
 use std::path::{Path, PathBuf};
 
@@ -14,9 +14,8 @@ fn saved(dir: &Path, state: &State) -> PathBuf {
     project
 }
 
-fn opened(project: &Path) -> State {
-    let (_keeper, kept) = Keeper::open(project).unwrap();
-    kept.into_state(|_| panic!("the density is in the project"), &|_| true).unwrap()
+fn opened(project: &Path) -> KeptDocument {
+    Keeper::open(project).unwrap().1
 }
 
 /// The whole message of an opening that fails, at once or when voxels are read.
@@ -116,7 +115,7 @@ fn what_is_damaged_is_named_with_what_was_found_and_expected() {
         assert!(message.contains("cannot read") && message.contains(name), "{message}");
         std::fs::rename(&aside, &path).unwrap();
     }
-    assert_same(&state, &opened(&project), "put right again");
+    assert_kept(&state, &opened(&project), "put right again");
     assert!(matches!(Keeper::open(dir.path()), Err(KeepError::NotAProject { .. })));
 }
 
@@ -131,7 +130,7 @@ fn a_place_that_cannot_be_written_is_refused_and_the_document_goes_on() {
     assert!(matches!(&refused, KeepError::Io { path, .. } if *path == below_a_file), "{refused}");
     keeper.save(Some(&dir.path().join("project")), &state, None, &|_| true).unwrap();
     drop(keeper);
-    assert_same(&state, &opened(&dir.path().join("project")), "saved elsewhere");
+    assert_kept(&state, &opened(&dir.path().join("project")), "saved elsewhere");
 }
 
 #[test]
@@ -146,7 +145,7 @@ fn a_save_that_is_stopped_leaves_the_project_as_it_was() {
     assert!(matches!(stopped, Err(KeepError::Stopped)));
     assert!(!project.join("generation-000002").exists());
     drop(keeper);
-    assert_same(&before, &opened(&project), "stopped");
+    assert_kept(&before, &opened(&project), "stopped");
 }
 
 /// A child with a limit on the size of files, which a full disk resembles: writes fail in the middle.
@@ -215,7 +214,7 @@ mod full_disk {
         assert!(line("record: ").contains("journal-000001") && line("record: ").contains(advice), "{said}");
         assert!(line("save: ").contains("colour/0/c/0/0/0/0") && line("save: ").contains(advice), "{said}");
         paint(&mut state, FieldKind::Labels, [0; 3], 1);
-        assert_same(&state, &opened(&project), "the step before the disk was full");
+        assert_kept(&state, &opened(&project), "the step before the disk was full");
     }
 
     #[test]
@@ -239,7 +238,7 @@ mod full_disk {
         assert!(status.success());
         noise(&mut state, 3);
         paint(&mut state, FieldKind::Labels, [0; 3], 1);
-        assert_same(&state, &opened(&project), "both steps");
+        assert_kept(&state, &opened(&project), "both steps");
     }
 
     #[test]

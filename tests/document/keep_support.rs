@@ -1,6 +1,6 @@
 //! Small documents for the tests of keeping, and the comparison of all that is kept.
 
-use burin::document::{Origin, State};
+use burin::document::{KeptDocument, LoadedDensity, Origin, State};
 use burin::math::{DAffine3, DMat3, DVec3};
 use burin::volume::*;
 use rand::{Rng, SeedableRng};
@@ -81,7 +81,7 @@ pub fn paint_all(state: &mut State) {
     }
 }
 
-/// What differs between two documents: scene, grid, map, level-0 texels and edits of every field.
+/// What differs between two documents: scene, grid, map and edits of every field.
 pub fn difference(a: &State, b: &State) -> Option<String> {
     if a.scene != b.scene {
         return Some(format!("scene: {:?}\n{:?}", a.scene, b.scene));
@@ -89,25 +89,36 @@ pub fn difference(a: &State, b: &State) -> Option<String> {
     if a.grid() != b.grid() || a.density.map() != b.density.map() {
         return Some("grid or density map".into());
     }
-    for kind in FieldKind::ALL {
-        let painted = |s: &State| {
-            let edits = s.field(kind).edits().into_iter().map(|(i, b)| (i, b.clone()));
-            edits.filter(|(_, b)| kind == FieldKind::Density || *b != Brick::Uniform([0; 4])).collect::<Vec<_>>()
-        };
-        if painted(a) != painted(b) {
-            return Some(format!("edits of {}", kind.name()));
-        }
-        let dims = a.field(kind).dims(0);
-        if a.field(kind).read(0, [0; 3], dims).unwrap() != b.field(kind).read(0, [0; 3], dims).unwrap() {
-            return Some(format!("texels of {}", kind.name()));
-        }
-    }
-    None
+    let differs = |kind: &FieldKind| painted(a, *kind) != painted(b, *kind);
+    FieldKind::ALL.into_iter().find(differs).map(|kind| format!("edits of {}", kind.name()))
 }
 
-/// Fails if anything differs.
+/// The edits that count: an empty brick of a field without a source is none.
+fn painted(state: &State, kind: FieldKind) -> Vec<(BrickIndex, Brick)> {
+    let edits = state.field(kind).edits().into_iter().map(|(i, b)| (i, b.clone()));
+    edits.filter(|(_, b)| kind == FieldKind::Density || *b != Brick::Uniform([0; 4])).collect()
+}
+
+/// Fails if anything differs, level-0 texels included.
 pub fn assert_same(a: &State, b: &State, what: &str) {
     if let Some(difference) = difference(a, b) {
         panic!("{what}: {difference}");
+    }
+    for kind in FieldKind::ALL {
+        let dims = a.field(kind).dims(0);
+        let (x, y) = (a.field(kind).read(0, [0; 3], dims).unwrap(), b.field(kind).read(0, [0; 3], dims).unwrap());
+        assert!(x == y, "{what}: texels of {}", kind.name());
+    }
+}
+
+/// Fails if a document came back other than it was: scene, grid, map, edits. Its source is not read.
+pub fn assert_kept(state: &State, kept: &KeptDocument, what: &str) {
+    assert!(matches!(kept.density, LoadedDensity::Whole(_)), "{what}");
+    assert_eq!(state.scene, kept.scene, "{what}");
+    assert_eq!((*state.grid(), *state.density.map()), (kept.grid, kept.map), "{what}");
+    for kind in FieldKind::ALL {
+        let edits = kept.edits.get(&kind).into_iter().flatten().map(|(i, b)| (*i, b.clone()));
+        let found: Vec<_> = edits.filter(|(_, b)| kind == FieldKind::Density || *b != Brick::Uniform([0; 4])).collect();
+        assert!(painted(state, kind) == found, "{what}: edits of {}", kind.name());
     }
 }
