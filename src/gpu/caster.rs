@@ -4,6 +4,7 @@
 //! numbers in `scene`; what a pixel costs is in `shaders/cast_*.wgsl` (after Bruckner and Gröller 2006, section 4).
 
 use super::drawn::{Drawn, drawn};
+use super::pass::{COLOUR, DEPTH, LIST_WIDTH, OBJECT, Targets, data, full_screen, layout, write};
 use super::scene::{MOST_BODIES, MOST_PLANES, Scene, View, table};
 use super::shader::{self, Def};
 use super::tiles::Window;
@@ -41,38 +42,6 @@ pub struct Hit {
     pub body: u32,
     /// Millimetres along the ray.
     pub depth_mm: f64,
-}
-
-/// Colour, depth and object of a picture on the GPU.
-#[derive(Debug)]
-pub(super) struct Targets {
-    pub size: [u32; 2],
-    pub colour: wgpu::Texture,
-    pub depth: wgpu::Texture,
-    pub object: wgpu::Texture,
-}
-
-pub(super) const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
-const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
-const OBJECT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
-/// Entries in a row of the tiles' lists, as in shaders/lib/body.wgsl.
-const LIST_WIDTH: u32 = 2048;
-/// Greater depths mean nothing.
-pub(super) const FAR: f32 = 1e38;
-
-impl Targets {
-    pub(super) fn new(gpu: &Gpu, size: [u32; 2]) -> Self {
-        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT
-            | wgpu::TextureUsages::TEXTURE_BINDING
-            | wgpu::TextureUsages::COPY_SRC;
-        let texture = |label, format| texture(gpu, label, size, format, usage);
-        Self {
-            size,
-            colour: texture("picture colour", COLOUR),
-            depth: texture("picture depth", DEPTH),
-            object: texture("picture objects", OBJECT),
-        }
-    }
 }
 
 /// See the module's head.
@@ -424,108 +393,4 @@ fn resolve(image: &mut Image, drawn: &[Drawn], frame: &Frame, window: &Window) {
         let world = frame.camera.ray(px, window.picture).at(f64::from(depth));
         *object = d.owner(world, *object & 1 == 1, &mut hint) + 1;
     }
-}
-
-/// A pipeline that covers the target with one triangle; entry points `cover` and `fragment`.
-pub(super) fn full_screen(
-    gpu: &Gpu,
-    label: &str,
-    module: &wgpu::ShaderModule,
-    groups: &[&wgpu::BindGroupLayout],
-    targets: &[wgpu::TextureFormat],
-    fragment: &str,
-) -> wgpu::RenderPipeline {
-    let groups: Vec<_> = groups.iter().map(|g| Some(*g)).collect();
-    let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some(label),
-        bind_group_layouts: &groups,
-        immediate_size: 0,
-    });
-    let targets: Vec<_> = targets.iter().map(|&format| Some(format.into())).collect();
-    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(label),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module,
-            entry_point: Some("cover"),
-            compilation_options: Default::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: None,
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module,
-            entry_point: Some(fragment),
-            compilation_options: Default::default(),
-            targets: &targets,
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
-}
-
-fn layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
-    let float = wgpu::TextureSampleType::Float { filterable: false };
-    let uint = wgpu::TextureSampleType::Uint;
-    let uniform = wgpu::BindingType::Buffer {
-        ty: wgpu::BufferBindingType::Uniform,
-        has_dynamic_offset: false,
-        min_binding_size: None,
-    };
-    let texture = |sample_type| wgpu::BindingType::Texture {
-        sample_type,
-        view_dimension: wgpu::TextureViewDimension::D2,
-        multisampled: false,
-    };
-    let kinds = [uint, uint, float, float, float, float, uint].map(texture);
-    let entries: Vec<_> = [uniform; 3]
-        .into_iter()
-        .chain(kinds)
-        .zip(0..)
-        .map(|(ty, binding)| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::FRAGMENT | wgpu::ShaderStages::COMPUTE,
-            ty,
-            count: None,
-        })
-        .collect();
-    gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("caster"), entries: &entries })
-}
-
-fn texture(
-    gpu: &Gpu,
-    label: &str,
-    [width, height]: [u32; 2],
-    format: wgpu::TextureFormat,
-    usage: wgpu::TextureUsages,
-) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage,
-        view_formats: &[],
-    })
-}
-
-/// A texture that shaders load from and the host writes.
-fn data(gpu: &Gpu, label: &str, size: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
-    texture(gpu, label, size, format, wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST)
-}
-
-fn write(gpu: &Gpu, texture: &wgpu::Texture, bytes: &[u8], bytes_per_texel: u32) {
-    gpu.queue.write_texture(
-        texture.as_image_copy(),
-        bytes,
-        wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(texture.width() * bytes_per_texel),
-            rows_per_image: None,
-        },
-        texture.size(),
-    );
 }

@@ -19,6 +19,7 @@ mod image;
 pub mod layout;
 mod occupancy;
 pub mod order;
+mod pass;
 mod pool;
 mod pools;
 mod readback;

@@ -1,6 +1,6 @@
 //! Pictures from the GPU to the host.
 
-use super::caster::{FAR, Targets};
+use super::pass::{FAR, Targets};
 use super::{Gpu, GpuError, Image};
 
 /// Waits for the targets and takes them over; objects are still the shaders' codes.

@@ -3,7 +3,7 @@
 //! Owns the two pictures and how far the refinement has come. A band is as many rows as lately took the queue about 40 ms,
 //! and the next is submitted only when the last is done, so that the window stays answerable.
 
-use super::caster::{Targets, full_screen};
+use super::pass::{Targets, full_screen};
 use super::shader::{self, Def};
 use super::tiles::{TILE, Window};
 use super::{Caster, FieldPools, Fields, Frame, Gpu, GpuError};
