@@ -12,6 +12,7 @@ mod panels;
 mod pictures;
 mod pointer;
 mod session;
+mod stir;
 mod studio;
 pub mod theme;
 mod viewport;
@@ -20,6 +21,7 @@ mod worker;
 
 pub use app::App;
 pub use session::{Far, Gravity, Opened, Picture, Report, Request, Session, Snapshot};
+pub use worker::spawn;
 
 use crate::document::{Document, recovery};
 use std::path::PathBuf;

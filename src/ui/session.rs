@@ -142,7 +142,7 @@ impl Session {
     }
 
     /// Sends a request; `false` if nobody is there any more.
-    pub(super) fn send(&mut self, request: Request) -> bool {
+    pub fn send(&mut self, request: Request) -> bool {
         // Only commands count: a snapshot need not wait for the pointer's last move.
         self.serial += u64::from(matches!(request, Request::Apply(_)));
         self.requests.send((self.serial, request)).is_ok()
@@ -154,7 +154,7 @@ impl Session {
     }
 
     /// What came since the last time.
-    pub(super) fn reports(&self) -> Vec<Report> {
+    pub fn reports(&self) -> Vec<Report> {
         self.reports.try_iter().collect()
     }
 }

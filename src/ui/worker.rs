@@ -4,6 +4,7 @@
 //! picture for longer than one takes. Knows egui only to wake the window.
 
 use super::session::{Far, Gravity, Opened, Report, Request, Session, Snapshot};
+use super::stir::Cause;
 use super::studio::Studio;
 use crate::document::{
     Command, Document, DocumentError, ExplosionCommand, HistoryCommand, Place, ProjectCommand, Question, ViewName,
@@ -23,7 +24,7 @@ const MOST_STEPS: u32 = 4;
 ///
 /// # Errors
 /// If the system gives no thread.
-pub(super) fn spawn(document: Document, wake: egui::Context) -> std::io::Result<(Session, JoinHandle<()>)> {
+pub fn spawn(document: Document, wake: egui::Context) -> std::io::Result<(Session, JoinHandle<()>)> {
     let (session, far) = Session::pair();
     let worker = Worker {
         far,
@@ -143,25 +144,16 @@ impl Worker {
         if let Some(what) = &started {
             self.report(Report::Started(what.clone()));
         }
-        let moves = matches!(
-            &command,
-            Command::Explosion(_)
-                | Command::Part(_)
-                | Command::History(HistoryCommand::Undo { .. } | HistoryCommand::Redo { .. })
-        );
+        let before = Cause::of(&self.document);
         let result = self.document.apply(command.clone());
         if started.is_some() {
             self.report(Report::Finished);
         }
         match result {
             Ok(answer) => {
-                self.moving |= matches!(
-                    command,
-                    Command::Explosion(ExplosionCommand::Degree { .. } | ExplosionCommand::Forces { .. })
-                );
-                if moves && !matches!(command, Command::Explosion(_)) {
-                    self.moving = false;
-                }
+                // What was taken back or opened stands where it stood.
+                self.moving &= !replaces(&command);
+                self.moving |= Cause::stirred(before.as_ref(), &command, Cause::of(&self.document).as_ref());
                 self.say_warnings(&answer);
                 if started.is_some() || matches!(command, Command::Project(_)) {
                     self.report(Report::Done(command, answer));
@@ -245,6 +237,16 @@ impl Worker {
         let _gone = self.far.reports.send(report);
         self.wake.request_repaint();
     }
+}
+
+/// Whether parts stand where they stood once, so that a motion under way is over.
+fn replaces(command: &Command) -> bool {
+    matches!(
+        command,
+        Command::History(HistoryCommand::Undo { .. } | HistoryCommand::Redo { .. } | HistoryCommand::Cancel {})
+            | Command::Volume(VolumeCommand::Open { .. })
+            | Command::Project(ProjectCommand::Open { .. } | ProjectCommand::Recover { .. })
+    )
 }
 
 /// What the window says while a command runs that may take over a tenth of a second.

@@ -6,6 +6,7 @@ mod looks;
 mod real;
 mod slices;
 mod window;
+mod worker;
 
 use burin::document::{Origin, Scene};
 use burin::math::DVec3;

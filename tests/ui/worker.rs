@@ -1,0 +1,143 @@
+//! The thread that owns the document: parts follow what is done in the window.
+
+use crate::document::maker::run;
+use crate::document::maker_gpu::{block, cut, select};
+use burin::document::{Command, Document, ViewName};
+use burin::math::Pose;
+use burin::ui::{Gravity, Report, Request, Session, Snapshot, spawn};
+use serde_json::json;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// How long a loaded machine may take for one thing. An idle one needs a tenth.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+const VIEWS: [ViewName; 4] = [ViewName::ThreeD, ViewName::Axial, ViewName::Coronal, ViewName::Sagittal];
+
+/// A window's end without a window.
+struct Desk {
+    session: Session,
+    now: Arc<Snapshot>,
+    thread: std::thread::JoinHandle<()>,
+    /// Pictures since the last look.
+    pictures: Vec<ViewName>,
+}
+
+impl Desk {
+    fn new(document: Document) -> Self {
+        let (session, thread) = spawn(document, egui::Context::default()).unwrap();
+        Self { session, now: Arc::default(), thread, pictures: Vec::new() }
+    }
+
+    fn apply(&mut self, line: &str) {
+        let command: Command = serde_json::from_str(line).unwrap();
+        assert!(self.session.send(Request::Apply(command)));
+    }
+
+    /// Takes reports until something is so.
+    fn until(&mut self, what: &str, mut so: impl FnMut(&Self) -> bool) {
+        let begun = Instant::now();
+        while !so(self) {
+            for report in self.session.reports() {
+                match report {
+                    Report::Snapshot(snapshot) => self.now = snapshot,
+                    Report::Picture(picture) => self.pictures.push(picture.view),
+                    Report::Message(Gravity::Error, text) => panic!("{text}"),
+                    _ => {}
+                }
+            }
+            assert!(begun.elapsed() < PATIENCE, "waited in vain until {what}");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+
+    fn poses(&self) -> Vec<Pose> {
+        self.now.open.as_ref().unwrap().scene.explosion.poses()
+    }
+
+    /// Everything asked for is done and no part moves.
+    fn rest(&mut self, serial: u64) -> Vec<Pose> {
+        self.until("parts are at rest", |d| d.now.open.is_some() && d.now.serial == serial && !d.now.moving);
+        self.poses()
+    }
+
+    fn close(mut self) {
+        self.session.send(Request::Quit);
+        self.thread.join().unwrap();
+    }
+}
+
+fn farthest(a: &[Pose], b: &[Pose]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.translation.distance(b.translation)).fold(0.0, f64::max)
+}
+
+/// Eight parts about a selection, opened; at rest.
+fn exploded(forces: &str) -> Option<Document> {
+    let mut document = block()?;
+    cut(&mut document);
+    select(&mut document);
+    run(&mut document, r#"{"explosion":{"degree":{"value":1}}}"#).unwrap();
+    if !forces.is_empty() {
+        let mut all = json!(document.state().unwrap().scene.explosion.forces);
+        all[forces] = json!(false);
+        run(&mut document, &json!({"explosion":{"forces":{"forces":all}}}).to_string()).unwrap();
+    }
+    run(&mut document, r#"{"explosion":{"settle":{}}}"#).unwrap();
+    Some(document)
+}
+
+#[test]
+fn parts_make_way_for_a_view_that_turns_and_come_to_rest_where_settle_puts_them() {
+    let Some(document) = exploded("") else { return };
+    let mut desk = Desk::new(document);
+    let before = desk.rest(0);
+    desk.apply(r#"{"view":{"orbit":{"azimuth_deg":70,"elevation_deg":20}}}"#);
+    desk.until("parts move", |d| d.now.moving);
+    let after = desk.rest(1);
+    assert!(farthest(&before, &after) > 1.0, "mm: {}", farthest(&before, &after));
+    desk.apply(r#"{"explosion":{"settle":{}}}"#);
+    assert_eq!(desk.rest(2), after);
+    desk.close();
+}
+
+#[test]
+fn a_view_that_turns_leaves_parts_alone_without_a_viewing_force() {
+    let Some(document) = exploded("viewing") else { return };
+    let mut desk = Desk::new(document);
+    let before = desk.rest(0);
+    desk.apply(r#"{"view":{"orbit":{"azimuth_deg":70,"elevation_deg":20}}}"#);
+    assert_eq!(desk.rest(1), before);
+    desk.close();
+}
+
+#[test]
+fn parts_follow_a_stroke_while_it_runs_and_every_view_is_drawn_meanwhile() {
+    let Some(document) = exploded("") else { return };
+    let mut desk = Desk::new(document);
+    desk.session.send(Request::Show(VIEWS.to_vec()));
+    let before = desk.rest(0);
+    desk.session.send(Request::Held(true));
+    desk.apply(r#"{"stroke":{"begin":{"points":[{"at":{"mm":[50,36,28]}}]}}}"#);
+    desk.until("parts follow", |d| d.now.serial == 1 && farthest(&before, &d.poses()) > 1.0);
+    desk.pictures.clear();
+    // A sample a frame, as a hand gives them; while they come every view is drawn again.
+    let mut serial = 1;
+    let begun = Instant::now();
+    while !VIEWS.iter().all(|v| desk.pictures.contains(v)) {
+        serial += 1;
+        let x = 50.0 - f64::from(serial as u32 % 40);
+        desk.apply(&json!({"stroke":{"extend":{"points":[{"at":{"mm":[x, 36.0, 28.0]}}]}}}).to_string());
+        desk.until("the sample is painted", |d| d.now.serial == serial);
+        assert!(begun.elapsed() < PATIENCE, "only {:?} were drawn", desk.pictures);
+    }
+    assert_eq!(desk.now.undo.last().map(String::as_str), Some("Degree of explosion"), "the stroke still runs");
+    desk.apply(r#"{"stroke":{"end":{}}}"#);
+    desk.session.send(Request::Held(false));
+    let after = desk.rest(serial + 1);
+    desk.apply(r#"{"explosion":{"settle":{}}}"#);
+    assert_eq!(desk.rest(serial + 2), after);
+    // What was painted taken back, parts go where they were.
+    desk.apply(r#"{"history":{"undo":{}}}"#);
+    assert_eq!(desk.rest(serial + 3), before);
+    desk.close();
+}
