@@ -1,2 +1,0 @@
-//! Benchmarks: one an operation.
-fn main() {}

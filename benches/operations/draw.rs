@@ -1,0 +1,101 @@
+//! Pictures of the head: by mode, exploded, unexploded in many parts, from a pool that is too small.
+
+use super::head::{Failure, Volume, blocks, camera, frame, head};
+use super::measure::{Report, Time, measure};
+use burin::gpu::{Body, Caster, FieldPools, Frame, Gpu};
+use burin::math::DVec3;
+use burin::volume::Mode;
+use serde_json::json;
+
+const CENTRE: DVec3 = DVec3::new(127.5, 127.5, 82.5);
+const ALL: u64 = 1 << 30;
+
+struct Stage {
+    gpu: Gpu,
+    volume: Volume,
+    pools: FieldPools,
+    caster: Caster,
+}
+
+impl Stage {
+    fn new(budget: u64) -> Result<Self, Failure> {
+        let gpu = Gpu::headless()?;
+        let volume = head()?;
+        let pools = FieldPools::new(&gpu, &volume.grid, &volume.density, budget)?;
+        let caster = Caster::new(&gpu)?;
+        Ok(Self { gpu, volume, pools, caster })
+    }
+
+    /// Median time of a turning camera's frames; the last is drawn again untimed and must be the same picture.
+    fn time(&mut self, make: impl Fn(usize) -> Frame) -> Result<Time, Failure> {
+        let (warm, count) = (2, 11);
+        let mut last = None;
+        let time = measure(warm, count, |i| -> Result<(), Failure> {
+            last = Some(self.caster.image(&self.gpu, &mut self.pools, &self.volume.fields(), &make(i))?);
+            Ok(())
+        })?;
+        let again = self.caster.image(&self.gpu, &mut self.pools, &self.volume.fields(), &make(warm + count - 1))?;
+        let shown = again.colour.iter().filter(|c| c[3] > 0.0).count();
+        if last.is_none_or(|l| l.colour != again.colour) || shown < again.colour.len() / 10 {
+            return Err("a timed picture differs from the untimed one, or is blank".into());
+        }
+        Ok(time)
+    }
+}
+
+fn turning(mode: Mode, shaded: bool) -> impl Fn(usize) -> Frame {
+    move |i| frame(camera(CENTRE, 480.0, i), mode, shaded, vec![Body::whole(0)])
+}
+
+pub fn modes(report: &mut Report) -> Result<(), Failure> {
+    let mut stage = Stage::new(ALL)?;
+    let row = |test: &str| {
+        [("kind", json!("volume")), ("test", json!(test)), ("volume", json!("head")), ("backend", json!("egl"))]
+    };
+    let t = stage.time(turning(Mode::Dvr, false))?;
+    report.beside("head, unshaded", t, "VTK fixed-point", &row("fixedpoint_unshaded"), false);
+    let t = stage.time(turning(Mode::Dvr, true))?;
+    report.beside("head, shaded", t, "VTK fixed-point", &row("fixedpoint_shaded"), false);
+    let t = stage.time(turning(Mode::Mip, false))?;
+    report.beside("head, MIP", t, "VTK GPU mapper", &row("gpu_mip"), false);
+    let t = stage.time(turning(Mode::Iso(60.0), true))?;
+    report.beside("head, iso-surface at 60", t, "VTK GPU mapper", &row("gpu_isosurface60"), false);
+    Ok(())
+}
+
+pub fn exploded(report: &mut Report) -> Result<(), Failure> {
+    let mut stage = Stage::new(ALL)?;
+    for n in [1, 8, 64] {
+        let t = stage.time(|i| {
+            // The other programs stand a quarter further off, about the centre of the exploded box.
+            let far = camera(DVec3::new(127.5, 127.5, 82.5), 480.0 * 1.25, i);
+            frame(far, Mode::Dvr, false, blocks(n, 0.35, 6.0))
+        })?;
+        let row = [("kind", json!("exploded")), ("mode", json!("fixed")), ("parts", json!(n))];
+        report.beside(&format!("head exploded into {n}, unshaded"), t, "VTK fixed-point", &row, false);
+    }
+    Ok(())
+}
+
+pub fn unexploded(report: &mut Report) -> Result<(), Failure> {
+    let mut stage = Stage::new(ALL)?;
+    let one = stage.time(|i| frame(camera(CENTRE, 480.0, i), Mode::Dvr, false, blocks(1, 0.0, 0.0)))?;
+    let many = stage.time(|i| frame(camera(CENTRE, 480.0, i), Mode::Dvr, false, blocks(64, 0.0, 0.0)))?;
+    report.row("head in 1 part, unexploded", one, "");
+    report.row("head in 64 parts, unexploded", many, &format!("{:.2} of 1 part (CPU)", many.cpu / one.cpu));
+    Ok(())
+}
+
+pub fn paged(report: &mut Report) -> Result<(), Failure> {
+    let mut whole = Stage::new(ALL)?;
+    let full = whole.time(turning(Mode::Dvr, false))?;
+    let (slots, _) = whole.pools.occupancy_of(burin::volume::FieldKind::Density);
+    report.note(&format!("all bricks: {slots} slots"));
+    report.row("head, all bricks resident", full, "");
+    let bytes = 34_u64.pow(3) * 2;
+    // Half of a budget is density's.
+    let mut eighth = Stage::new(slots as u64 / 8 * bytes * 2)?;
+    let t = eighth.time(turning(Mode::Dvr, false))?;
+    report.row("head, an eighth of the bricks", t, &format!("{:.2} of all resident (CPU)", t.cpu / full.cpu));
+    Ok(())
+}

@@ -1,0 +1,44 @@
+//! Benchmarks: one an operation. `cargo bench` runs all, `cargo bench -- draw` those whose name has "draw".
+//!
+//! `BURIN_PEERS=DIR` names a folder of other programs' results (JSON lines); a ratio to the matching row is then printed.
+//! Every timed picture is compared with one that was drawn untimed.
+#![allow(missing_docs)]
+
+mod draw;
+mod head;
+mod measure;
+mod open;
+mod paint;
+
+use measure::Report;
+
+type Bench = (&'static str, fn(&mut Report) -> Result<(), Box<dyn std::error::Error>>);
+
+const BENCHES: &[Bench] = &[
+    ("draw/modes", draw::modes),
+    ("draw/exploded", draw::exploded),
+    ("draw/unexploded", draw::unexploded),
+    ("draw/paged", draw::paged),
+    ("paint/dab", paint::dab),
+    ("paint/stamp", paint::stamp),
+    ("open/memory", open::memory),
+];
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if let Some(child) = arguments.iter().position(|a| a == open::CHILD) {
+        return open::child(&arguments[child + 1..]);
+    }
+    // `cargo test --all-targets` starts benches too, without this flag.
+    if !arguments.iter().any(|a| a == "--bench") {
+        return;
+    }
+    let filter = arguments.iter().find(|a| !a.starts_with('-')).cloned().unwrap_or_default();
+    let mut report = Report::new();
+    for (name, bench) in BENCHES.iter().filter(|(name, _)| name.contains(&filter)) {
+        if let Err(error) = bench(&mut report) {
+            println!("{name}: {error}");
+            std::process::exit(1);
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! Dabs and what follows: the brush alone by the volume's size, and a stamp with the picture after it.
+
+use super::head::{Failure, Volume};
+use super::measure::{Report, Time, measure};
+use burin::gpu::{Body, Caster, FieldPools, Fields, Frame, Gpu, Overlay, Painter};
+use burin::math::{Camera, DQuat, DVec3};
+use burin::paint::{Brush, Falloff, Sample, StrokePath, Target};
+use burin::volume::{Mode, Segments, TransferFunction, Value};
+use serde_json::json;
+
+struct Easel {
+    gpu: Gpu,
+    volume: Volume,
+    pools: FieldPools,
+    painter: Painter,
+}
+
+impl Easel {
+    /// A cube of 1 in the middle of n³ zeros, as the other programs paint into.
+    fn new(n: u32) -> Result<Self, Failure> {
+        let gpu = Gpu::headless()?;
+        let mut voxels = vec![0_u8; (n as usize).pow(3)];
+        let (from, to) = (n as usize / 4, 3 * n as usize / 4);
+        for z in from..to {
+            for y in from..to {
+                let row = n as usize * (y + n as usize * z);
+                voxels[row + from..row + to].fill(1);
+            }
+        }
+        let volume = Volume::new([n; 3], u8::wrap(voxels), 2.0)?;
+        let pools = FieldPools::new(&gpu, &volume.grid, &volume.density, 1 << 31)?;
+        let painter = Painter::new(&gpu)?;
+        Ok(Self { gpu, volume, pools, painter })
+    }
+
+    fn fields(&self) -> Fields<'_> {
+        self.volume.fields()
+    }
+
+    /// One click: a stroke of one dab, kept. Answers how many bricks changed.
+    fn click(&mut self, brush: &Brush, at: DVec3) -> Result<usize, Failure> {
+        let volume = &mut self.volume;
+        self.painter.begin(&volume.grid, &volume.fields(), brush, &Segments::default())?;
+        let mut path = StrokePath::new(brush, &volume.grid)?;
+        let dabs = path.extend(&[Sample { position: at, normal: DVec3::Z, pressure: 1.0 }]);
+        self.painter.extend(&mut self.pools, &volume.fields(), &dabs)?;
+        let changed = self.painter.finish(&mut self.pools, &volume.fields())?;
+        let bricks = changed.len();
+        let kind = brush.target.field();
+        let field = match kind {
+            burin::volume::FieldKind::Density => &mut volume.density,
+            burin::volume::FieldKind::Colour => &mut volume.colour,
+            burin::volume::FieldKind::Selection => &mut volume.selection,
+            burin::volume::FieldKind::Labels => &mut volume.labels,
+        };
+        let (_, refresh) = field.swap(changed.into_iter().map(|(i, b)| (i, Some(b))).collect())?;
+        self.pools.refresh(&self.gpu, kind, field, &refresh)?;
+        Ok(bricks)
+    }
+}
+
+/// The other programs' path: a quarter of the brush further every time, inside the volume.
+fn path(n: f64, i: usize, diameter: f64) -> DVec3 {
+    let margin = diameter / 2.0 + 2.0;
+    let t = 0.37 * i as f64;
+    let at = |f: f64| (margin + (n - 2.0 * margin) * (0.5 + 0.5 * (t * f).sin())).floor();
+    DVec3::new(at(1.7), at(1.3), at(1.0))
+}
+
+pub fn dab(report: &mut Report) -> Result<(), Failure> {
+    for (name, target) in [("density", Target::Density(2.0)), ("selection", Target::Selection(1.0))] {
+        let mut times: Vec<Time> = Vec::new();
+        for n in [128, 512] {
+            let mut easel = Easel::new(n)?;
+            let brush = Brush { radius_mm: 32.0, falloff: Falloff::Smooth, target, ..Brush::default() };
+            // The same places relative to bricks, in the middle of either volume.
+            let shift = f64::from(n) / 2.0 - 64.0;
+            times.push(measure(3, 15, |i| -> Result<(), Failure> {
+                let at = DVec3::splat(64.0 + shift) + path(24.0, i, 4.0) - 12.0;
+                easel.click(&brush, at).map(|_| ())
+            })?);
+        }
+        let [small, large] = times[..] else { return Err("two sizes".into()) };
+        report.row(&format!("dab of 64 voxels on {name}, 128³"), small, "");
+        let ratio = large.cpu / small.cpu;
+        report.row(&format!("dab of 64 voxels on {name}, 512³"), large, &format!("{ratio:.2} of 128³ (CPU)"));
+    }
+    Ok(())
+}
+
+pub fn stamp(report: &mut Report) -> Result<(), Failure> {
+    let mut easel = Easel::new(512)?;
+    let mut caster = Caster::new(&easel.gpu)?;
+    let bounds = easel.volume.grid.world_bounds();
+    let front = Camera::framing(&bounds, DVec3::NEG_Y, DVec3::Z);
+    let about = |axis: DVec3, degrees: f64, c: Camera| Camera {
+        eye: c.target + DQuat::from_axis_angle(axis, f64::to_radians(degrees)) * (c.eye - c.target),
+        ..c
+    };
+    let side = about(DVec3::Z, 30.0, front);
+    let camera = about(side.right_up().0, -20.0, side);
+    let frame = Frame {
+        camera,
+        size: [512; 2],
+        step_mm: 1.0,
+        mode: Mode::Dvr,
+        lighting: None,
+        transfer: TransferFunction {
+            colour: vec![(1.0, [0.8, 0.6, 0.4]), (2.0, [1.0, 0.0, 0.0])],
+            opacity: vec![(0.0, 0.0), (0.9, 0.0), (1.0, 0.05), (2.0, 0.9)],
+            unit_mm: 1.0,
+        },
+        bodies: vec![Body::whole(0)],
+        overlay: Overlay::default(),
+    };
+    let brush = Brush { radius_mm: 16.0, falloff: Falloff::Hard, target: Target::Density(2.0), ..Brush::default() };
+    let mut picture = None;
+    let time = measure(2, 9, |i| -> Result<(), Failure> {
+        easel.click(&brush, path(512.0, i, 32.0))?;
+        picture = Some(caster.image(&easel.gpu, &mut easel.pools, &easel.volume.fields(), &frame)?);
+        Ok(())
+    })?;
+    let again = caster.image(&easel.gpu, &mut easel.pools, &easel.fields(), &frame)?;
+    if picture.is_none_or(|p| p.colour != again.colour) {
+        return Err("a timed picture differs from the untimed one".into());
+    }
+    for mode in ["gpu", "fixed"] {
+        let op = json!("stamp+Modified+redraw");
+        let row = [("kind", json!("paint_to_pixels")), ("mode", json!(mode)), ("grid", json!(512)), ("op", op)];
+        report.beside("32-voxel stamp and picture, 512³", time, &format!("VTK {mode}"), &row, true);
+    }
+    Ok(())
+}
