@@ -89,7 +89,7 @@ pub fn unexploded(report: &mut Report) -> Result<(), Failure> {
 pub fn paged(report: &mut Report) -> Result<(), Failure> {
     let mut whole = Stage::new(ALL)?;
     let full = whole.time(turning(Mode::Dvr, false))?;
-    let (slots, _) = whole.pools.occupancy_of(burin::volume::FieldKind::Density);
+    let (slots, _) = whole.pools.room(burin::volume::FieldKind::Density);
     report.note(&format!("all bricks: {slots} slots"));
     report.row("head, all bricks resident", full, "");
     let bytes = 34_u64.pow(3) * 2;

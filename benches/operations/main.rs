@@ -5,6 +5,7 @@
 #![allow(missing_docs)]
 
 mod draw;
+mod explode;
 mod head;
 mod measure;
 mod open;
@@ -21,6 +22,7 @@ const BENCHES: &[Bench] = &[
     ("draw/paged", draw::paged),
     ("paint/dab", paint::dab),
     ("paint/stamp", paint::stamp),
+    ("explode/visibility", explode::visibility),
     ("open/memory", open::memory),
 ];
 

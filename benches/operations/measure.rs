@@ -50,7 +50,7 @@ impl Report {
                 peers.extend(text.lines().filter_map(|l| serde_json::from_str(l).ok()));
             }
         }
-        println!("{:<44} {:>10} {:>10}   {}", "operation", "wall ms", "CPU ms", "beside");
+        println!("{:<44} {:>10} {:>10}   beside", "operation", "wall ms", "CPU ms");
         Self { peers }
     }
 

@@ -3,7 +3,6 @@
 use super::head::Failure;
 use super::measure::Report;
 use burin::document::{Command, Document};
-use burin::gpu::Gpu;
 use std::io::Write;
 
 /// First argument of the child process.
@@ -36,7 +35,7 @@ pub fn memory(report: &mut Report) -> Result<(), Failure> {
 pub fn child(arguments: &[String]) {
     let run = || -> Result<u64, Failure> {
         let path = arguments.first().ok_or("a file is expected")?;
-        let mut document = Document::new(Some(Gpu::headless()?));
+        let mut document = Document::new();
         let out = tempfile::tempdir()?;
         for line in [
             serde_json::json!({"volume": {"open": {"path": path}}}),

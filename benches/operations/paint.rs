@@ -2,7 +2,7 @@
 
 use super::head::{Failure, Volume};
 use super::measure::{Report, Time, measure};
-use burin::gpu::{Body, Caster, FieldPools, Fields, Frame, Gpu, Overlay, Painter};
+use burin::gpu::{Body, Caster, FieldPools, Frame, Gpu, Overlay, Painter};
 use burin::math::{Camera, DQuat, DVec3};
 use burin::paint::{Brush, Falloff, Sample, StrokePath, Target};
 use burin::volume::{Mode, Segments, TransferFunction, Value};
@@ -33,16 +33,12 @@ impl Easel {
         Ok(Self { gpu, volume, pools, painter })
     }
 
-    fn fields(&self) -> Fields<'_> {
-        self.volume.fields()
-    }
-
     /// One click: a stroke of one dab, kept. Answers how many bricks changed.
     fn click(&mut self, brush: &Brush, at: DVec3) -> Result<usize, Failure> {
         let volume = &mut self.volume;
         self.painter.begin(&volume.grid, &volume.fields(), brush, &Segments::default())?;
         let mut path = StrokePath::new(brush, &volume.grid)?;
-        let dabs = path.extend(&[Sample { position: at, normal: DVec3::Z, pressure: 1.0 }]);
+        let dabs = path.extend(&[Sample { position: at, normal: DVec3::Z, pressure: 1.0 }])?;
         self.painter.extend(&mut self.pools, &volume.fields(), &dabs)?;
         let changed = self.painter.finish(&mut self.pools, &volume.fields())?;
         let bricks = changed.len();
@@ -120,7 +116,7 @@ pub fn stamp(report: &mut Report) -> Result<(), Failure> {
         picture = Some(caster.image(&easel.gpu, &mut easel.pools, &easel.volume.fields(), &frame)?);
         Ok(())
     })?;
-    let again = caster.image(&easel.gpu, &mut easel.pools, &easel.fields(), &frame)?;
+    let again = caster.image(&easel.gpu, &mut easel.pools, &easel.volume.fields(), &frame)?;
     if picture.is_none_or(|p| p.colour != again.colour) {
         return Err("a timed picture differs from the untimed one".into());
     }
