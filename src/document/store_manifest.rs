@@ -205,9 +205,9 @@ impl Manifest {
             return bad("volume.world_from_index", format!("{:?}", rows(&grid)), "an invertible matrix");
         }
         let map = manifest.volume.map;
-        if !(map.lo.is_finite() && map.codes_per_unit.is_finite() && map.codes_per_unit > 0.0)
-            || !matches!(map.format, TexelFormat::R16Unorm | TexelFormat::R32Float)
-        {
+        let numbers = map.lo.is_finite() && map.codes_per_unit.is_finite() && map.codes_per_unit > 0.0;
+        let known = matches!(map.format, TexelFormat::R16Unorm | TexelFormat::R32Float);
+        if !(numbers && known) {
             return bad("volume.map", format!("{map:?}"), "r16_unorm or r32_float, finite, codes_per_unit above 0");
         }
         Ok(manifest)

@@ -39,7 +39,7 @@ fn step(state: &mut State, n: u64) -> Vec<(FieldKind, BrickIndex)> {
     let index =
         [(n % u64::from(dims[0])) as u32, (n / 3 % u64::from(dims[1])) as u32, (n / 5 % u64::from(dims[2])) as u32];
     state.scene.views.crosshair = DVec3::new(n as f64, 0.5, -0.25);
-    if n % 3 == 0 {
+    if n.is_multiple_of(3) {
         state.scene.segments.ensure(n as u16);
     }
     if n % 7 == 6 {

@@ -181,7 +181,7 @@ fn too_many_points_merge_upward_and_keep_weight_and_middle() {
     let grid = grid(dims);
     let d = density(&grid, |_| 30.0);
     // Every second voxel: no node is wholly selected, so 1,728 leaves are found, and denser towards +x.
-    let s = move |v: [u32; 3]| if (v[0] + v[1] + v[2]) % 2 == 0 { (v[0] * 2 + 20) as u8 } else { 0 };
+    let s = move |v: [u32; 3]| if (v[0] + v[1] + v[2]).is_multiple_of(2) { (v[0] * 2 + 20) as u8 } else { 0 };
     let selection = selection(&grid, s);
     let points = explosion_points(&d, &selection, &grid, &transfer(), 3).unwrap();
     assert!((400..=MAX_POINTS).contains(&points.len()), "{}", points.len());

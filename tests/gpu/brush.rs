@@ -56,7 +56,7 @@ impl Canvas {
     fn new(gpu: &Gpu, grid: Grid, density: Field) -> Self {
         let colour = painted(FieldKind::Colour, &grid, |v| {
             let n = noise(v, 1);
-            if n % 3 == 0 { [0; 4] } else { (n | 1 << 24).to_le_bytes() }
+            if n.is_multiple_of(3) { [0; 4] } else { (n | 1 << 24).to_le_bytes() }
         });
         let selection = painted(FieldKind::Selection, &grid, |v| [noise(v, 2) as u8, 0, 0, 0]);
         let labels = painted(FieldKind::Labels, &grid, |v| [[0, 5, 2, 255][noise(v, 3) as usize % 4], 0, 0, 0]);

@@ -305,7 +305,7 @@ fn the_windows_picture_is_refined_until_it_is_the_image() {
         mapped_at_creation: false,
     });
     let background = [0.1, 0.2, 0.3];
-    let mut draw = |stage: &mut Stage, moving| {
+    let draw = |stage: &mut Stage, moving| {
         let [density, colour, selection, labels] = &stage.fields;
         let fields = burin::gpu::Fields { density, colour, selection, labels };
         let wanted = Wanted { moving, content: 1, background };
