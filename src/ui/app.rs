@@ -28,8 +28,7 @@ pub struct App {
     pub(super) messages_open: bool,
     pub(super) keys_open: bool,
     pub(super) dialog: Option<Dialog>,
-    /// What takes its time, and since when (seconds of egui's clock).
-    pub(super) busy: Option<(String, f64)>,
+    pub(super) busy: Option<Busy>,
     /// Since when the document has not caught up (seconds of egui's clock).
     pub(super) behind_since: Option<f64>,
     pub(super) probe: serde_json::Value,
@@ -44,6 +43,18 @@ pub struct App {
     title: String,
     /// The zoom that the window's size asked for; 0 before the first pass.
     zoom: f32,
+}
+
+/// What takes its time.
+#[derive(Clone, Debug)]
+pub(super) struct Busy {
+    pub(super) what: String,
+    /// Seconds of egui's clock.
+    pub(super) since: f64,
+    /// Done; `None` if that is not known.
+    pub(super) percent: Option<u32>,
+    /// Whether it was asked to stop.
+    pub(super) stopping: bool,
 }
 
 /// What a file dialog, which runs beside the window, came back with.
@@ -186,6 +197,15 @@ impl App {
         }
     }
 
+    /// Asks what takes its time to stop.
+    pub(super) fn stop(&mut self) {
+        if let Some(busy) = &mut self.busy {
+            busy.stopping = true;
+            self.close_after_save = false;
+            self.session.stop();
+        }
+    }
+
     /// Undo or redo, unless a drag is under way.
     pub(super) fn travel(&mut self, command: HistoryCommand) {
         if self.group.is_none() && self.interaction.gesture().is_none() {
@@ -218,7 +238,14 @@ impl App {
                 }
                 Report::Picture(picture) => self.pictures.take(ctx, *picture),
                 Report::Probe(value) => self.probe = value,
-                Report::Started(what) => self.busy = Some((what, ctx.input(|i| i.time))),
+                Report::Started(what) => {
+                    self.busy = Some(Busy { what, since: ctx.input(|i| i.time), percent: None, stopping: false });
+                }
+                Report::Progress(percent) => {
+                    if let Some(busy) = &mut self.busy {
+                        busy.percent = Some(percent);
+                    }
+                }
                 Report::Finished => self.busy = None,
                 Report::Message(gravity, text) => {
                     if gravity == Gravity::Error {

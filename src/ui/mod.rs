@@ -11,6 +11,7 @@ mod overlay;
 mod panels;
 mod pictures;
 mod pointer;
+mod progress;
 mod session;
 mod stir;
 mod studio;
@@ -20,6 +21,7 @@ mod widgets;
 mod worker;
 
 pub use app::App;
+pub use progress::Stop;
 pub use session::{Far, Gravity, Opened, Picture, Report, Request, Session, Snapshot};
 pub use worker::spawn;
 

@@ -3,6 +3,7 @@
 //! Requests go one way, reports come back; both ends are plain channels, so that a test can stand at the other end. Every request has
 //! a serial; a snapshot says which was the last that it knows of.
 
+use super::progress::Stop;
 use crate::document::{Command, Scene, ViewName};
 use crate::math::{Camera, DVec2};
 use crate::volume::{Grid, Histogram, Statistics, VoxelType};
@@ -108,6 +109,8 @@ pub enum Report {
     Probe(Value),
     /// Something began that takes its time.
     Started(String),
+    /// Percent of it that is done; what tells this can be stopped.
+    Progress(u32),
     /// It ended.
     Finished,
     /// For the user.
@@ -122,6 +125,7 @@ pub struct Session {
     requests: Sender<(u64, Request)>,
     reports: Receiver<Report>,
     serial: u64,
+    stop: Stop,
 }
 
 /// The other end.
@@ -131,6 +135,8 @@ pub struct Far {
     pub requests: Receiver<(u64, Request)>,
     /// Back to the window.
     pub reports: Sender<Report>,
+    /// Whether what runs shall stop.
+    pub stop: Stop,
 }
 
 impl Session {
@@ -138,7 +144,9 @@ impl Session {
     pub fn pair() -> (Self, Far) {
         let (to_far, requests) = channel();
         let (reports, from_far) = channel();
-        (Self { requests: to_far, reports: from_far, serial: 0 }, Far { requests, reports })
+        let stop = Stop::default();
+        let near = Self { requests: to_far, reports: from_far, serial: 0, stop: stop.clone() };
+        (near, Far { requests, reports, stop })
     }
 
     /// Sends a request; `false` if nobody is there any more.
@@ -146,6 +154,11 @@ impl Session {
         // Only commands count: a snapshot need not wait for the pointer's last move.
         self.serial += u64::from(matches!(request, Request::Apply(_)));
         self.requests.send((self.serial, request)).is_ok()
+    }
+
+    /// Asks whatever runs now to stop; what cannot be stopped goes on.
+    pub fn stop(&self) {
+        self.stop.set(true);
     }
 
     /// Serial of the last request.

@@ -216,7 +216,7 @@ impl App {
             let text = self
                 .busy
                 .as_ref()
-                .map_or("NIfTI (.nii, .nii.gz), NRRD (.nrrd), or a Burin project folder", |b| b.0.as_str());
+                .map_or("NIfTI (.nii, .nii.gz), NRRD (.nrrd), or a Burin project folder", |b| b.what.as_str());
             ui.label(egui::RichText::new(text).color(theme::TEXT_WEAK));
             ui.add_space(16.0);
             if busy {

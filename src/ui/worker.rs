@@ -3,12 +3,13 @@
 //! Commands come first; pictures are drawn when none waits, one view at a time, so that a stroke's samples never queue behind a
 //! picture for longer than one takes. Knows egui only to wake the window.
 
+use super::progress::Progress;
 use super::session::{Far, Gravity, Opened, Report, Request, Session, Snapshot};
 use super::stir::Cause;
 use super::studio::Studio;
 use crate::document::{
-    Command, Document, DocumentError, ExplosionCommand, HistoryCommand, Place, ProjectCommand, Question, ViewName,
-    VolumeCommand,
+    Command, Document, DocumentError, ExplosionCommand, HistoryCommand, KeepError, Place, ProjectCommand, Question,
+    ViewName, VolumeCommand,
 };
 use crate::math::DVec2;
 use crate::volume::Histogram;
@@ -24,10 +25,13 @@ const MOST_STEPS: u32 = 4;
 ///
 /// # Errors
 /// If the system gives no thread.
-pub fn spawn(document: Document, wake: egui::Context) -> std::io::Result<(Session, JoinHandle<()>)> {
+pub fn spawn(mut document: Document, wake: egui::Context) -> std::io::Result<(Session, JoinHandle<()>)> {
     let (session, far) = Session::pair();
+    let progress = Progress::new(far.stop.clone());
+    document.set_watch(progress.watch(far.reports.clone(), wake.clone()));
     let worker = Worker {
         far,
+        progress,
         studio: Studio::default(),
         document,
         wake,
@@ -52,6 +56,7 @@ enum Next {
 
 struct Worker {
     far: Far,
+    progress: Progress,
     studio: Studio,
     document: Document,
     wake: egui::Context,
@@ -142,6 +147,7 @@ impl Worker {
         self.studio.note(&command);
         let started = lasts(&command);
         if let Some(what) = &started {
+            self.progress.begin();
             self.report(Report::Started(what.clone()));
         }
         let before = Cause::of(&self.document);
@@ -162,6 +168,9 @@ impl Worker {
             // A group that was closed by something else is no news.
             Err(DocumentError::NotNow(_))
                 if matches!(command, Command::History(HistoryCommand::End {} | HistoryCommand::Cancel {})) => {}
+            Err(error @ (DocumentError::Stopped | DocumentError::Keep(KeepError::Stopped))) => {
+                self.report(Report::Message(Gravity::Note, error.to_string()));
+            }
             Err(error) => self.report(Report::Message(Gravity::Error, error.to_string())),
         }
     }
@@ -257,6 +266,7 @@ fn lasts(command: &Command) -> Option<String> {
             Some(format!("Opening {}", name(path)))
         }
         Command::Volume(VolumeCommand::Export { path, .. }) => Some(format!("Exporting {}", name(path))),
+        Command::Project(ProjectCommand::Recover { .. }) => Some("Recovering".into()),
         Command::Project(ProjectCommand::Save { .. }) => Some("Saving".into()),
         Command::Explosion(ExplosionCommand::Settle {}) => Some("Settling parts".into()),
         Command::Selection(_) => Some("Selecting".into()),

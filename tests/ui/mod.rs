@@ -1,6 +1,8 @@
 //! The window and its tools: pure state machines, panels driven by accessible names, and one real window.
 
+mod busy;
 mod curve;
+mod driver;
 mod interact;
 mod looks;
 mod real;

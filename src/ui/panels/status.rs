@@ -4,10 +4,10 @@ use crate::document::{Scene, SlicePlane, ViewName};
 use crate::explode::PartId;
 use crate::interact::readout;
 use crate::math::DVec3;
-use crate::ui::app::App;
+use crate::ui::app::{App, Busy};
 use crate::ui::theme;
 use crate::ui::widgets::from_right;
-use egui::{Frame, Label, Margin, Panel, RichText, Ui};
+use egui::{Button, Frame, Label, Margin, Panel, ProgressBar, RichText, Ui};
 use serde_json::Value;
 
 impl App {
@@ -112,16 +112,34 @@ impl App {
             }
             None => {}
         }
-        if let Some((what, since)) = &self.busy {
-            let seconds = ui.input(|i| i.time) - since;
-            let time = if seconds >= 1.0 { format!("  {seconds:.0} s") } else { String::new() };
-            ui.label(RichText::new(format!("{what}{time}")).color(theme::TEXT));
-            ui.add(egui::Spinner::new().size(14.0).color(theme::ACCENT));
+        if let Some(busy) = self.busy.clone() {
+            self.busy_text(ui, &busy);
         } else if self.behind_since.is_some_and(|since| ui.input(|i| i.time) - since > 0.1) {
             ui.label(RichText::new("Working").color(theme::TEXT));
             ui.add(egui::Spinner::new().size(14.0).color(theme::ACCENT));
         } else if self.snapshot.moving {
             ui.label(RichText::new("Parts are moving").color(theme::TEXT_WEAK));
+        }
+    }
+
+    /// From the right: how to stop it, how far it is, what it is.
+    fn busy_text(&mut self, ui: &mut Ui, busy: &Busy) {
+        let seconds = ui.input(|i| i.time) - busy.since;
+        if let Some(percent) = busy.percent {
+            let cancel = Button::new(RichText::new("Cancel").color(theme::TEXT)).small();
+            let tip = "Stops this; what is open stays as it was before";
+            if ui.add_enabled(!busy.stopping, cancel).on_hover_text(tip).clicked() {
+                self.stop();
+            }
+            let bar = ProgressBar::new(percent as f32 / 100.0).desired_width(96.0).desired_height(6.0);
+            ui.add(bar.fill(theme::ACCENT));
+        }
+        let what = if busy.stopping { format!("Stopping: {}", busy.what) } else { busy.what.clone() };
+        let share = busy.percent.map_or_else(String::new, |p| format!("  {p} %"));
+        let time = if seconds >= 1.0 { format!("  {seconds:.0} s") } else { String::new() };
+        ui.label(RichText::new(format!("{what}{share}{time}")).color(theme::TEXT));
+        if busy.percent.is_none() {
+            ui.add(egui::Spinner::new().size(14.0).color(theme::ACCENT));
         }
     }
 }

@@ -1,0 +1,118 @@
+//! A window driven by accessible names; the other end of its session is the test.
+
+use super::scene;
+use burin::document::{Command, Scene, ViewCommand};
+use burin::explode::{Part, PartId};
+use burin::math::{DVec3, Pose};
+use burin::ui::{App, Far, Opened, Report, Request, Session, Snapshot};
+use burin::volume::{Histogram, Statistics, VoxelType};
+use egui::{Modifiers, vec2};
+use egui_kittest::{Harness, kittest::Queryable};
+use std::sync::Arc;
+
+/// The window and the other end of its session.
+pub struct Window {
+    pub harness: Harness<'static, App>,
+    pub far: Far,
+    pub scene: Scene,
+    serial: u64,
+}
+
+fn part(id: u32, name: &str) -> Part {
+    Part {
+        id: PartId(id),
+        name: name.into(),
+        colour: None,
+        visible: true,
+        pinned: false,
+        importance: 1.0,
+        faces: Vec::new(),
+        vertices: vec![DVec3::ZERO, DVec3::splat(20.0)],
+        pose: Pose::IDENTITY,
+    }
+}
+
+impl Window {
+    /// With nothing open.
+    pub fn empty(size: [f32; 2]) -> Self {
+        let (session, far) = Session::pair();
+        let app = App::new(session);
+        let harness =
+            Harness::builder().with_size(vec2(size[0], size[1])).build_ui_state(|ui, app: &mut App| app.show(ui), app);
+        Self { harness, far, scene: scene().1, serial: 0 }
+    }
+
+    /// A window with a volume, two segments, two parts and some steps.
+    pub fn open(size: [f32; 2]) -> Self {
+        let mut window = Self::empty(size);
+        let s = &mut window.scene;
+        for id in [1, 2] {
+            s.segments.ensure(id);
+        }
+        s.explosion.parts = vec![part(1, "Left half"), part(2, "Right half")];
+        window.snapshot(|_| {});
+        window
+    }
+
+    /// The document says what it is now.
+    pub fn snapshot(&mut self, change: impl FnOnce(&mut Snapshot)) {
+        let (grid, _) = scene();
+        let histogram = Histogram { min: 0.0, max: 100.0, bins: (0..50).map(|i| 1000 / (i + 1)).collect() };
+        let opened = Opened {
+            scene: Arc::new(self.scene.clone()),
+            grid,
+            voxel_type: VoxelType::U8,
+            statistics: Statistics { min: 0.0, max: 100.0, sum: 1e6, nan_count: 0 },
+            histogram: Arc::new(histogram),
+        };
+        let mut snapshot = Snapshot {
+            serial: u64::MAX,
+            open: Some(opened),
+            undo: ["Stroke", "Axis split", "Rename part"].map(String::from).to_vec(),
+            redo: vec!["Degree of explosion".into()],
+            gpu: Some(Ok("llvmpipe (LLVM 15)".into())),
+            ..Snapshot::default()
+        };
+        change(&mut snapshot);
+        self.report(Report::Snapshot(Arc::new(snapshot)));
+    }
+
+    /// Something comes from the document; what the window answers is thrown away.
+    pub fn report(&mut self, report: Report) {
+        self.far.reports.send(report).unwrap();
+        self.harness.run_steps(3);
+        self.sent();
+    }
+
+    /// What the window asked for since the last time, without the sizes that it reports of itself.
+    pub fn sent(&mut self) -> Vec<Command> {
+        self.far
+            .requests
+            .try_iter()
+            .filter_map(|(serial, request)| {
+                assert!(serial >= self.serial, "requests keep their order");
+                self.serial = serial;
+                match request {
+                    Request::Apply(Command::View(ViewCommand::Size { .. })) => None,
+                    Request::Apply(command) => Some(command),
+                    _ => None,
+                }
+            })
+            .collect()
+    }
+
+    pub fn click(&mut self, name: &str) -> Vec<Command> {
+        self.harness.get_by_label(name).click();
+        self.harness.run_steps(3);
+        self.sent()
+    }
+
+    pub fn key(&mut self, modifiers: Modifiers, key: egui::Key) -> Vec<Command> {
+        self.harness.key_press_modifiers(modifiers, key);
+        self.harness.run_steps(3);
+        self.sent()
+    }
+}
+
+pub const SMALL: [f32; 2] = [1280.0, 800.0];
+pub const LARGE: [f32; 2] = [2560.0, 1440.0];
