@@ -2,6 +2,7 @@
 
 use burin::math::DVec3;
 use burin::volume::*;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 fn ramp(dims: [u32; 3]) -> (Arc<MemorySource>, impl Fn([u32; 3]) -> u16) {
@@ -96,6 +97,50 @@ fn a_swap_and_its_answer_leave_every_level_as_it_was() {
     field.swap(before).unwrap();
     assert_eq!(all(&field), start);
     assert_eq!(about(&field), start_about);
+}
+
+#[test]
+fn a_swap_renews_the_slots_that_changed_and_no_other() {
+    let dims = [100, 70, 40];
+    let (source, _) = ramp(dims);
+    let map = DensityMap::codes(0.0, 65_535.0, Some(1.0));
+    let open = |source: Arc<MemorySource>| Field::from_source(source, map, &|_| true).unwrap().unwrap();
+    let mut field = open(source.clone());
+    let Voxels::U16(mut voxels) = source.voxels().clone() else { panic!("16 bits") };
+    // Inside a brick, on one face of it, in its corner, at the volume's corner.
+    for (n, voxel) in [[16, 16, 16], [32, 40, 10], [63, 31, 32], [99, 69, 39], [0, 0, 0]].into_iter().enumerate() {
+        let index = BrickIndex::of_voxel(voxel);
+        let slots = |f: &Field| {
+            let keys = (0..f.level_count())
+                .flat_map(|level| f.brick_indices(level).into_iter().map(move |index| BrickKey { level, index }));
+            keys.map(|k| (k, f.slot(k).unwrap())).collect::<Vec<_>>()
+        };
+        let old = slots(&field);
+        let code = 40_000 + 1000 * n as u16;
+        let mut texels = field.brick(BrickKey { level: 0, index }).unwrap().to_texels(2);
+        let at = voxel.map(|v| (v % 32) as usize);
+        let at = (at[0] + 32 * (at[1] + 32 * at[2])) * 2;
+        texels[at..at + 2].copy_from_slice(&code.to_le_bytes());
+        voxels[(voxel[0] + dims[0] * (voxel[1] + dims[1] * voxel[2])) as usize] = code;
+        let (_, refresh) = field.swap(vec![(index, Some(Brick::from_texels(texels, 2)))]).unwrap();
+        let new = slots(&field);
+        let changed: Vec<_> = old.iter().zip(&new).filter(|(a, b)| a.1 != b.1).map(|(a, _)| a.0).collect();
+        assert!(changed.iter().all(|k| refresh.slots.contains(k)), "{voxel:?}");
+        let finest = |keys: &[BrickKey]| keys.iter().filter(|k| k.level == 0).copied().collect::<BTreeSet<_>>();
+        assert_eq!(finest(&refresh.slots), finest(&changed), "{voxel:?}");
+
+        // All is as if the volume had come like that.
+        let grid = *source.grid();
+        let fresh = open(Arc::new(MemorySource::new("fresh", grid, Voxels::U16(voxels.clone()), (1.0, 0.0)).unwrap()));
+        assert!(slots(&fresh) == new, "{voxel:?}");
+        for (key, _) in new {
+            assert_eq!((field.summary(key), field.cells(key)), (fresh.summary(key), fresh.cells(key)), "{key:?}");
+        }
+    }
+    // An edit that changes nothing renews nothing.
+    let index = BrickIndex([1, 1, 0]);
+    let same = field.brick(BrickKey { level: 0, index }).unwrap();
+    assert_eq!(field.swap(vec![(index, Some(same))]).unwrap().1.slots, []);
 }
 
 #[test]

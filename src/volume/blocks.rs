@@ -1,6 +1,67 @@
-//! Moving boxes of texels between blocks; every block is x fastest and tightly packed.
+//! Boxes of voxels, and moving boxes of texels between blocks; every block is x fastest and tightly packed.
 
-use super::{BRICK, BRICK_VOXELS, Brick, SLOT};
+use super::{BRICK, BRICK_VOXELS, Brick, BrickIndex, SLOT};
+
+/// A box of voxels, not empty: from `lo` to before `end`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Region {
+    pub(super) lo: [u32; 3],
+    pub(super) end: [u32; 3],
+}
+
+impl Region {
+    pub(super) fn size(&self) -> [u32; 3] {
+        std::array::from_fn(|a| self.end[a] - self.lo[a])
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.size().iter().map(|&s| s as usize).product()
+    }
+
+    pub(super) fn union(&self, other: &Self) -> Self {
+        Self {
+            lo: std::array::from_fn(|a| self.lo[a].min(other.lo[a])),
+            end: std::array::from_fn(|a| self.end[a].max(other.end[a])),
+        }
+    }
+
+    /// The voxels of the next coarser level that cover any of these.
+    pub(super) fn halved(&self) -> Self {
+        Self { lo: self.lo.map(|v| v / 2), end: self.end.map(|v| v.div_ceil(2)) }
+    }
+
+    pub(super) fn shifted(&self, by: [u32; 3]) -> Self {
+        Self { lo: std::array::from_fn(|a| self.lo[a] + by[a]), end: std::array::from_fn(|a| self.end[a] + by[a]) }
+    }
+
+    /// Bricks whose slot holds any of it, of `bricks` along each axis.
+    pub(super) fn slots(&self, bricks: [u32; 3]) -> Vec<BrickIndex> {
+        let range = |a: usize| self.lo[a].saturating_sub(1) / BRICK..=(self.end[a] / BRICK).min(bricks[a] - 1);
+        range(2).flat_map(|z| range(1).flat_map(move |y| range(0).map(move |x| BrickIndex([x, y, z])))).collect()
+    }
+}
+
+/// The least box of texels in which two bricks differ, within the brick.
+pub(super) fn difference(a: &Brick, b: &Brick, bytes: usize) -> Option<Region> {
+    if let (Brick::Uniform(a), Brick::Uniform(b)) = (a, b) {
+        return (a != b).then_some(Region { lo: [0; 3], end: [BRICK; 3] });
+    }
+    let (a, b) = (a.texels(bytes), b.texels(bytes));
+    let row = BRICK as usize * bytes;
+    let mut found: Option<Region> = None;
+    for (i, (a, b)) in a.chunks_exact(row).zip(b.chunks_exact(row)).enumerate() {
+        if a == b {
+            continue;
+        }
+        let unequal = |(a, b): (&u8, &u8)| a != b;
+        let first = a.iter().zip(b).position(unequal).unwrap_or(0) / bytes;
+        let last = a.iter().zip(b).rposition(unequal).unwrap_or(0) / bytes;
+        let [y, z] = [i as u32 % BRICK, i as u32 / BRICK];
+        let part = Region { lo: [first as u32, y, z], end: [last as u32 + 1, y + 1, z + 1] };
+        found = Some(found.map_or(part, |f| f.union(&part)));
+    }
+    found
+}
 
 /// The 32³ texels inside a slot's apron.
 pub(super) fn interior(slot: &[u8], bytes: usize) -> Brick {

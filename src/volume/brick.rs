@@ -1,6 +1,7 @@
 //! Bricks: the unit of storage, editing, transfer and history.
 
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Voxels along an edge of a brick.
@@ -60,21 +61,22 @@ pub enum Brick {
 impl Brick {
     /// From 32³ texels; becomes `Uniform` if all are equal.
     pub fn from_texels(texels: Vec<u8>, bytes_per_texel: usize) -> Self {
-        let first = &texels[..bytes_per_texel];
-        if texels.chunks_exact(bytes_per_texel).all(|t| t == first) {
-            let mut value = [0; 4];
-            value[..bytes_per_texel].copy_from_slice(first);
-            Self::Uniform(value)
-        } else {
-            Self::Dense(texels.into())
+        match shared_texel(&texels, bytes_per_texel) {
+            Some(value) => Self::Uniform(value),
+            None => Self::Dense(texels.into()),
         }
     }
 
     /// All 32³ texels.
     pub fn to_texels(&self, bytes_per_texel: usize) -> Vec<u8> {
+        self.texels(bytes_per_texel).into_owned()
+    }
+
+    /// All 32³ texels, copied only where the brick has none.
+    pub(super) fn texels(&self, bytes_per_texel: usize) -> Cow<'_, [u8]> {
         match self {
-            Self::Uniform(value) => value[..bytes_per_texel].repeat(BRICK_VOXELS),
-            Self::Dense(texels) => texels.to_vec(),
+            Self::Uniform(value) => Cow::Owned(value[..bytes_per_texel].repeat(BRICK_VOXELS)),
+            Self::Dense(texels) => Cow::Borrowed(texels),
         }
     }
 
@@ -98,4 +100,11 @@ impl Brick {
             Self::Dense(texels) => texels.len(),
         }
     }
+}
+
+/// The texel that all are equal to, if they are: a block of one value equals itself a texel further.
+pub(super) fn shared_texel(texels: &[u8], bytes: usize) -> Option<[u8; 4]> {
+    let mut value = [0; 4];
+    value[..bytes].copy_from_slice(&texels[..bytes]);
+    (texels[bytes..] == texels[..texels.len() - bytes]).then_some(value)
 }

@@ -4,7 +4,7 @@
 //! where someone painted). Coarser levels, cell minima and maxima and brick summaries are kept beside it and refreshed by
 //! [`Field::swap`], whose cost is that of the bricks it is given.
 
-use super::blocks::{copy_box, fill_box};
+use super::blocks::{Region, copy_box, fill_box};
 use super::grid::level_dims;
 use super::pyramid::texel_value;
 use super::{
@@ -287,36 +287,54 @@ impl Field {
         let last: [u32; 3] =
             std::array::from_fn(|a| (lo[a] + i64::from(size[a]) - 1).clamp(0, i64::from(dims[a]) - 1) as u32);
         let inner: [u32; 3] = std::array::from_fn(|a| last[a] - first[a] + 1);
-        let mut block = Vec::with_capacity(inner.iter().map(|&s| s as usize).product::<usize>() * bytes);
-        let low = first.map(|v| v / BRICK);
-        let high = last.map(|v| v / BRICK);
-        let edited = |key: &BrickKey| if level == 0 { self.edits.get(&key.index) } else { self.coarse.get(key) };
-        match &self.base {
-            Base::Source(source) if level == 0 => {
-                self.map.encode_voxels(&source.read(first, inner)?, source.scaling(), &mut block);
+        let held = |index: BrickIndex| match level {
+            0 if edits => self.edits.get(&index),
+            0 => None,
+            _ => self.coarse.get(&BrickKey { level, index }),
+        };
+        let source = self.source().filter(|_| level == 0);
+        let mut parts = Vec::new();
+        // The least box of voxels that only the source has.
+        let mut unedited: Option<Region> = None;
+        for z in first[2] / BRICK..=last[2] / BRICK {
+            for y in first[1] / BRICK..=last[1] / BRICK {
+                for x in first[0] / BRICK..=last[0] / BRICK {
+                    let index = BrickIndex([x, y, z]);
+                    let origin = index.origin();
+                    let part = Region {
+                        lo: std::array::from_fn(|a| first[a].max(origin[a])),
+                        end: std::array::from_fn(|a| (last[a] + 1).min(origin[a] + BRICK)),
+                    };
+                    match held(index) {
+                        Some(brick) => parts.push((brick, origin, part)),
+                        None => unedited = Some(unedited.map_or(part, |u| u.union(&part))),
+                    }
+                }
+            }
+        }
+        let mut block = Vec::new();
+        match (source, unedited) {
+            (Some(source), Some(box_)) if parts.is_empty() => {
+                block.reserve_exact(box_.count() * bytes);
+                self.map.encode_voxels(&source.read(box_.lo, box_.size())?, source.scaling(), &mut block);
+            }
+            (Some(source), Some(box_)) => {
+                let mut texels = Vec::with_capacity(box_.count() * bytes);
+                self.map.encode_voxels(&source.read(box_.lo, box_.size())?, source.scaling(), &mut texels);
+                block.resize(inner.iter().map(|&s| s as usize).product::<usize>() * bytes, 0);
+                let at = std::array::from_fn(|a| box_.lo[a] - first[a]);
+                copy_box(&texels, box_.size(), [0; 3], &mut block, inner, at, box_.size(), bytes);
             }
             _ => block.resize(inner.iter().map(|&s| s as usize).product::<usize>() * bytes, 0),
         }
-        if edits && !(level == 0 && self.edits.is_empty()) {
-            for z in low[2]..=high[2] {
-                for y in low[1]..=high[1] {
-                    for x in low[0]..=high[0] {
-                        let index = BrickIndex([x, y, z]);
-                        let Some(brick) = edited(&BrickKey { level, index }) else { continue };
-                        let origin = index.origin();
-                        let from: [u32; 3] = std::array::from_fn(|a| first[a].max(origin[a]));
-                        let to: [u32; 3] = std::array::from_fn(|a| (last[a] + 1).min(origin[a] + BRICK));
-                        let count: [u32; 3] = std::array::from_fn(|a| to[a] - from[a]);
-                        let in_brick: [u32; 3] = std::array::from_fn(|a| from[a] - origin[a]);
-                        let in_block: [u32; 3] = std::array::from_fn(|a| from[a] - first[a]);
-                        match brick {
-                            Brick::Dense(texels) => {
-                                copy_box(texels, [BRICK; 3], in_brick, &mut block, inner, in_block, count, bytes);
-                            }
-                            Brick::Uniform(value) => fill_box(&value[..bytes], &mut block, inner, in_block, count),
-                        }
-                    }
+        for (brick, origin, part) in parts {
+            let in_brick: [u32; 3] = std::array::from_fn(|a| part.lo[a] - origin[a]);
+            let in_block: [u32; 3] = std::array::from_fn(|a| part.lo[a] - first[a]);
+            match brick {
+                Brick::Dense(texels) => {
+                    copy_box(texels, [BRICK; 3], in_brick, &mut block, inner, in_block, part.size(), bytes);
                 }
+                Brick::Uniform(value) => fill_box(&value[..bytes], &mut block, inner, in_block, part.size()),
             }
         }
         if inner == size {
@@ -326,12 +344,19 @@ impl Field {
         let clamp = |a: usize, i: u32| {
             ((lo[a] + i64::from(i)).clamp(i64::from(first[a]), i64::from(last[a])) - i64::from(first[a])) as u32
         };
-        let columns: Vec<usize> = (0..size[0]).map(|x| clamp(0, x) as usize * bytes).collect();
+        let before = (i64::from(first[0]) - lo[0]).clamp(0, i64::from(size[0])) as usize;
+        let within = (inner[0] as usize).min(size[0] as usize - before);
+        let after = size[0] as usize - before - within;
         for z in 0..size[2] {
             for y in 0..size[1] {
                 let row = inner[0] as usize * bytes * (clamp(1, y) as usize + inner[1] as usize * clamp(2, z) as usize);
-                for &x in &columns {
-                    out.extend_from_slice(&block[row + x..row + x + bytes]);
+                let row = &block[row..row + inner[0] as usize * bytes];
+                for _ in 0..before {
+                    out.extend_from_slice(&row[..bytes]);
+                }
+                out.extend_from_slice(&row[..within * bytes]);
+                for _ in 0..after {
+                    out.extend_from_slice(&row[row.len() - bytes..]);
                 }
             }
         }

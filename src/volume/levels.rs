@@ -1,8 +1,9 @@
 //! How a field changes: built from its source, swapped brick by brick, its coarser levels and summaries renewed.
 //!
-//! The cost of a swap is that of the bricks it is given, their neighbours (through the apron) and their ancestors.
+//! The cost of a swap is that of the texels that it changes: neighbours cost only where an apron sees a change, coarser
+//! levels only above one.
 
-use super::blocks::{copy_box, interior};
+use super::blocks::{Region, copy_box, difference, interior};
 use super::field::{Base, Changes, Field, FieldKind, Refresh};
 use super::pyramid::{coarsen, summarise};
 use super::{BRICK, BRICK_VOXELS, Brick, BrickIndex, BrickKey, BrickSource, DensityMap, SourceError};
@@ -39,7 +40,9 @@ impl Field {
                     let slot = field.slot(BrickKey { level: 0, index: child })?;
                     about.push((child, summarise(field.format, &field.map, &slot)));
                     let brick = interior(&slot, field.format.bytes());
-                    coarsen(field.format, &brick, field.valid(0, child), octant(child), &mut texels);
+                    let valid = field.valid(0, child);
+                    let all = Region { lo: [0; 3], end: valid };
+                    coarsen(field.format, &brick, valid, &all, octant(child), &mut texels);
                 }
                 done.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
                 Ok(Some((parent, Brick::from_texels(texels, field.format.bytes()), about)))
@@ -57,7 +60,12 @@ impl Field {
         for level in 1..field.level_count {
             if level > 1 {
                 for parent in field.brick_indices(level) {
-                    field.refine_parent(level, parent, &field.children(level, parent))?;
+                    let children = field.children(level, parent).into_iter();
+                    let all: Vec<_> = children
+                        .map(|child| (child, Region { lo: [0; 3], end: field.valid(level - 1, child) }))
+                        .collect();
+                    let brick = field.refined(level, parent, &all)?;
+                    field.coarse.insert(BrickKey { level, index: parent }, brick);
                 }
             }
             field.summarise_all(
@@ -75,6 +83,10 @@ impl Field {
     /// If the source fails; the field is then as it was.
     pub fn swap(&mut self, changes: Changes) -> Result<(Changes, Refresh), SourceError> {
         let bytes = self.format.bytes();
+        let old = changes
+            .par_iter()
+            .map(|&(index, _)| self.brick(BrickKey { level: 0, index }))
+            .collect::<Result<Vec<_>, _>>()?;
         let mut before = Vec::with_capacity(changes.len());
         for (index, brick) in changes {
             let brick = brick.map(|b| self.clipped(index, b));
@@ -87,7 +99,7 @@ impl Field {
             };
             before.push((index, old));
         }
-        match self.refresh(before.iter().map(|(i, _)| *i).collect()) {
+        match self.changed(&before, &old).and_then(|changed| self.refresh(changed)) {
             Ok(refresh) => Ok((before, refresh)),
             Err(error) => {
                 for (index, old) in before {
@@ -101,21 +113,34 @@ impl Field {
         }
     }
 
-    fn refresh(&mut self, changed: BTreeSet<BrickIndex>) -> Result<Refresh, SourceError> {
+    /// The texels, within the brick, in which bricks differ from what they were.
+    fn changed(&self, before: &Changes, old: &[Brick]) -> Result<BTreeMap<BrickIndex, Region>, SourceError> {
+        let pairs = before.par_iter().zip(old).map(|(&(index, _), old)| {
+            let new = self.brick(BrickKey { level: 0, index })?;
+            Ok(difference(old, &new, self.format.bytes()).map(|region| (index, region)))
+        });
+        Ok(pairs.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
+    }
+
+    fn refresh(&mut self, changed: BTreeMap<BrickIndex, Region>) -> Result<Refresh, SourceError> {
         let mut slots = Vec::new();
         let mut changed = changed;
         for level in 0..self.level_count {
             if level > 0 {
-                let mut families: BTreeMap<BrickIndex, Vec<BrickIndex>> = BTreeMap::new();
-                for child in &changed {
-                    families.entry(child.parent()).or_default().push(*child);
+                let mut families: BTreeMap<BrickIndex, Vec<(BrickIndex, Region)>> = BTreeMap::new();
+                for (child, region) in changed {
+                    families.entry(child.parent()).or_default().push((child, region));
                 }
-                for (parent, children) in &families {
-                    self.refine_parent(level, *parent, children)?;
-                }
-                changed = families.into_keys().collect();
+                let refined = families
+                    .par_iter()
+                    .map(|(&index, children)| Ok((BrickKey { level, index }, self.refined(level, index, children)?)))
+                    .collect::<Result<Vec<_>, SourceError>>()?;
+                self.coarse.extend(refined);
+                changed = families.into_iter().filter_map(|(parent, c)| Some((parent, covered(&c)?))).collect();
             }
-            let around: BTreeSet<BrickIndex> = changed.iter().flat_map(|&b| self.neighbourhood(level, b)).collect();
+            let bricks = self.brick_dims(level);
+            let around: BTreeSet<BrickIndex> =
+                changed.iter().flat_map(|(b, region)| region.shifted(b.origin()).slots(bricks)).collect();
             let keys: Vec<_> = around.into_iter().map(|index| BrickKey { level, index }).collect();
             self.summarise_all(keys.clone())?;
             slots.extend(keys);
@@ -123,17 +148,16 @@ impl Field {
         Ok(Refresh { slots })
     }
 
-    /// Renews the given children's octants of a coarser brick.
-    fn refine_parent(&mut self, level: u8, parent: BrickIndex, children: &[BrickIndex]) -> Result<(), SourceError> {
+    /// A coarser brick with what covers the given regions of its children renewed.
+    fn refined(&self, level: u8, parent: BrickIndex, children: &[(BrickIndex, Region)]) -> Result<Brick, SourceError> {
         let bytes = self.format.bytes();
         let key = BrickKey { level, index: parent };
         let mut texels = self.coarse.get(&key).map_or_else(|| vec![0; BRICK_VOXELS * bytes], |b| b.to_texels(bytes));
-        for &child in children {
-            let brick = self.brick(BrickKey { level: level - 1, index: child })?;
-            coarsen(self.format, &brick, self.valid(level - 1, child), octant(child), &mut texels);
+        for (child, region) in children {
+            let brick = self.brick(BrickKey { level: level - 1, index: *child })?;
+            coarsen(self.format, &brick, self.valid(level - 1, *child), region, octant(*child), &mut texels);
         }
-        self.coarse.insert(key, Brick::from_texels(texels, bytes));
-        Ok(())
+        Ok(Brick::from_texels(texels, bytes))
     }
 
     fn summarise_all(&mut self, keys: Vec<BrickKey>) -> Result<(), SourceError> {
@@ -154,13 +178,6 @@ impl Field {
         (0..8).map(at).filter(|b| (0..3).all(|a| b.0[a] < dims[a])).collect()
     }
 
-    /// The brick and its neighbours.
-    fn neighbourhood(&self, level: u8, b: BrickIndex) -> Vec<BrickIndex> {
-        let dims = self.brick_dims(level);
-        let range = |a: usize| b.0[a].saturating_sub(1)..=(b.0[a] + 1).min(dims[a] - 1);
-        range(2).flat_map(|z| range(1).flat_map(move |y| range(0).map(move |x| BrickIndex([x, y, z])))).collect()
-    }
-
     /// The same brick with zeros beyond the volume, so that equal content means equal bytes.
     fn clipped(&self, index: BrickIndex, brick: Brick) -> Brick {
         let valid = self.valid(0, index);
@@ -176,4 +193,10 @@ impl Field {
 
 fn octant(child: BrickIndex) -> [u32; 3] {
     child.0.map(|b| b % 2)
+}
+
+/// What covers the given regions of children, within their parent.
+fn covered(children: &[(BrickIndex, Region)]) -> Option<Region> {
+    let parts = children.iter().map(|(child, r)| r.halved().shifted(octant(*child).map(|o| o * (BRICK / 2))));
+    parts.reduce(|a, b| a.union(&b))
 }

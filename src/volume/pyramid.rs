@@ -1,5 +1,7 @@
 //! Arithmetic over the texels of one brick or slot: minima and maxima by the cell, and the next coarser level.
 
+use super::blocks::{Region, fill_box};
+use super::brick::shared_texel;
 use super::field::{BrickSummary, Cells};
 use super::{BRICK, BRICK_VOXELS, Brick, CELL, CELLS_PER_BRICK, DensityMap, SLOT, TexelFormat};
 
@@ -17,10 +19,7 @@ pub(super) fn texel_value(format: TexelFormat, map: &DensityMap, texel: [u8; 4])
 /// Minima and maxima of a slot: of the whole, and of every cell over all taps that a sample inside it can meet (6³ texels).
 /// NaN counts for nothing; an interval with min > max holds no number.
 pub(super) fn summarise(format: TexelFormat, map: &DensityMap, slot: &[u8]) -> (BrickSummary, Cells) {
-    let bytes = format.bytes();
-    let mut first = [0; 4];
-    first[..bytes].copy_from_slice(&slot[..bytes]);
-    if slot.chunks_exact(bytes).all(|t| t == &first[..bytes]) {
+    if let Some(first) = shared_texel(slot, format.bytes()) {
         let value = texel_value(format, map, first);
         let (min, max) = if value.is_nan() { (f32::INFINITY, f32::NEG_INFINITY) } else { (value, value) };
         return (BrickSummary { uniform: Some(first), min, max }, Cells::Uniform([min, max]));
@@ -72,30 +71,57 @@ pub(super) fn summarise(format: TexelFormat, map: &DensityMap, slot: &[u8]) -> (
     (BrickSummary { uniform: None, min, max }, Cells::Dense(cells.into()))
 }
 
-/// Writes the half-size version of `child` into one octant of its parent's texels. `valid` is how many texels of the child
-/// lie in the volume along each axis. Density and selection average, colours average weighted by alpha, labels take the most
+/// Writes the half-size version of `child` into its parent's texels from `octant` on, where it covers `part` of the child.
+/// `valid` is how many texels of the child lie in the volume along each axis; `part` is within. Density and selection average, colours average weighted by alpha, labels take the most
 /// frequent label that is not 0 (the lowest of equals) so that thin segments stay in sight.
-pub(super) fn coarsen(format: TexelFormat, child: &Brick, valid: [u32; 3], octant: [u32; 3], parent: &mut [u8]) {
-    let bytes = format.bytes();
-    debug_assert_eq!(parent.len(), BRICK_VOXELS * bytes);
-    let half = BRICK / 2;
-    for z in 0..valid[2].div_ceil(2) {
-        for y in 0..valid[1].div_ceil(2) {
-            for x in 0..valid[0].div_ceil(2) {
+pub(super) fn coarsen(
+    format: TexelFormat,
+    child: &Brick,
+    valid: [u32; 3],
+    part: &Region,
+    octant: [u32; 3],
+    parent: &mut [u8],
+) {
+    debug_assert_eq!(parent.len(), BRICK_VOXELS * format.bytes());
+    let (part, to) = (part.halved(), octant.map(|o| o * (BRICK / 2)));
+    match child {
+        Brick::Uniform(value) => {
+            let at = part.shifted(to);
+            fill_box(&mean(format, &[*value])[..format.bytes()], parent, [BRICK; 3], at.lo, at.size());
+        }
+        Brick::Dense(texels) => match format.bytes() {
+            1 => means::<1>(format, texels, valid, &part, to, parent),
+            2 => means::<2>(format, texels, valid, &part, to, parent),
+            _ => means::<4>(format, texels, valid, &part, to, parent),
+        },
+    }
+}
+
+/// [`coarsen`] for texels of `N` bytes, `part` in voxels of the parent's level.
+fn means<const N: usize>(
+    format: TexelFormat,
+    child: &[u8],
+    valid: [u32; 3],
+    part: &Region,
+    to: [u32; 3],
+    parent: &mut [u8],
+) {
+    for z in part.lo[2]..part.end[2] {
+        for y in part.lo[1]..part.end[1] {
+            for x in part.lo[0]..part.end[0] {
                 let mut taps = [[0_u8; 4]; 8];
                 let mut n = 0;
                 for dz in 0..2.min(valid[2] - 2 * z) {
                     for dy in 0..2.min(valid[1] - 2 * y) {
                         for dx in 0..2.min(valid[0] - 2 * x) {
-                            taps[n] = child.texel([2 * x + dx, 2 * y + dy, 2 * z + dz], bytes);
+                            let from = (2 * x + dx + BRICK * (2 * y + dy + BRICK * (2 * z + dz))) as usize * N;
+                            taps[n][..N].copy_from_slice(&child[from..from + N]);
                             n += 1;
                         }
                     }
                 }
-                let value = mean(format, &taps[..n]);
-                let [ox, oy, oz] = [octant[0] * half + x, octant[1] * half + y, octant[2] * half + z];
-                let at = (ox + BRICK * (oy + BRICK * oz)) as usize * bytes;
-                parent[at..at + bytes].copy_from_slice(&value[..bytes]);
+                let at = (to[0] + x + BRICK * (to[1] + y + BRICK * (to[2] + z))) as usize * N;
+                parent[at..at + N].copy_from_slice(&mean(format, &taps[..n])[..N]);
             }
         }
     }

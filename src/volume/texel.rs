@@ -82,8 +82,7 @@ impl DensityMap {
         match self.format {
             TexelFormat::R32Float => (value as f32).to_le_bytes(),
             _ => {
-                let code = ((value - self.lo) * self.codes_per_unit).round().clamp(0.0, 65_535.0) as u16;
-                let [a, b] = code.to_le_bytes();
+                let [a, b] = nearest_code((value - self.lo) * self.codes_per_unit).to_le_bytes();
                 [a, b, 0, 0]
             }
         }
@@ -100,18 +99,28 @@ impl DensityMap {
     /// Stored voxels to texels, appended to `out`; `value = slope · stored + intercept`.
     pub fn encode_voxels(&self, voxels: &Voxels, (slope, intercept): (f64, f64), out: &mut Vec<u8>) {
         fn run<T: Value>(map: &DensityMap, v: &[T], slope: f64, intercept: f64, out: &mut Vec<u8>) {
+            // Written in place: an iterator of single bytes costs several times as much.
+            let start = out.len();
+            out.resize(start + v.len() * map.format.bytes(), 0);
             match map.format {
                 TexelFormat::R32Float => {
-                    out.extend(v.iter().flat_map(|&x| ((x.to_f64() * slope + intercept) as f32).to_le_bytes()));
+                    for (out, &x) in out[start..].chunks_exact_mut(4).zip(v) {
+                        out.copy_from_slice(&((x.to_f64() * slope + intercept) as f32).to_le_bytes());
+                    }
                 }
                 _ => {
                     let (scale, shift) = (slope * map.codes_per_unit, (intercept - map.lo) * map.codes_per_unit);
-                    out.extend(v.iter().flat_map(|&x| {
-                        ((x.to_f64() * scale + shift).round().clamp(0.0, 65_535.0) as u16).to_le_bytes()
-                    }));
+                    for (out, &x) in out[start..].chunks_exact_mut(2).zip(v) {
+                        out.copy_from_slice(&nearest_code(x.to_f64() * scale + shift).to_le_bytes());
+                    }
                 }
             }
         }
         with_voxels!(voxels, v => run(self, v, slope, intercept, out));
     }
+}
+
+/// The nearest code, NaN being 0: of numbers that are not negative the cast cuts the fraction off, where `round` is a call.
+fn nearest_code(code: f64) -> u16 {
+    (code.clamp(0.0, 65_535.0) + 0.5) as u16
 }
