@@ -5,8 +5,8 @@
 #![allow(missing_docs)] // fields: the command's own text says what they are
 
 use super::command_parts::{ExplosionCommand, PartCommand};
+use super::keep::store::DensityKeeping;
 use super::scene::{Layer, ViewName};
-use super::store::DensityKeeping;
 use crate::math::Camera;
 use crate::paint::{Falloff, Operation, Shape, Target, Tip};
 use crate::volume::{FieldKind, Lighting, Mode, TransferFunction};

@@ -32,14 +32,14 @@ impl Scene {
     /// The first field that is wrong.
     pub fn check(&self) -> Result<(), DocumentError> {
         self.transfer.check().map_err(|found| DocumentError::NotNow(format!("transfer function: {found}")))?;
-        super::view::checked(self.views.camera)?;
+        super::handle::view::checked(self.views.camera)?;
         for slice in &self.views.slices {
-            super::view::positive("views.slices.height_mm", slice.height_mm)?;
+            super::handle::view::positive("views.slices.height_mm", slice.height_mm)?;
             super::place::check_size(slice.size)?;
         }
         super::place::check_size(self.views.size)?;
-        super::view::positive("window.width", self.window.width)?;
-        super::view::positive("look.step_voxels", self.look.step_voxels)?;
+        super::handle::view::positive("window.width", self.window.width)?;
+        super::handle::view::positive("look.step_voxels", self.look.step_voxels)?;
         self.brush.check()?;
         Ok(self.explosion.check()?)
     }

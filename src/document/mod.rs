@@ -1,78 +1,53 @@
 //! The document: what is open, what can be done to it, and how it is kept.
 //!
 //! One command set. Buttons, shortcuts, tools, scripts and tests all call [`Document::apply`] with a [`Command`]; every command
-//! answers with what it did, and one that fails has changed nothing. Each noun has its handler file. Views and the brush are
+//! answers with what it did, and one that fails has changed nothing. Each noun has its handler file in `handle`; `keep` is the disk. Views and the brush are
 //! tools: they are saved, views have a past of their own (`view.back`), and undo leaves both alone. Everything else is undone.
 
-mod ask;
-mod brush;
 mod command;
 mod command_parts;
 mod defaults;
 mod edit;
 mod error;
-mod explosion;
 mod frame;
 mod graphics;
+mod handle;
 mod history;
-mod journal;
-mod journal_record;
-mod journal_replay;
-mod keep_error;
-mod keeper;
-mod kept;
+mod keep;
 mod motion;
 mod open;
 mod packed;
-mod part;
 mod place;
-mod project;
-pub mod recovery;
-mod render;
 mod scene;
-mod segment;
-mod selection;
-mod selection_import;
 mod slice_plane;
 mod state;
 mod step;
-mod store;
-mod store_arrays;
-mod store_fields;
-mod store_files;
-mod store_lock;
-mod store_manifest;
-mod store_source;
-mod stroke;
-mod transfer;
-mod undo;
-mod view;
 mod view_history;
-mod volume;
 mod watch;
 
 pub use command::*;
 pub use command_parts::*;
 pub use error::DocumentError;
 pub use history::{DEFAULT_BUDGET_BYTES, History};
-pub use keep_error::KeepError;
-pub use keeper::Keeper;
-pub use kept::{KeptDocument, Recovered};
+pub use keep::keep_error::KeepError;
+pub use keep::keeper::Keeper;
+pub use keep::kept::{KeptDocument, Recovered};
+pub use keep::recovery;
+pub use keep::store::{DensityKeeping, LoadedDensity, Saved};
+pub use keep::store_source::ZarrSource;
 pub use open::Opened;
 pub use scene::*;
 pub use slice_plane::{SlicePlane, side_letter};
 pub use state::State;
-pub use store::{DensityKeeping, LoadedDensity, Saved};
-pub use store_source::ZarrSource;
 pub use watch::Watch;
 
 use edit::Edit;
 use graphics::Graphics;
+use handle::stroke::Running;
 use motion::Motion;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use step::Refreshed;
-use stroke::Running;
 use view_history::ViewHistory;
 
 /// See the module's head.
@@ -141,7 +116,7 @@ impl Document {
     /// # Errors
     /// If the command cannot be done; nothing was changed then.
     pub fn apply(&mut self, command: Command) -> Result<Value, DocumentError> {
-        if self.running.is_some() && !stroke::leaves_running(&command) {
+        if self.running.is_some() && !handle::stroke::leaves_running(&command) {
             self.settle()?;
         }
         let answer = match command {

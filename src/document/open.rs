@@ -115,7 +115,7 @@ impl Document {
     /// Shows what was read in place of what was open; past steps are forgotten. Answers as `volume.open` and `project.open` do.
     pub fn take(&mut self, opened: Opened) -> Json {
         let Opened { state, keeper, recovered, mut warnings } = opened;
-        let mut answer = super::ask::volume(&state);
+        let mut answer = super::handle::ask::volume(&state);
         self.adopt(state);
         self.keeper = keeper;
         self.unsaved = recovered.steps > 0;

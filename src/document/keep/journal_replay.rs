@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 
 /// What a journal brings back.
 #[derive(Debug, Default)]
-pub(super) struct Replay {
+pub(in crate::document) struct Replay {
     /// Commands beyond the generation.
     pub steps: u64,
     /// The last of them, `null` if there is none.

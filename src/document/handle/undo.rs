@@ -5,7 +5,7 @@ use super::{Command, Document, DocumentError, HistoryCommand, warn};
 use serde_json::{Value, json};
 
 impl Document {
-    pub(super) fn travel(&mut self, command: HistoryCommand) -> Result<Value, DocumentError> {
+    pub(in crate::document) fn travel(&mut self, command: HistoryCommand) -> Result<Value, DocumentError> {
         let mut warnings = Vec::new();
         let mut answer = match command {
             HistoryCommand::Undo { steps } => self.walk(steps, true, &mut warnings)?,

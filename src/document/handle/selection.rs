@@ -13,7 +13,11 @@ use serde_json::{Value, json};
 const MAX_SOFTEN_VOXELS: f64 = 128.0;
 
 impl Document {
-    pub(super) fn selection(&mut self, command: SelectionCommand, edit: &mut Edit) -> Result<Value, DocumentError> {
+    pub(in crate::document) fn selection(
+        &mut self,
+        command: SelectionCommand,
+        edit: &mut Edit,
+    ) -> Result<Value, DocumentError> {
         let watch = self.watch.clone();
         let state = self.open_mut()?;
         let changes = match command {

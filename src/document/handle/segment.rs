@@ -7,7 +7,11 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 impl Document {
-    pub(super) fn segment(&mut self, command: SegmentCommand, edit: &mut Edit) -> Result<Value, DocumentError> {
+    pub(in crate::document) fn segment(
+        &mut self,
+        command: SegmentCommand,
+        edit: &mut Edit,
+    ) -> Result<Value, DocumentError> {
         let state = self.open_mut()?;
         match command {
             SegmentCommand::Set { id, name, colour, visible, locked } => {

@@ -34,7 +34,7 @@ impl ZarrSource {
     ///
     /// # Errors
     /// If a shard is missing: the array was written whole, so a missing one is damage and not emptiness.
-    pub(super) fn open(
+    pub(in crate::document) fn open(
         dir: &Path,
         name: String,
         grid: Grid,
@@ -51,7 +51,7 @@ impl ZarrSource {
     }
 
     /// Reads from another generation's folder from now on; its density is the same.
-    pub(super) fn move_to(&self, dir: &Path) -> Result<(), KeepError> {
+    pub(in crate::document) fn move_to(&self, dir: &Path) -> Result<(), KeepError> {
         let opened = Arc::new(Opened::new(dir, &self.layout)?);
         *self.opened.write().unwrap_or_else(PoisonError::into_inner) = opened;
         Ok(())
@@ -94,7 +94,7 @@ impl Opened {
 }
 
 /// The density array: the source's own type and numbers.
-pub(super) fn density_layout(voxel_type: VoxelType, dims: [u32; 3]) -> Layout {
+pub(in crate::document) fn density_layout(voxel_type: VoxelType, dims: [u32; 3]) -> Layout {
     Layout::field("density", voxel_type, 1, dims)
 }
 

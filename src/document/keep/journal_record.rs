@@ -10,14 +10,14 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 /// Bytes before a record's body.
-pub(super) const RECORD_HEAD: usize = 12;
+pub(in crate::document) const RECORD_HEAD: usize = 12;
 const BRICK_HEAD: usize = 14;
 /// Bricks of a large step are cut into records of about this size.
 const RECORD_BYTES: usize = 4 << 20;
 
 /// What a record says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(in crate::document) enum Kind {
     /// A command is done.
     Step = 1,
     /// Samples of a stroke that is running.
@@ -32,7 +32,7 @@ pub(super) enum Kind {
 
 /// The JSON part of a step or a checkpoint. What did not change is left out.
 #[derive(Debug, Default, Serialize, Deserialize)]
-pub(super) struct StepHead {
+pub(in crate::document) struct StepHead {
     /// The command with its places resolved; a checkpoint has the last one that it gathers.
     pub command: Value,
     /// How many commands it stands for.
@@ -47,13 +47,13 @@ pub(super) struct StepHead {
 
 /// The JSON part of samples.
 #[derive(Debug, Serialize, Deserialize)]
-pub(super) struct SamplesHead {
+pub(in crate::document) struct SamplesHead {
     pub samples: Vec<Sample>,
 }
 
 /// A brick as a record has it: where its bytes are in the body.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct BrickEntry {
+pub(in crate::document) struct BrickEntry {
     pub kind: FieldKind,
     pub index: BrickIndex,
     /// Offset of its bytes from the body's start, and how many, head included.
@@ -61,7 +61,7 @@ pub(super) struct BrickEntry {
 }
 
 /// A record's body taken apart.
-pub(super) struct Record<'a> {
+pub(in crate::document) struct Record<'a> {
     pub sequence: u64,
     pub kind: Kind,
     pub head: &'a [u8],
@@ -69,7 +69,7 @@ pub(super) struct Record<'a> {
 }
 
 /// A brick's bytes for a record.
-pub(super) fn encode_brick(kind: FieldKind, index: BrickIndex, brick: Option<&Brick>) -> Vec<u8> {
+pub(in crate::document) fn encode_brick(kind: FieldKind, index: BrickIndex, brick: Option<&Brick>) -> Vec<u8> {
     let mut out = vec![kind as u8];
     out.extend(index.0.iter().flat_map(|i| i.to_le_bytes()));
     match brick {
@@ -89,7 +89,7 @@ pub(super) fn encode_brick(kind: FieldKind, index: BrickIndex, brick: Option<&Br
 }
 
 /// A brick out of its bytes; `None` inside if the edit is gone. `Err` says what is wrong.
-pub(super) fn decode_brick(bytes: &[u8], format: TexelFormat) -> Result<Option<Brick>, &'static str> {
+pub(in crate::document) fn decode_brick(bytes: &[u8], format: TexelFormat) -> Result<Option<Brick>, &'static str> {
     let content = bytes.get(BRICK_HEAD..).ok_or("a brick ends early")?;
     match bytes[BRICK_HEAD - 1] {
         0 => Ok(None),
@@ -106,7 +106,7 @@ pub(super) fn decode_brick(bytes: &[u8], format: TexelFormat) -> Result<Option<B
 }
 
 /// Ends of the runs of bricks that go into one record each.
-pub(super) fn runs(lengths: impl Iterator<Item = usize>) -> Vec<usize> {
+pub(in crate::document) fn runs(lengths: impl Iterator<Item = usize>) -> Vec<usize> {
     let (mut ends, mut total, mut count) = (Vec::new(), 0, 0);
     for (i, length) in lengths.enumerate() {
         if total > 0 && total + length > RECORD_BYTES {
@@ -121,7 +121,7 @@ pub(super) fn runs(lengths: impl Iterator<Item = usize>) -> Vec<usize> {
 }
 
 /// A whole record, checksum included.
-pub(super) fn encode(sequence: u64, kind: Kind, head: &[u8], bricks: &[impl AsRef<[u8]>]) -> Vec<u8> {
+pub(in crate::document) fn encode(sequence: u64, kind: Kind, head: &[u8], bricks: &[impl AsRef<[u8]>]) -> Vec<u8> {
     let length = 13 + head.len() + bricks.iter().map(|b| b.as_ref().len()).sum::<usize>();
     let mut out = Vec::with_capacity(RECORD_HEAD + length);
     out.extend((length as u32).to_le_bytes());
@@ -137,13 +137,13 @@ pub(super) fn encode(sequence: u64, kind: Kind, head: &[u8], bricks: &[impl AsRe
 }
 
 /// The first 8 bytes of the body's blake3.
-pub(super) fn checksum(body: &[u8]) -> [u8; 8] {
+pub(in crate::document) fn checksum(body: &[u8]) -> [u8; 8] {
     let hash = blake3::hash(body);
     std::array::from_fn(|i| hash.as_bytes()[i])
 }
 
 /// Takes a body apart; `None` if it is none.
-pub(super) fn decode(body: &[u8]) -> Option<Record<'_>> {
+pub(in crate::document) fn decode(body: &[u8]) -> Option<Record<'_>> {
     let sequence = u64::from_le_bytes(body.get(..8)?.try_into().ok()?);
     let kind = match body.get(8)? {
         1 => Kind::Step,

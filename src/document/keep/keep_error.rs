@@ -122,12 +122,12 @@ fn advice(error: &std::io::Error) -> &'static str {
 
 impl KeepError {
     /// For `map_err`: the system refused `doing` to `path`.
-    pub(super) fn io(doing: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+    pub(in crate::document) fn io(doing: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.to_owned();
         move |source| Self::Io { doing, path, source }
     }
 
-    pub(super) fn malformed(
+    pub(in crate::document) fn malformed(
         path: &Path,
         field: impl Into<String>,
         found: impl std::fmt::Display,

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 impl ViewCommand {
     /// Whether it changes what is looked at (and `view.back` can take it back).
-    pub(super) fn moves_view(&self) -> bool {
+    pub(in crate::document) fn moves_view(&self) -> bool {
         matches!(
             self,
             Self::Camera { .. }
@@ -23,7 +23,7 @@ impl ViewCommand {
 }
 
 impl Document {
-    pub(super) fn view(&mut self, command: ViewCommand, edit: &mut Edit) -> Result<Value, DocumentError> {
+    pub(in crate::document) fn view(&mut self, command: ViewCommand, edit: &mut Edit) -> Result<Value, DocumentError> {
         if let ViewCommand::Crosshair { at } = command {
             let world = self.resolve(at)?.ok_or_else(|| nothing_there(at))?.position;
             let state = self.open_mut()?;
@@ -148,7 +148,7 @@ impl Document {
 }
 
 /// What a command says that needs a surface where there is none.
-pub(super) fn nothing_there(at: impl std::fmt::Debug) -> DocumentError {
+pub(in crate::document) fn nothing_there(at: impl std::fmt::Debug) -> DocumentError {
     DocumentError::invalid("at", format!("{at:?}, where nothing is visible"), "a pixel on a visible surface")
 }
 
@@ -202,7 +202,7 @@ fn view_answer(views: &Views, view: ViewName) -> Value {
     }
 }
 
-pub(super) fn checked(camera: Camera) -> Result<Camera, DocumentError> {
+pub(in crate::document) fn checked(camera: Camera) -> Result<Camera, DocumentError> {
     let invalid = |field: &str, found: String, expected: &str| Err(DocumentError::invalid(field, found, expected));
     for (name, v) in [("camera.eye", camera.eye), ("camera.target", camera.target), ("camera.up", camera.up)] {
         if !v.is_finite() {
@@ -223,11 +223,11 @@ pub(super) fn checked(camera: Camera) -> Result<Camera, DocumentError> {
     }
 }
 
-pub(super) fn finite(field: &str, value: f64) -> Result<f64, DocumentError> {
+pub(in crate::document) fn finite(field: &str, value: f64) -> Result<f64, DocumentError> {
     if value.is_finite() { Ok(value) } else { Err(DocumentError::invalid(field, value, "a finite number")) }
 }
 
-pub(super) fn positive(field: &str, value: f64) -> Result<f64, DocumentError> {
+pub(in crate::document) fn positive(field: &str, value: f64) -> Result<f64, DocumentError> {
     if value.is_finite() && value > 0.0 {
         Ok(value)
     } else {

@@ -18,15 +18,15 @@ use zarrs::array::{
 use zarrs::filesystem::FilesystemStore;
 
 /// Bricks along an edge of a shard.
-pub(super) const SHARD_BRICKS: u32 = 4;
+pub(in crate::document) const SHARD_BRICKS: u32 = 4;
 /// Voxels along an edge of a shard.
-pub(super) const SHARD: u32 = SHARD_BRICKS * BRICK;
+pub(in crate::document) const SHARD: u32 = SHARD_BRICKS * BRICK;
 /// Fast, and already half of what the slow levels gain.
 const ZSTD_LEVEL: i32 = 1;
 
 /// What is said of an array.
 #[derive(Clone, Debug)]
-pub(super) struct Layout {
+pub(in crate::document) struct Layout {
     /// Folder below the generation's, with slashes.
     pub path: String,
     /// Type of its numbers.
@@ -148,7 +148,7 @@ impl Layout {
 }
 
 /// A shard or chunk that cannot be decoded.
-pub(super) fn damaged_chunk(path: &Path, length: usize, reason: &str) -> KeepError {
+pub(in crate::document) fn damaged_chunk(path: &Path, length: usize, reason: &str) -> KeepError {
     KeepError::malformed(
         path,
         "chunks",
@@ -173,13 +173,13 @@ fn data_type_of(ty: VoxelType) -> DataType {
 }
 
 /// The `zarr.json` of a group with these attributes.
-pub(super) fn group_json(attributes: Map<String, Value>) -> Result<Vec<u8>, KeepError> {
+pub(in crate::document) fn group_json(attributes: Map<String, Value>) -> Result<Vec<u8>, KeepError> {
     let group = json!({ "zarr_format": 3, "node_type": "group", "attributes": attributes });
     serde_json::to_vec_pretty(&group).map_err(|e| KeepError::Scene { reason: e.to_string() })
 }
 
 /// The OME attributes of a field's group, and the grid's full place beside them; `more` says what the numbers mean.
-pub(super) fn ome_attributes(name: &str, grid: &Grid, channels: u32, more: Value) -> Map<String, Value> {
+pub(in crate::document) fn ome_attributes(name: &str, grid: &Grid, channels: u32, more: Value) -> Map<String, Value> {
     let space = |axis: &str| json!({ "name": axis, "type": "space", "unit": "millimeter" });
     let (s, t) = (grid.spacing(), grid.world_from_index.translation);
     let mut axes = vec![space("z"), space("y"), space("x")];
@@ -208,7 +208,7 @@ pub(super) fn ome_attributes(name: &str, grid: &Grid, channels: u32, more: Value
 }
 
 /// `world_from_index` as three rows of four.
-pub(super) fn rows(grid: &Grid) -> [[f64; 4]; 3] {
+pub(in crate::document) fn rows(grid: &Grid) -> [[f64; 4]; 3] {
     let (m, t) = (grid.world_from_index.matrix3, grid.world_from_index.translation);
     std::array::from_fn(|r| [m.x_axis[r], m.y_axis[r], m.z_axis[r], t[r]])
 }

@@ -18,7 +18,7 @@ const BLOCK: u32 = 2;
 ///
 /// # Errors
 /// If `other` fails, or `progress` said no.
-pub(super) fn import(
+pub(in crate::document) fn import(
     state: &State,
     other: &dyn BrickSource,
     threshold: f64,

@@ -26,9 +26,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Names the current generation.
-pub(super) const PROJECT: &str = "project.json";
+pub(in crate::document) const PROJECT: &str = "project.json";
 /// A generation's own description.
-pub(super) const MANIFEST: &str = "generation.json";
+pub(in crate::document) const MANIFEST: &str = "generation.json";
 
 /// What a save did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -43,7 +43,7 @@ pub struct Saved {
 
 /// A save that is done.
 #[derive(Debug)]
-pub(super) struct Committed<T> {
+pub(in crate::document) struct Committed<T> {
     pub saved: Saved,
     /// What was made before the rename.
     pub made: T,
@@ -73,7 +73,7 @@ pub enum LoadedDensity {
 
 /// A generation as it is on disk.
 #[derive(Debug)]
-pub(super) struct Loaded {
+pub(in crate::document) struct Loaded {
     pub manifest: Manifest,
     pub density: LoadedDensity,
     pub edits: BTreeMap<FieldKind, Edits>,
@@ -81,7 +81,7 @@ pub(super) struct Loaded {
 
 /// An open project folder; nobody else can open it meanwhile.
 #[derive(Debug)]
-pub(super) struct Store {
+pub(in crate::document) struct Store {
     dir: PathBuf,
     generation: u64,
     /// The current generation's; `None` before the first save.
@@ -250,7 +250,7 @@ impl Store {
 }
 
 /// The generation that a project names.
-pub(super) fn current_generation(dir: &Path) -> Result<u64, KeepError> {
+pub(in crate::document) fn current_generation(dir: &Path) -> Result<u64, KeepError> {
     check_project(dir)?;
     read_project(&dir.join(PROJECT))
 }
@@ -266,7 +266,7 @@ fn check_project(dir: &Path) -> Result<(), KeepError> {
 }
 
 /// Reads a project's current generation.
-pub(super) fn read_generation(dir: &Path) -> Result<Loaded, KeepError> {
+pub(in crate::document) fn read_generation(dir: &Path) -> Result<Loaded, KeepError> {
     let generation = current_generation(dir)?;
     let at = dir.join(generation_name(generation));
     let path = at.join(MANIFEST);
@@ -297,7 +297,7 @@ pub(super) fn read_generation(dir: &Path) -> Result<Loaded, KeepError> {
 }
 
 /// Reads the description of a document that was never saved; its fields are blank but for the journal's bricks.
-pub(super) fn read_unsaved(dir: &Path) -> Result<Loaded, KeepError> {
+pub(in crate::document) fn read_unsaved(dir: &Path) -> Result<Loaded, KeepError> {
     let path = dir.join(MANIFEST);
     let manifest = Manifest::read(&path)?;
     let Kept::Linked(link) = &manifest.volume.kept else {
@@ -309,7 +309,7 @@ pub(super) fn read_unsaved(dir: &Path) -> Result<Loaded, KeepError> {
 }
 
 /// The folder of a generation.
-pub(super) fn generation_name(generation: u64) -> String {
+pub(in crate::document) fn generation_name(generation: u64) -> String {
     format!("generation-{generation:06}")
 }
 

@@ -8,7 +8,11 @@ use serde_json::{Value, json};
 const MOST_STEPS: u32 = 3600;
 
 impl Document {
-    pub(super) fn explosion(&mut self, command: ExplosionCommand, edit: &mut Edit) -> Result<Value, DocumentError> {
+    pub(in crate::document) fn explosion(
+        &mut self,
+        command: ExplosionCommand,
+        edit: &mut Edit,
+    ) -> Result<Value, DocumentError> {
         let explosion = &mut self.open_mut()?.scene.explosion;
         match command {
             ExplosionCommand::Degree { value } => {

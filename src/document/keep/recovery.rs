@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 /// The journal's name in a recovery folder.
-pub(super) const JOURNAL: &str = "journal";
+pub(in crate::document) const JOURNAL: &str = "journal";
 const FOLDER: &str = "recovery";
 
 /// A document that a crash left behind.
@@ -71,7 +71,7 @@ fn look(dir: &Path) -> Option<Lost> {
 }
 
 /// A new folder for a document, locked.
-pub(super) fn create(state_dir: &Path) -> Result<(PathBuf, Lock), KeepError> {
+pub(in crate::document) fn create(state_dir: &Path) -> Result<(PathBuf, Lock), KeepError> {
     let all = state_dir.join(FOLDER);
     std::fs::create_dir_all(&all).map_err(KeepError::io("create", &all))?;
     let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).map_or(0, |d| d.as_nanos());
@@ -82,7 +82,7 @@ pub(super) fn create(state_dir: &Path) -> Result<(PathBuf, Lock), KeepError> {
 }
 
 /// The folder of a lost document.
-pub(super) fn folder(state_dir: &Path, id: &str) -> Result<PathBuf, KeepError> {
+pub(in crate::document) fn folder(state_dir: &Path, id: &str) -> Result<PathBuf, KeepError> {
     let plain = !id.is_empty() && id.bytes().all(|b| b.is_ascii_hexdigit() || b == b'-');
     let dir = state_dir.join(FOLDER).join(id);
     if plain && dir.is_dir() { Ok(dir) } else { Err(KeepError::NothingLost { id: id.to_owned() }) }

@@ -6,7 +6,7 @@ use crate::io::{Compression, export};
 use serde_json::{Value, json};
 
 impl Document {
-    pub(super) fn volume(&mut self, command: VolumeCommand) -> Result<Value, DocumentError> {
+    pub(in crate::document) fn volume(&mut self, command: VolumeCommand) -> Result<Value, DocumentError> {
         match command {
             VolumeCommand::Open { path, component, frame, range } => {
                 let origin = Origin { path, component, frame };

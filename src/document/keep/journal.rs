@@ -19,27 +19,27 @@ use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-pub(super) const MAGIC: &[u8; 8] = b"BURINJNL";
-pub(super) const VERSION: u32 = 1;
-pub(super) const HEADER: u64 = 28;
+pub(in crate::document) const MAGIC: &[u8; 8] = b"BURINJNL";
+pub(in crate::document) const VERSION: u32 = 1;
+pub(in crate::document) const HEADER: u64 = 28;
 /// A journal below this is not worth gathering.
 const GATHER_ABOVE: u64 = 4 << 20;
 
 /// See the module's head.
 #[derive(Debug)]
-pub(super) struct Journal {
+pub(in crate::document) struct Journal {
     path: PathBuf,
     file: File,
     /// Where the next record goes.
-    pub(super) end: u64,
+    pub(in crate::document) end: u64,
     generation: u64,
-    pub(super) sequence: u64,
+    pub(in crate::document) sequence: u64,
     /// What the records so far lead to, on top of the generation.
-    pub(super) now: Now,
+    pub(in crate::document) now: Now,
     /// Where the latest content of each touched brick is: offset and length.
-    pub(super) live: HashMap<(FieldKind, BrickIndex), (u64, usize)>,
+    pub(in crate::document) live: HashMap<(FieldKind, BrickIndex), (u64, usize)>,
     live_bytes: u64,
-    pub(super) stroke_runs: bool,
+    pub(in crate::document) stroke_runs: bool,
     /// Records that the disk refused.
     pending: VecDeque<Vec<u8>>,
     gather_above: u64,
@@ -47,7 +47,7 @@ pub(super) struct Journal {
 
 /// See [`Journal::now`].
 #[derive(Debug)]
-pub(super) struct Now {
+pub(in crate::document) struct Now {
     /// The scene's fields by name.
     scene: Map<String, Value>,
     map: DensityMap,
@@ -93,7 +93,7 @@ impl Journal {
     }
 
     /// A journal over an open file, before its first record.
-    pub(super) fn over(path: &Path, file: File, generation: u64, sequence: u64, now: Now) -> Self {
+    pub(in crate::document) fn over(path: &Path, file: File, generation: u64, sequence: u64, now: Now) -> Self {
         Self {
             path: path.to_owned(),
             file,
@@ -206,7 +206,7 @@ impl Journal {
     }
 
     /// Notes where bricks are now; their body begins at `body_at`.
-    pub(super) fn note(&mut self, entries: &[BrickEntry], body_at: u64) {
+    pub(in crate::document) fn note(&mut self, entries: &[BrickEntry], body_at: u64) {
         for entry in entries {
             let (offset, length) = entry.at;
             self.live_bytes += length as u64;
@@ -217,7 +217,7 @@ impl Journal {
     }
 
     /// Texels of another map mean nothing.
-    pub(super) fn forget_density(&mut self) {
+    pub(in crate::document) fn forget_density(&mut self) {
         self.live.retain(|(kind, _), _| *kind != FieldKind::Density);
         self.live_bytes = self.live.values().map(|(_, length)| *length as u64).sum();
     }
@@ -264,7 +264,7 @@ impl Journal {
 }
 
 /// Format of a field's texels under a density map.
-pub(super) fn texel_format(kind: FieldKind, map: &DensityMap) -> TexelFormat {
+pub(in crate::document) fn texel_format(kind: FieldKind, map: &DensityMap) -> TexelFormat {
     match kind {
         FieldKind::Density => map.format,
         FieldKind::Colour => TexelFormat::Rgba8Unorm,

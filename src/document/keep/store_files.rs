@@ -13,7 +13,7 @@ use std::sync::{Mutex, PoisonError};
 
 /// A generation that is being written beside the previous one.
 #[derive(Debug)]
-pub(super) struct Writer {
+pub(in crate::document) struct Writer {
     /// The new generation's folder.
     pub dir: PathBuf,
     /// The folder of the generation before it.
@@ -105,7 +105,7 @@ impl Writer {
 }
 
 /// Writes a file that is not there yet, and syncs it.
-pub(super) fn write_new(path: &Path, bytes: &[u8]) -> Result<(), KeepError> {
+pub(in crate::document) fn write_new(path: &Path, bytes: &[u8]) -> Result<(), KeepError> {
     create_new(path, bytes).and_then(|file| file.sync_all()).map_err(KeepError::io("write", path))
 }
 
@@ -117,7 +117,7 @@ fn create_new(path: &Path, bytes: &[u8]) -> std::io::Result<File> {
 
 /// Makes `path` hold `bytes`: whoever looks finds the old file or the new one, also after a crash. A power cut may still bring
 /// the old one back until the folder is synced.
-pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), KeepError> {
+pub(in crate::document) fn replace(path: &Path, bytes: &[u8]) -> Result<(), KeepError> {
     let beside = path.with_extension("new");
     match std::fs::remove_file(&beside) {
         Err(error) if error.kind() != ErrorKind::NotFound => return Err(KeepError::io("replace", &beside)(error)),
@@ -128,7 +128,7 @@ pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), KeepError> {
 }
 
 /// Makes the names in a folder survive a power cut.
-pub(super) fn sync_dir(dir: &Path) -> Result<(), KeepError> {
+pub(in crate::document) fn sync_dir(dir: &Path) -> Result<(), KeepError> {
     // Only Unix opens a folder as a file.
     if cfg!(unix) {
         File::open(dir).and_then(|f| f.sync_all()).map_err(KeepError::io("sync", dir))?;
@@ -137,7 +137,7 @@ pub(super) fn sync_dir(dir: &Path) -> Result<(), KeepError> {
 }
 
 /// Removes a folder with all that is in it, if it is there.
-pub(super) fn remove_dir(dir: &Path) -> Result<(), KeepError> {
+pub(in crate::document) fn remove_dir(dir: &Path) -> Result<(), KeepError> {
     match std::fs::remove_dir_all(dir) {
         Err(error) if error.kind() != ErrorKind::NotFound => Err(KeepError::io("remove", dir)(error)),
         _ => Ok(()),

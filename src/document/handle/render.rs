@@ -8,7 +8,7 @@ use crate::math::Camera;
 use serde_json::{Value, json};
 
 impl Document {
-    pub(super) fn render(&mut self, command: RenderCommand) -> Result<Value, DocumentError> {
+    pub(in crate::document) fn render(&mut self, command: RenderCommand) -> Result<Value, DocumentError> {
         let RenderCommand::Image { path, view, size, camera, transparent } = command;
         let views = &self.open()?.scene.views;
         let size = check_size(size.unwrap_or(views.slice(view).map_or(views.size, |s| s.size)))?;

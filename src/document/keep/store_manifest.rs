@@ -11,7 +11,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 
 /// Version of the folder's layout.
-pub(super) const VERSION: u64 = 1;
+pub(in crate::document) const VERSION: u64 = 1;
 const PROJECT_FORMAT: &str = "burin project";
 const GENERATION_FORMAT: &str = "burin generation";
 
@@ -25,7 +25,7 @@ struct Head {
 
 /// A generation beside its arrays.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Manifest {
+pub(in crate::document) struct Manifest {
     pub format: String,
     pub version: u64,
     pub generation: u64,
@@ -37,7 +37,7 @@ pub(super) struct Manifest {
 
 /// The density.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct VolumeRecord {
+pub(in crate::document) struct VolumeRecord {
     pub name: String,
     /// Voxels along i, j, k.
     pub dims: [u32; 3],
@@ -55,14 +55,14 @@ pub(super) struct VolumeRecord {
 /// Where the density is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum Kept {
+pub(in crate::document) enum Kept {
     Whole,
     Linked(Link),
 }
 
 /// JSON has no NaN: `null` stands for it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct StatisticsRecord {
+pub(in crate::document) struct StatisticsRecord {
     min: Option<f64>,
     max: Option<f64>,
     sum: Option<f64>,
@@ -70,7 +70,7 @@ pub(super) struct StatisticsRecord {
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct HistogramRecord {
+pub(in crate::document) struct HistogramRecord {
     min: Option<f64>,
     max: Option<f64>,
     bins: Vec<u64>,
@@ -78,7 +78,7 @@ pub(super) struct HistogramRecord {
 
 /// A file that must be the same when it is read again.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Link {
+pub(in crate::document) struct Link {
     /// Absolute.
     pub path: PathBuf,
     bytes: u64,
@@ -256,13 +256,13 @@ impl Manifest {
 }
 
 /// The bytes of `project.json`.
-pub(super) fn project_json(generation: u64) -> Result<Vec<u8>, KeepError> {
+pub(in crate::document) fn project_json(generation: u64) -> Result<Vec<u8>, KeepError> {
     let head = Head { format: PROJECT_FORMAT.into(), version: VERSION, generation };
     serde_json::to_vec_pretty(&head).map_err(|e| KeepError::Scene { reason: e.to_string() })
 }
 
 /// The current generation that `project.json` names.
-pub(super) fn read_project(path: &Path) -> Result<u64, KeepError> {
+pub(in crate::document) fn read_project(path: &Path) -> Result<u64, KeepError> {
     let bytes = std::fs::read(path).map_err(KeepError::io("read", path))?;
     check_head(path, &bytes, PROJECT_FORMAT)
 }

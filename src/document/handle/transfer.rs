@@ -6,7 +6,11 @@ use crate::volume::TransferFunction;
 use serde_json::{Value, json};
 
 impl Document {
-    pub(super) fn transfer(&mut self, command: TransferCommand, edit: &mut Edit) -> Result<Value, DocumentError> {
+    pub(in crate::document) fn transfer(
+        &mut self,
+        command: TransferCommand,
+        edit: &mut Edit,
+    ) -> Result<Value, DocumentError> {
         let state = self.open_mut()?;
         let function = match command {
             TransferCommand::Set { function } => {

@@ -9,7 +9,7 @@ use crate::math::{DVec2, DVec3, Plane};
 use serde_json::{Value, json};
 
 impl Document {
-    pub(super) fn part(&mut self, command: PartCommand, edit: &mut Edit) -> Result<Value, DocumentError> {
+    pub(in crate::document) fn part(&mut self, command: PartCommand, edit: &mut Edit) -> Result<Value, DocumentError> {
         match command {
             PartCommand::Split { by, size } => {
                 edit.name("Split");

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 /// A stroke that has begun.
 #[derive(Debug)]
-pub(super) struct Running {
+pub(in crate::document) struct Running {
     brush: Brush,
     path: StrokePath,
     /// What came before the first dab: a segment that was missing, a map that was too narrow.
@@ -24,13 +24,13 @@ pub(super) struct Running {
 
 impl Running {
     /// The field that it paints.
-    pub(super) fn field(&self) -> FieldKind {
+    pub(in crate::document) fn field(&self) -> FieldKind {
         self.brush.target.field()
     }
 }
 
 /// Whether a command leaves a running stroke running.
-pub(super) fn leaves_running(command: &Command) -> bool {
+pub(in crate::document) fn leaves_running(command: &Command) -> bool {
     match command {
         Command::Ask(_) | Command::Stroke(_) | Command::Explosion(ExplosionCommand::Step { .. }) => true,
         Command::View(view) => view.moves_view() || matches!(view, super::ViewCommand::Size { .. }),
@@ -39,7 +39,7 @@ pub(super) fn leaves_running(command: &Command) -> bool {
 }
 
 impl Document {
-    pub(super) fn stroke(&mut self, command: StrokeCommand) -> Result<Value, DocumentError> {
+    pub(in crate::document) fn stroke(&mut self, command: StrokeCommand) -> Result<Value, DocumentError> {
         self.open()?;
         let running = self.running.is_some();
         match command {
@@ -120,7 +120,7 @@ impl Document {
     }
 
     /// Takes the running stroke back.
-    pub(super) fn drop_stroke(&mut self) {
+    pub(in crate::document) fn drop_stroke(&mut self) {
         let (Some(running), Some(state)) = (self.running.take(), &mut self.state) else { return };
         self.graphics.cancel(state, running.field());
         // Of a stroke there is at most a segment and a map to take back; a source that fails leaves the wider map.
@@ -134,7 +134,11 @@ impl Document {
     }
 
     /// Starts a stroke with resolved samples.
-    pub(super) fn begin_stroke(&mut self, samples: &[Sample], missed: u64) -> Result<Value, DocumentError> {
+    pub(in crate::document) fn begin_stroke(
+        &mut self,
+        samples: &[Sample],
+        missed: u64,
+    ) -> Result<Value, DocumentError> {
         let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
         let brush = state.scene.brush;
         let path = StrokePath::new(&brush, state.grid())?;
@@ -182,7 +186,9 @@ impl Document {
     }
 
     /// Bricks of the selection as a running stroke shows them.
-    pub(super) fn live_selection(&mut self) -> Result<Vec<(BrickIndex, crate::volume::Brick)>, DocumentError> {
+    pub(in crate::document) fn live_selection(
+        &mut self,
+    ) -> Result<Vec<(BrickIndex, crate::volume::Brick)>, DocumentError> {
         let (Some(running), Some(state)) = (&self.running, &self.state) else { return Ok(Vec::new()) };
         if running.field() != FieldKind::Selection {
             return Ok(Vec::new());

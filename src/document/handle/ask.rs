@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
 impl Document {
-    pub(super) fn ask(&mut self, question: Question) -> Result<Value, DocumentError> {
+    pub(in crate::document) fn ask(&mut self, question: Question) -> Result<Value, DocumentError> {
         match question {
             Question::Volume {} => Ok(volume(self.open()?)),
             Question::Scene {} => Ok(json!({ "scene": self.open()?.scene })),
@@ -67,7 +67,7 @@ impl Document {
     }
 }
 
-pub(super) fn volume(state: &State) -> Value {
+pub(in crate::document) fn volume(state: &State) -> Value {
     let grid = state.grid();
     let m = grid.world_from_index;
     let rows: [[f64; 4]; 3] = std::array::from_fn(|r| {

@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// Held as long as it lives.
 #[derive(Debug)]
-pub(super) struct Lock(#[allow(dead_code, reason = "dropping the file gives the lock back")] File);
+pub(in crate::document) struct Lock(#[allow(dead_code, reason = "dropping the file gives the lock back")] File);
 
 impl Lock {
     /// Takes the lock of a folder.

@@ -42,7 +42,7 @@ impl Document {
         }
     }
 
-    pub(super) fn project(&mut self, command: ProjectCommand) -> Result<Value, DocumentError> {
+    pub(in crate::document) fn project(&mut self, command: ProjectCommand) -> Result<Value, DocumentError> {
         match command {
             ProjectCommand::Open { path } => {
                 self.let_go_of(&path);
@@ -99,7 +99,7 @@ impl Document {
     }
 
     /// Notes a command that is done; answers a warning if it could not be. A `synced` one survives a power cut.
-    pub(super) fn note(
+    pub(in crate::document) fn note(
         &mut self,
         command: &Command,
         touched: &[(FieldKind, BrickIndex)],
@@ -112,7 +112,7 @@ impl Document {
 
     /// Another document is about to be open. A recovery folder with nothing in it worth recovering goes; anything else stays to be
     /// found.
-    pub(super) fn leave_place(&mut self) {
+    pub(in crate::document) fn leave_place(&mut self) {
         let keeper = self.keeper.take().filter(|k| !self.unsaved && k.project_dir().is_none());
         if let Some(Err(error)) = keeper.map(Keeper::discard) {
             tracing::warn!("{error}");

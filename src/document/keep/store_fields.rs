@@ -17,13 +17,13 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Hash of every file of an array that is there, by its place `x/y/z`.
-pub(super) type Shards = BTreeMap<String, String>;
+pub(in crate::document) type Shards = BTreeMap<String, String>;
 
 /// Edited bricks of a field, in order.
-pub(super) type Edits = BTreeMap<BrickIndex, Brick>;
+pub(in crate::document) type Edits = BTreeMap<BrickIndex, Brick>;
 
 /// The arrays' folder names.
-pub(super) fn array_name(kind: FieldKind) -> &'static str {
+pub(in crate::document) fn array_name(kind: FieldKind) -> &'static str {
     match kind {
         FieldKind::Density => "density_edits",
         _ => kind.name(),
@@ -31,7 +31,7 @@ pub(super) fn array_name(kind: FieldKind) -> &'static str {
 }
 
 /// The map of edited bricks, in `array_name(Density)`.
-pub(super) const EDITED: &str = "density_edits/edited";
+pub(in crate::document) const EDITED: &str = "density_edits/edited";
 
 fn layout(kind: FieldKind, format: TexelFormat, dims: [u32; 3]) -> Layout {
     let (voxel_type, channels) = match format {
@@ -45,7 +45,7 @@ fn layout(kind: FieldKind, format: TexelFormat, dims: [u32; 3]) -> Layout {
 
 /// Writes a painted field, or the edits of density. `previous` are the shards of the generation before.
 /// Answers the shards that there are now; `tick` is called once per shard.
-pub(super) fn write_field(
+pub(in crate::document) fn write_field(
     writer: &Writer,
     field: &Field,
     grid: &Grid,
@@ -83,7 +83,7 @@ pub(super) fn write_field(
 }
 
 /// Writes the map of edited bricks of density.
-pub(super) fn write_edited(
+pub(in crate::document) fn write_edited(
     writer: &Writer,
     density: &Field,
     grid: &Grid,
@@ -111,7 +111,7 @@ pub(super) fn write_edited(
 }
 
 /// Reads what [`write_field`] wrote; `edited` limits density to the bricks that are edits.
-pub(super) fn read_field(
+pub(in crate::document) fn read_field(
     dir: &Path,
     kind: FieldKind,
     format: TexelFormat,
@@ -154,7 +154,11 @@ pub(super) fn read_field(
 }
 
 /// Reads the map of edited bricks.
-pub(super) fn read_edited(dir: &Path, dims: [u32; 3], shards: &Shards) -> Result<Vec<BrickIndex>, KeepError> {
+pub(in crate::document) fn read_edited(
+    dir: &Path,
+    dims: [u32; 3],
+    shards: &Shards,
+) -> Result<Vec<BrickIndex>, KeepError> {
     let layout = Layout::per_brick(EDITED, dims);
     let array = layout.open(dir)?;
     let mut edited = Vec::new();

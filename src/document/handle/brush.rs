@@ -5,7 +5,7 @@ use crate::paint::Brush;
 use serde_json::{Value, json};
 
 impl Document {
-    pub(super) fn brush(&mut self, command: BrushCommand) -> Result<Value, DocumentError> {
+    pub(in crate::document) fn brush(&mut self, command: BrushCommand) -> Result<Value, DocumentError> {
         let state = self.open_mut()?;
         let BrushCommand::Set {
             shape,

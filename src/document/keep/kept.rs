@@ -49,7 +49,7 @@ pub struct Recovered {
 }
 
 impl KeptDocument {
-    pub(super) fn new(loaded: Loaded, replay: Replay, journal: &Path) -> Result<Self, KeepError> {
+    pub(in crate::document) fn new(loaded: Loaded, replay: Replay, journal: &Path) -> Result<Self, KeepError> {
         let Loaded { manifest, density, mut edits } = loaded;
         let grid = manifest.grid();
         let bricks = grid.dims.map(|d| d.div_ceil(BRICK));
