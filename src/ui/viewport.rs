@@ -6,8 +6,8 @@ use super::pointer::pixels;
 use super::theme::{self, GAP, view_colour, view_title};
 use super::widgets::{Face, icon_button};
 use crate::document::{Place, SlicePlane, ViewCommand, ViewName};
-use crate::interact::Button;
-use crate::math::DVec2;
+use crate::interact::{Button, projected};
+use crate::math::{DVec2, Projection};
 use egui::{
     Align2, Color32, Rect, Role, Sense, Slider, Stroke, StrokeKind, TextStyle, Ui, UiBuilder, WidgetInfo, pos2, vec2,
 };
@@ -167,6 +167,7 @@ impl App {
                     self.send_view(ViewCommand::Frame { from, up: None, zoom: None });
                 }
             }
+            self.projection_button(ui);
         } else {
             self.slice_slider(ui, view, inner.right() - button - GAP);
         }
@@ -177,6 +178,16 @@ impl App {
         let face = Face::small(if alone { Icon::Four } else { Icon::Maximise }, &name, &name);
         if icon_button(&mut corner, face).clicked() {
             self.viewports.toggle(view);
+        }
+    }
+
+    fn projection_button(&mut self, ui: &mut Ui) {
+        let Some(camera) = self.scene.as_ref().map(|s| s.views.camera) else { return };
+        let on = matches!(camera.projection, Projection::Orthographic { .. });
+        let b = egui::Button::new("Ortho").selected(on).min_size(vec2(20.0, 20.0)).frame_when_inactive(on);
+        let b = ui.add(b).accessible_name("Orthographic projection");
+        if b.on_hover_text("Orthographic: what is far is as large as what is near").clicked() {
+            self.send_view(ViewCommand::Camera { camera: projected(&camera, !on) });
         }
     }
 

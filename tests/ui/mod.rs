@@ -5,6 +5,7 @@ mod curve;
 mod driver;
 mod interact;
 mod looks;
+mod projection;
 mod real;
 mod slices;
 mod window;
