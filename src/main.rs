@@ -6,7 +6,7 @@ use burin::document::{Document, DocumentError, Opened, Origin, ProjectCommand};
 use burin::script;
 use clap::{Parser, Subcommand};
 use serde_json::{Value, json};
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -96,8 +96,7 @@ fn perform(arguments: Arguments) -> Result<(), String> {
         ),
         Some(Command::Schema) => {
             let schema = serde_json::to_string_pretty(&script::schema()).map_err(|e| e.to_string())?;
-            println!("{schema}");
-            Ok(())
+            say(&schema)
         }
     }
 }
@@ -155,7 +154,7 @@ fn render(path: &Path, camera: Option<String>, degree: Option<f64>, image: &Valu
     for line in lines {
         let answer = script::perform(&mut document, &line.to_string())?;
         if line.get("render").is_some() {
-            println!("{answer}");
+            say(&answer.to_string())?;
         }
     }
     Ok(())
@@ -172,16 +171,24 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 fn info(file: &Path, json: bool) -> Result<(), String> {
     let info = burin::io::info(file, &|_| true).map_err(|e| e.to_string())?;
     if json {
-        println!("{}", serde_json::to_string(&info).map_err(|e| e.to_string())?);
+        say(&serde_json::to_string(&info).map_err(|e| e.to_string())?)?;
         return Ok(());
     }
     let value = serde_json::to_value(&info).map_err(|e| e.to_string())?;
     for (name, value) in value.as_object().into_iter().flatten() {
-        println!("{name}: {value}");
+        say(&format!("{name}: {value}"))?;
     }
     Ok(())
 }
 
 fn said(error: DocumentError) -> String {
     error.to_string()
+}
+
+/// One line on stdout. A reader that has seen enough and closed the pipe is no error.
+fn say(line: &str) -> Result<(), String> {
+    match writeln!(std::io::stdout(), "{line}") {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(format!("stdout: {error}")),
+        _ => Ok(()),
+    }
 }
