@@ -48,6 +48,8 @@ pub(super) struct Pool {
     /// Whether anything was ever written to the texture.
     written: bool,
     pages: Vec<Page>,
+    /// The coarsest level that any page draws from.
+    coarsest: u8,
     pub(super) page_texture: wgpu::Texture,
     /// Whether a texture was replaced since the bind group was made.
     pub(super) replaced: bool,
@@ -109,6 +111,7 @@ impl Pool {
             bricks,
             written: false,
             pages: vec![UNWRITTEN; count],
+            coarsest: 0,
             page_texture,
             replaced: true,
         })
@@ -279,6 +282,7 @@ impl Pool {
         if changed.is_empty() {
             return Ok(changed);
         }
+        self.coarsest = (0..self.pages.len()).map(|i| self.level_of(i)).max().unwrap_or(0);
         let [nx, ny, _] = self.bricks.map(|b| b as usize);
         gpu.scoped(&format!("pages of {}", self.kind.name()), || {
             // A handful of bricks is written brick by brick, more by the whole table.
@@ -302,6 +306,11 @@ impl Pool {
             wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(8 * size[0]), rows_per_image: Some(size[1]) },
             extent(size),
         );
+    }
+
+    /// The coarsest level that any brick of level 0 is drawn from.
+    pub(super) fn coarsest(&self) -> u8 {
+        self.coarsest
     }
 
     /// The level that each brick of level 0 is drawn from.

@@ -4,11 +4,11 @@
 //! levels only above one.
 
 use super::blocks::{Region, copy_box, difference, interior};
-use super::field::{Base, Changes, Field, FieldKind, Refresh};
-use super::pyramid::{coarsen, summarise};
-use super::{BRICK, BRICK_VOXELS, Brick, BrickIndex, BrickKey, BrickSource, DensityMap, SourceError};
+use super::field::{Base, Cells, Changes, Field, FieldKind, Refresh};
+use super::pyramid::{About, coarsen, renew, summarise};
+use super::{BRICK, BRICK_VOXELS, Brick, BrickIndex, BrickKey, BrickSource, CELL, DensityMap, SourceError};
 use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 impl Field {
@@ -139,11 +139,22 @@ impl Field {
                 changed = families.into_iter().filter_map(|(parent, c)| Some((parent, covered(&c)?))).collect();
             }
             let bricks = self.brick_dims(level);
-            let around: BTreeSet<BrickIndex> =
-                changed.iter().flat_map(|(b, region)| region.shifted(b.origin()).slots(bricks)).collect();
-            let keys: Vec<_> = around.into_iter().map(|index| BrickKey { level, index }).collect();
-            self.summarise_all(keys.clone())?;
-            slots.extend(keys);
+            let mut around: BTreeMap<BrickIndex, Region> = BTreeMap::new();
+            for (brick, region) in &changed {
+                let region = region.shifted(brick.origin());
+                for slot in region.slots(bricks) {
+                    around.entry(slot).and_modify(|r| *r = r.union(&region)).or_insert(region);
+                }
+            }
+            let about = around
+                .par_iter()
+                .map(|(&index, region)| {
+                    let key = BrickKey { level, index };
+                    Ok((key, self.renewed(key, region)?))
+                })
+                .collect::<Result<Vec<_>, SourceError>>()?;
+            slots.extend(about.iter().map(|(key, _)| *key));
+            self.about.extend(about);
         }
         Ok(Refresh { slots })
     }
@@ -167,6 +178,32 @@ impl Field {
             .collect::<Result<Vec<_>, SourceError>>()?;
         self.about.extend(about);
         Ok(())
+    }
+
+    /// What is known of a brick after a region of its level changed: only the cells that meet it are read again.
+    fn renewed(&self, key: BrickKey, region: &Region) -> Result<About, SourceError> {
+        if let Some((_, Cells::Dense(cells))) = self.about.get(&key) {
+            let (origin, dims) = (key.index.origin(), self.dims(key.level));
+            let (cells_edge, edge) = (BRICK / CELL, i64::from(CELL));
+            let met = Region {
+                lo: std::array::from_fn(|a| {
+                    let first = i64::from(region.lo[a]) - i64::from(origin[a]);
+                    (first - 1).div_euclid(edge).max(0) as u32
+                }),
+                end: std::array::from_fn(|a| {
+                    let last = i64::from(region.end[a]) - 1 - i64::from(origin[a]);
+                    // Cells beyond the volume repeat its border.
+                    let all = region.end[a] == dims[a];
+                    if all { cells_edge } else { ((last + 1).div_euclid(edge) as u32 + 1).min(cells_edge) }
+                }),
+            };
+            let lo = std::array::from_fn(|a| i64::from(origin[a] + met.lo[a] * CELL) - 1);
+            let texels = self.read(key.level, lo, met.size().map(|n| n * CELL + 2))?;
+            if let Some(about) = renew(self.format, &self.map, cells, &met, &texels) {
+                return Ok(about);
+            }
+        }
+        Ok(summarise(self.format, &self.map, &self.slot(key)?))
     }
 
     /// The children of a brick of `level` that exist.

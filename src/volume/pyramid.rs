@@ -3,7 +3,10 @@
 use super::blocks::{Region, fill_box};
 use super::brick::shared_texel;
 use super::field::{BrickSummary, Cells};
-use super::{BRICK, BRICK_VOXELS, Brick, CELL, CELLS_PER_BRICK, DensityMap, SLOT, TexelFormat};
+use super::{BRICK, BRICK_VOXELS, Brick, CELL, CELLS_PER_BRICK, DensityMap, TexelFormat};
+
+/// What is known of a slot.
+pub(super) type About = (BrickSummary, Cells);
 
 /// Reads a texel as the number that minima, maxima and occupancy speak of: density in the volume's unit, selection 0..1,
 /// the label's id, a colour's alpha.
@@ -18,20 +21,61 @@ pub(super) fn texel_value(format: TexelFormat, map: &DensityMap, texel: [u8; 4])
 
 /// Minima and maxima of a slot: of the whole, and of every cell over all taps that a sample inside it can meet (6³ texels).
 /// NaN counts for nothing; an interval with min > max holds no number.
-pub(super) fn summarise(format: TexelFormat, map: &DensityMap, slot: &[u8]) -> (BrickSummary, Cells) {
+pub(super) fn summarise(format: TexelFormat, map: &DensityMap, slot: &[u8]) -> About {
     if let Some(first) = shared_texel(slot, format.bytes()) {
         let value = texel_value(format, map, first);
         let (min, max) = if value.is_nan() { (f32::INFINITY, f32::NEG_INFINITY) } else { (value, value) };
         return (BrickSummary { uniform: Some(first), min, max }, Cells::Uniform([min, max]));
     }
+    let cells = ranges(format, map, slot, [(BRICK / CELL) as usize; 3]);
+    debug_assert_eq!(cells.len(), CELLS_PER_BRICK);
+    (whole(&cells), Cells::Dense(cells.into()))
+}
+
+/// What is known of a brick with cells `old` once the cells `met` have new texels: theirs, with a voxel of their neighbours
+/// around. `None` if the minima and maxima alone do not tell that the brick has more than one value.
+pub(super) fn renew(
+    format: TexelFormat,
+    map: &DensityMap,
+    old: &[[f32; 2]],
+    met: &Region,
+    texels: &[u8],
+) -> Option<About> {
+    let mut cells = old.to_vec();
+    let n = (BRICK / CELL) as usize;
+    let size = met.size().map(|s| s as usize);
+    let new = ranges(format, map, texels, size);
+    for (i, row) in new.chunks_exact(size[0]).enumerate() {
+        let [x, y, z] = met.lo.map(|v| v as usize);
+        let at = x + n * (y + i % size[1] + n * (z + i / size[1]));
+        cells[at..at + size[0]].copy_from_slice(row);
+    }
+    let about = whole(&cells);
+    (about.min < about.max).then(|| (about, Cells::Dense(cells.into())))
+}
+
+/// The least and the greatest value of all cells.
+fn whole(cells: &[[f32; 2]]) -> BrickSummary {
+    let [min, max] = cells.iter().fold(NONE, fold);
+    BrickSummary { uniform: None, min, max }
+}
+
+const NONE: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];
+
+fn fold(acc: [f32; 2], [lo, hi]: &[f32; 2]) -> [f32; 2] {
+    [acc[0].min(*lo), acc[1].max(*hi)]
+}
+
+/// Minima and maxima of `n` cells along each axis, from their texels with one more on every side.
+fn ranges(format: TexelFormat, map: &DensityMap, texels: &[u8], n: [usize; 3]) -> Vec<[f32; 2]> {
     // Codes rise with values, so integer formats are compared as they are and decoded once a cell.
     let values: Vec<f32> = match format {
         TexelFormat::R16Unorm | TexelFormat::R16Uint => {
-            slot.chunks_exact(2).map(|t| f32::from(u16::from_le_bytes([t[0], t[1]]))).collect()
+            texels.chunks_exact(2).map(|t| f32::from(u16::from_le_bytes([t[0], t[1]]))).collect()
         }
-        TexelFormat::R32Float => slot.chunks_exact(4).map(|t| f32::from_le_bytes([t[0], t[1], t[2], t[3]])).collect(),
-        TexelFormat::R8Unorm => slot.iter().map(|&t| f32::from(t)).collect(),
-        TexelFormat::Rgba8Unorm => slot.chunks_exact(4).map(|t| f32::from(t[3])).collect(),
+        TexelFormat::R32Float => texels.chunks_exact(4).map(|t| f32::from_le_bytes([t[0], t[1], t[2], t[3]])).collect(),
+        TexelFormat::R8Unorm => texels.iter().map(|&t| f32::from(t)).collect(),
+        TexelFormat::Rgba8Unorm => texels.chunks_exact(4).map(|t| f32::from(t[3])).collect(),
     };
     let decode = |raw: f32| match format {
         TexelFormat::R16Unorm => (map.lo + f64::from(raw) / map.codes_per_unit) as f32,
@@ -39,36 +83,31 @@ pub(super) fn summarise(format: TexelFormat, map: &DensityMap, slot: &[u8]) -> (
         TexelFormat::R32Float | TexelFormat::R16Uint => raw,
     };
     // Separable: 6 taps along each axis in turn, at a stride of 4.
-    let n = (BRICK / CELL) as usize;
-    let s = SLOT as usize;
-    let fold = |acc: [f32; 2], [lo, hi]: [f32; 2]| [acc[0].min(lo), acc[1].max(hi)];
-    let none = [f32::INFINITY, f32::NEG_INFINITY];
-    let mut along_x = vec![none; n * s * s];
-    for (row, out) in values.chunks_exact(s).zip(along_x.chunks_exact_mut(n)) {
+    let [nx, ny, nz] = n;
+    let [sx, sy, sz] = n.map(|n| n * CELL as usize + 2);
+    let mut along_x = vec![NONE; nx * sy * sz];
+    for (row, out) in values.chunks_exact(sx).zip(along_x.chunks_exact_mut(nx)) {
         for (cell, out) in out.iter_mut().enumerate() {
-            *out = row[cell * 4..cell * 4 + 6].iter().fold(none, |acc, &v| [acc[0].min(v), acc[1].max(v)]);
+            *out = row[cell * 4..cell * 4 + 6].iter().fold(NONE, |acc, &v| fold(acc, &[v, v]));
         }
     }
-    let mut along_y = vec![none; n * n * s];
-    for z in 0..s {
-        for cy in 0..n {
-            for cx in 0..n {
-                along_y[cx + n * (cy + n * z)] =
-                    (cy * 4..cy * 4 + 6).map(|y| along_x[cx + n * (y + s * z)]).fold(none, fold);
+    let mut along_y = vec![NONE; nx * ny * sz];
+    for z in 0..sz {
+        for cy in 0..ny {
+            for cx in 0..nx {
+                along_y[cx + nx * (cy + ny * z)] =
+                    (cy * 4..cy * 4 + 6).map(|y| &along_x[cx + nx * (y + sy * z)]).fold(NONE, fold);
             }
         }
     }
-    let mut cells = vec![none; CELLS_PER_BRICK];
-    let mut whole = none;
-    for cz in 0..n {
-        for i in 0..n * n {
-            let cell = (cz * 4..cz * 4 + 6).map(|z| along_y[i + n * n * z]).fold(none, fold);
-            whole = fold(whole, cell);
-            cells[i + n * n * cz] = if cell[0] <= cell[1] { cell.map(decode) } else { none };
+    let mut cells = vec![NONE; nx * ny * nz];
+    for cz in 0..nz {
+        for i in 0..nx * ny {
+            let cell = (cz * 4..cz * 4 + 6).map(|z| &along_y[i + nx * ny * z]).fold(NONE, fold);
+            cells[i + nx * ny * cz] = if cell[0] <= cell[1] { cell.map(decode) } else { NONE };
         }
     }
-    let [min, max] = if whole[0] <= whole[1] { whole.map(decode) } else { none };
-    (BrickSummary { uniform: None, min, max }, Cells::Dense(cells.into()))
+    cells
 }
 
 /// Writes the half-size version of `child` into its parent's texels from `octant` on, where it covers `part` of the child.

@@ -1,6 +1,7 @@
 //! What editing asks of the pools: new texels after a swap, slots for a running stroke.
 
 use super::{FieldPools, place};
+use crate::gpu::pool::Pool;
 use crate::gpu::{Gpu, GpuError};
 use crate::volume::{BrickIndex, BrickKey, Field, FieldKind, Refresh};
 
@@ -17,7 +18,9 @@ impl FieldPools {
         if kind == FieldKind::Density {
             self.extinction.take();
         }
-        for key in &refresh.slots {
+        // Most of the time all is drawn from level 0, and a coarse brick lies over very many of its bricks.
+        let coarsest = self.pools[place(kind)].as_ref().map_or(0, Pool::coarsest);
+        for key in refresh.slots.iter().filter(|k| k.level <= coarsest) {
             let below = key.index.0.map(|b| b << key.level);
             let end: [u32; 3] = std::array::from_fn(|a| ((key.index.0[a] + 1) << key.level).min(self.bricks[a]));
             for z in below[2]..end[2] {
