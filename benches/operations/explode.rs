@@ -35,7 +35,7 @@ pub fn visibility(report: &mut Report) -> Result<(), Failure> {
         rounds = rounds.max(settled["rounds"].as_u64().unwrap_or(0));
         steps = steps.max(settled["steps"].as_u64().unwrap_or(0));
         let seen = apply(&mut document, json!({"ask": {"visibility": {"size": [512, 512]}}}))?;
-        let share = seen["visible"].as_f64().ok_or(format!("no share in {seen}"))?;
+        let share = seen["share"].as_f64().ok_or(format!("no share in {seen}"))?;
         report.note(&format!(
             "from {:?}: {:.2} % visible, {} rounds, {} steps",
             all[i],

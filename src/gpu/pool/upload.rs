@@ -10,8 +10,8 @@ use rayon::prelude::*;
 
 /// Bytes handed to the queue before it is told to start.
 const BATCH_BYTES: usize = 32 << 20;
-/// A new texture up to this size is written at once.
-const WHOLE_BYTES: u64 = 512 << 20;
+/// A new texture up to this size is written at once; a larger one would need as much memory again for its staging.
+const WHOLE_BYTES: u64 = 128 << 20;
 
 /// A brick and the slot it goes to.
 pub(super) type Upload = (BrickKey, [u32; 3]);
@@ -52,8 +52,13 @@ impl Pool {
 
     fn upload_slots(&self, gpu: &Gpu, field: &Field, uploads: &[Upload]) -> Result<(), GpuError> {
         let bytes = self.format.bytes();
-        for part in uploads.chunks((BATCH_BYTES / (SLOT_VOXELS * bytes)).max(1)) {
+        let batch = (BATCH_BYTES / (SLOT_VOXELS * bytes)).max(1);
+        for (i, part) in uploads.chunks(batch).enumerate() {
             let texels = self.texels(field, part)?;
+            if i > 0 {
+                // The batch before is in place and its staging free again.
+                gpu.wait()?;
+            }
             gpu.scoped(&format!("bricks of {}", self.kind.name()), || {
                 for ((_, slot), texels) in part.iter().zip(&texels) {
                     let [x, y, z] = slot.map(|s| s * SLOT);
