@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// Held as long as it lives.
 #[derive(Debug)]
-pub(in crate::document) struct Lock(#[allow(dead_code, reason = "dropping the file gives the lock back")] File);
+pub(in crate::document) struct Lock(File);
 
 impl Lock {
     /// Takes the lock of a folder.
@@ -42,5 +42,14 @@ impl Lock {
             tracing::debug!("{}: holder's name not written: {error}", path.display());
         }
         Ok(Self(file))
+    }
+}
+
+impl Drop for Lock {
+    /// Closing the file is not enough: a program that is being started at this moment holds a copy of it for a while.
+    fn drop(&mut self) {
+        if let Err(error) = self.0.unlock() {
+            tracing::debug!("project lock not given back: {error}");
+        }
     }
 }
