@@ -28,8 +28,10 @@ struct Desk {
 impl Desk {
     /// A screen of its own; `None`, with the reason printed, where the tools are missing.
     fn new() -> Option<Self> {
+        // Without -noreset the server starts anew whenever its last client leaves, as xdotool does at every look, and turns away
+        // a program that connects at that moment.
         let server = Process::new("Xvfb")
-            .args(["-displayfd", "1", "-screen", "0", "1280x800x24", "-nolisten", "tcp"])
+            .args(["-displayfd", "1", "-screen", "0", "1280x800x24", "-nolisten", "tcp", "-noreset"])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn();
@@ -106,18 +108,21 @@ fn a_stroke_by_hand_is_in_the_saved_project() {
     let Some(desk) = Desk::new() else { return };
     let dir = tempfile::tempdir().unwrap();
     write_ball(&dir.path().join("ball.nrrd"));
+    let said = dir.path().join("said");
     let program = Process::new(env!("CARGO_BIN_EXE_burin"))
         .arg(dir.path().join("ball.nrrd"))
         .env("DISPLAY", &desk.display)
         .env("BURIN_STATE_DIR", dir.path().join("state"))
         .env_remove("WAYLAND_DISPLAY")
         .env_remove("DBUS_SESSION_BUS_ADDRESS")
-        .stderr(Stdio::null())
+        .stderr(std::fs::File::create(&said).unwrap())
         .spawn()
         .unwrap();
     let mut program = Running(program);
     let window = wait_for(|| {
-        assert!(program.0.try_wait().unwrap().is_none(), "the program ended");
+        if let Some(status) = program.0.try_wait().unwrap() {
+            panic!("the program ended, {status}: {}", std::fs::read_to_string(&said).unwrap());
+        }
         let found = desk.xdotool(&["search", "--onlyvisible", "--name", "Burin"]).unwrap();
         found.lines().last().map(str::to_owned).ok_or_else(|| "no window".to_owned())
     });
