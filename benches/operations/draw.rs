@@ -1,5 +1,6 @@
-//! Pictures of the head: by mode, exploded, unexploded in many parts, from a pool that is too small.
+//! Pictures of the head: by mode, exploded, unexploded in many parts, beside a dense texture, from a pool that is too small.
 
+use super::dense::Dense;
 use super::head::{Failure, Volume, blocks, camera, frame, head};
 use super::measure::{Report, Time, measure};
 use burin::gpu::{Body, Caster, FieldPools, Frame, Gpu};
@@ -86,7 +87,42 @@ pub fn unexploded(report: &mut Report) -> Result<(), Failure> {
     Ok(())
 }
 
-pub fn paged(report: &mut Report) -> Result<(), Failure> {
+/// Bricks beside one dense texture, and beside marching every sample, unshaded and shaded.
+pub fn plain(report: &mut Report) -> Result<(), Failure> {
+    let mut stage = Stage::new(ALL)?;
+    let dense = Dense::new(&stage.gpu, &stage.volume, [512; 2])?;
+    for (words, shaded) in [("unshaded", false), ("shaded", true)] {
+        let make = turning(Mode::Dvr, shaded);
+        let paged = stage.time(&make)?;
+        let mut last = Vec::new();
+        let plain = measure(2, 11, |i| -> Result<(), Failure> {
+            last = dense.image(&stage.gpu, &make(i))?;
+            Ok(())
+        })?;
+        let image = stage.caster.image(&stage.gpu, &mut stage.pools, &stage.volume.fields(), &make(12))?;
+        let apart: Vec<f32> = (last.iter().zip(&image.colour))
+            .map(|(a, b)| (0..4).map(|i| (a[i] - b[i]).abs()).fold(0.0, f32::max) * 255.0)
+            .collect();
+        let (most, mean) = (apart.iter().copied().fold(0.0, f32::max), apart.iter().sum::<f32>() / apart.len() as f32);
+        stage.caster.shortcuts = false;
+        let marched = stage.time(&make)?;
+        stage.caster.shortcuts = true;
+        report.row(&format!("head, {words}, one dense texture"), plain, "");
+        report.row(&format!("head, {words}, bricks"), paged, &format!("{:.2} of dense (CPU)", paged.cpu / plain.cpu));
+        report.row(
+            &format!("head, {words}, bricks, every sample"),
+            marched,
+            &format!("{:.2} of dense (CPU)", marched.cpu / plain.cpu),
+        );
+        report.note(&format!("    pictures of dense and bricks: at most {most:.2}/255 apart, {mean:.4} on average"));
+        if mean > 0.2 {
+            return Err("the dense picture is another one".into());
+        }
+    }
+    Ok(())
+}
+
+pub fn pool(report: &mut Report) -> Result<(), Failure> {
     let mut whole = Stage::new(ALL)?;
     let full = whole.time(turning(Mode::Dvr, false))?;
     let (slots, _) = whole.pools.room(burin::volume::FieldKind::Density);

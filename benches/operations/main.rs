@@ -4,6 +4,7 @@
 //! Every timed picture is compared with one that was drawn untimed.
 #![allow(missing_docs)]
 
+mod dense;
 mod draw;
 mod explode;
 mod head;
@@ -19,7 +20,8 @@ const BENCHES: &[Bench] = &[
     ("draw/modes", draw::modes),
     ("draw/exploded", draw::exploded),
     ("draw/unexploded", draw::unexploded),
-    ("draw/paged", draw::paged),
+    ("draw/plain", draw::plain),
+    ("draw/pool", draw::pool),
     ("paint/dab", paint::dab),
     ("paint/stamp", paint::stamp),
     ("explode/visibility", explode::visibility),
