@@ -84,6 +84,9 @@ fn main() -> ExitCode {
 }
 
 fn perform(arguments: Arguments) -> Result<(), String> {
+    if let None | Some(Command::Run { .. }) = arguments.command {
+        burin::document::remove_dead_history(&std::env::temp_dir());
+    }
     match arguments.command {
         None => burin::ui::run(burin::ui::Options { open: arguments.path }),
         Some(Command::Run { script, project, keep_going }) => run(&script, project, keep_going),
@@ -117,8 +120,9 @@ fn run(path: &Path, project: Option<PathBuf>, keep_going: bool) -> Result<(), St
     }
     let outcome = script::run(&mut document, input, std::io::stdout().lock(), keep_going)
         .map_err(|e| format!("{}: {e}", path.display()))?;
-    // The script has said what to save; a process that is killed instead leaves its journal to be found.
-    document.discard_unsaved().map_err(said)?;
+    // The script has said what to save; a process that is killed instead leaves its journal to be found. What a crash left
+    // before is not the script's to throw away.
+    document.leave_as_found().map_err(said)?;
     match outcome.failed {
         0 => Ok(()),
         n => Err(format!("{}: {n} of {} commands failed", path.display(), n + outcome.done)),

@@ -48,7 +48,7 @@ pub enum Command {
 
 /// A place: world mm, continuous index, or a pixel of a named view (in the 3D view: of the picked surface).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Place {
     /// World RAS+ mm, of the rest pose.
     Mm([f64; 3]),
@@ -68,6 +68,7 @@ pub enum Place {
 
 /// One input point of a stroke.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct StrokePoint {
     /// Where.
     pub at: Place,

@@ -4,6 +4,7 @@
 //! that cannot go to disk stays in memory and says so; nothing is lost for want of room.
 
 use super::packed::Packed;
+use super::spill::SpillFolder;
 use super::step::{Refreshed, Step};
 use super::{DocumentError, State};
 use std::path::PathBuf;
@@ -24,7 +25,7 @@ pub struct History {
     redo: Vec<Entry>,
     group: Option<Step>,
     budget_bytes: u64,
-    folder: Option<tempfile::TempDir>,
+    folder: Option<SpillFolder>,
     parent: PathBuf,
     serial: u64,
 }
@@ -175,7 +176,7 @@ impl History {
             return None;
         }
         if self.folder.is_none() {
-            match tempfile::Builder::new().prefix("burin-history-").tempdir_in(&self.parent) {
+            match SpillFolder::new(&self.parent) {
                 Ok(folder) => self.folder = Some(folder),
                 Err(e) => return Some(format!("older steps of history cannot go to {}: {e}", self.parent.display())),
             }

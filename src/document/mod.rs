@@ -20,6 +20,7 @@ mod packed;
 mod place;
 mod scene;
 mod slice_plane;
+mod spill;
 mod state;
 mod step;
 mod view_history;
@@ -38,6 +39,7 @@ pub use keep::store_source::ZarrSource;
 pub use open::Opened;
 pub use scene::*;
 pub use slice_plane::{SlicePlane, side_letter};
+pub use spill::remove_dead_history;
 pub use state::State;
 pub use watch::Watch;
 

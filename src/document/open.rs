@@ -127,12 +127,18 @@ impl Document {
         answer
     }
 
-    /// Finishes the stroke that was running when the document was lost; answers what became of it.
+    /// Paints the stroke that was running when the document was lost as far as it had come; answers what became of it. It is tried
+    /// once: the journal has it no more before it is begun, so that a stroke that brings the program down is not met at every
+    /// start, and one that is cut off again is not painted twice.
     fn finish_recovered(&mut self, recovered: &Recovered, warnings: &mut Vec<String>) -> &'static str {
         if recovered.stroke.is_empty() {
             return "none";
         }
-        match self.begin_stroke(&recovered.stroke, 0).and_then(|_| self.settle()) {
+        self.no_stroke();
+        let keeper = self.keeper.take();
+        let begun = self.begin_stroke(&recovered.stroke, 0);
+        self.keeper = keeper;
+        match begun.and_then(|_| self.settle()) {
             Ok(_) => "painted",
             Err(error) => {
                 warnings.push(format!("the stroke that was running is lost: {error}"));

@@ -6,7 +6,7 @@ use super::PartId;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ExplodeError {
     /// No part has this id.
-    #[error("part {found:?} does not exist; the parts are {parts:?}")]
+    #[error("part {found} does not exist; the parts are {}", list(parts))]
     NoSuchPart {
         /// What was asked for.
         found: PartId,
@@ -31,4 +31,8 @@ pub enum ExplodeError {
         /// What it should hold.
         expected: &'static str,
     },
+}
+
+fn list(parts: &[PartId]) -> String {
+    parts.iter().map(PartId::to_string).collect::<Vec<_>>().join(", ")
 }

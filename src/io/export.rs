@@ -45,7 +45,7 @@ const SLAB_VOXELS: u64 = 1 << 21;
 /// Writes a field; `grid` is its volume's. The old file of that name stays until the new one is whole and on disk.
 ///
 /// # Errors
-/// If the source or the disk fails, or `progress` said no.
+/// If `path` does not end in `.nrrd`, the source or the disk fails, or `progress` said no.
 pub fn export(
     path: impl AsRef<Path>,
     field: &Field,
@@ -55,6 +55,9 @@ pub fn export(
     progress: Progress<'_>,
 ) -> Result<Exported, IoError> {
     let path = path.as_ref();
+    if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("nrrd")) {
+        return Err(IoError::field(&path.display().to_string(), "extension", found_extension(path), "nrrd"));
+    }
     let source = field.source().map(|s| &**s);
     let (voxel_type, width) = match (field.kind(), source) {
         (FieldKind::Density, Some(source)) if is_plain(source) => (source.voxel_type(), 1),
@@ -96,6 +99,10 @@ pub fn export(
         }
     })?;
     Ok(Exported { voxel_type, bytes, voxels_changed })
+}
+
+fn found_extension(path: &Path) -> std::borrow::Cow<'_, str> {
+    path.extension().unwrap_or_default().to_string_lossy()
 }
 
 /// Whether stored numbers are values.

@@ -68,7 +68,6 @@ impl Layout {
         let small = |what| IoError::field(&self.file, what, format!("{lens:?}"), "1 to 4294967295 in all");
         let components = count(Role::Component).ok_or_else(|| small("components"))?;
         let frames = count(Role::Frame).ok_or_else(|| small("frames"))?;
-        let bytes = self.bytes().ok_or_else(|| small("dimensions"))?;
         let len = std::fs::metadata(&self.path).map_err(IoError::system(&self.path, "open the file"))?.len();
         let short = |found, whole: Option<u64>| IoError::Truncated {
             file: self.file.clone(),
@@ -78,6 +77,7 @@ impl Layout {
                 None => format!("less than 2^64 bytes for {lens:?} voxels"),
             },
         };
+        let bytes = self.bytes().ok_or_else(|| short(format!("a file of {len} bytes"), None))?;
         match self.encoding {
             Encoding::Raw { start } => {
                 let whole = start.checked_add(bytes);

@@ -2,7 +2,7 @@
 
 use super::inflate::open_file;
 use super::layout::{Encoding, Layout, Role};
-use super::nrrd_header::Header;
+use super::nrrd_header::{Header, ONE_DATA_FILE};
 use super::{IoError, Opened, Reader, nrrd_place};
 use std::io::{BufRead, BufReader, Seek, SeekFrom};
 use std::path::{Component, Path, PathBuf};
@@ -50,9 +50,8 @@ impl Reader for Nrrd {
 /// The file of the voxels and where in it they may begin.
 fn data_file(path: &Path, header: &Header) -> Result<(PathBuf, u64), IoError> {
     let Some(name) = header.get("data file") else { return Ok((path.into(), header.end)) };
-    let several = name.eq_ignore_ascii_case("list") || name.to_ascii_lowercase().starts_with("list ");
-    if several || name.contains('%') {
-        return Err(header.wrong("data file", name, "one file: a series of data files is not supported yet"));
+    if name.contains('%') {
+        return Err(header.wrong("data file", name, ONE_DATA_FILE));
     }
     let name = Path::new(name);
     // A header must not make anyone read what lies elsewhere.

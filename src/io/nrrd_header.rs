@@ -20,6 +20,9 @@ const MAX_AXES: usize = 16;
 /// Unknown fields that are named; a hostile header may hold millions.
 const MAX_UNKNOWN: usize = 10;
 
+/// What is said to a series of data files.
+pub(super) const ONE_DATA_FILE: &str = "one file: a series of data files is not supported yet";
+
 /// Fields whose spelling without a space is the same field.
 const SPELLINGS: [(&str, &str); 11] = [
     ("datafile", "data file"),
@@ -138,6 +141,11 @@ impl Header {
                 warnings.push(format!("header line {number}: field \"{}\" is not known and not used", shown(&name)));
             }
             return Ok(());
+        }
+        // What follows are names of files, not fields: refused here, before they are taken for damage.
+        let several = value.trim().get(..4).is_some_and(|w| w.eq_ignore_ascii_case("list"));
+        if name == "data file" && several && value.trim()[4..].chars().next().is_none_or(char::is_whitespace) {
+            return Err(self.wrong("data file", value.trim(), ONE_DATA_FILE));
         }
         match self.fields.insert(name.clone(), value.trim().into()) {
             Some(before) if before != value.trim() => {

@@ -107,6 +107,9 @@ fn roles(
             warnings.push(format!("axis {a} is not space and has no kind: taken as frames"));
             Role::Frame
         } else {
+            if silent(a) {
+                warnings.push(format!("axis {a} has no direction and no kind: taken as components"));
+            }
             Role::Component
         }
     };

@@ -57,9 +57,37 @@ pub fn run(
 /// # Errors
 /// What is wrong with the line, or why it cannot be done, in words.
 pub fn perform(document: &mut Document, line: &str) -> Result<Value, String> {
-    let command: Command =
-        serde_json::from_str(line).map_err(|e| format!("not a command: {e}; `burin schema` lists them"))?;
+    let command = parse(line).map_err(|e| format!("not a command: {e}; `burin schema` lists them"))?;
     document.apply(command).map_err(|e| e.to_string())
+}
+
+/// A line as a command; what is wrong is told with the path of the field.
+fn parse(line: &str) -> Result<Command, String> {
+    let mut json = serde_json::Deserializer::from_str(line);
+    let command = serde_path_to_error::deserialize(&mut json).map_err(|error| {
+        let path = error.path().to_string();
+        // JSON's own parser only misses a comma or a brace where there are two nouns or two verbs.
+        let found = serde_json::from_str(line).ok().and_then(|value| too_many(&value));
+        match (found, path.as_str()) {
+            (Some(found), _) => found,
+            (None, ".") => error.into_inner().to_string(),
+            (None, path) => format!("{path}: {}", error.into_inner()),
+        }
+    })?;
+    json.end().map_err(|error| error.to_string())?;
+    Ok(command)
+}
+
+/// What is wrong with a line that is not one noun with one verb.
+fn too_many(line: &Value) -> Option<String> {
+    let Value::Object(nouns) = line else {
+        return Some("found no object, expected {\"noun\":{\"verb\":{…}}}".into());
+    };
+    let several = |what: &str, map: &serde_json::Map<String, Value>| {
+        let names: Vec<&str> = map.keys().map(String::as_str).collect();
+        (names.len() != 1).then(|| format!("found {} {what}s ({}), expected one a line", names.len(), names.join(", ")))
+    };
+    several("noun", nouns).or_else(|| nouns.values().next()?.as_object().and_then(|verbs| several("verb", verbs)))
 }
 
 /// The JSON Schema of a line.

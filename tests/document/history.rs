@@ -1,7 +1,7 @@
 //! Undo and redo: every byte back, within a budget, in groups.
 
 use super::maker::{bytes, labelled, run};
-use burin::document::Document;
+use burin::document::{Document, remove_dead_history};
 use rand::{Rng, SeedableRng, seq::IndexedRandom};
 
 /// A command that changes something undoable, or a view, at random.
@@ -110,6 +110,45 @@ fn a_group_is_one_step_and_one_that_returns_is_none() {
     window(&mut document, 9);
     run(&mut document, r#"{"history":{"cancel":{}}}"#).unwrap();
     assert_eq!(document.state().unwrap().scene.window.width, 5.0);
+}
+
+#[test]
+fn steps_on_disk_go_with_their_process_however_it_ended() {
+    let parent = tempfile::tempdir().unwrap();
+    let folders = || std::fs::read_dir(parent.path()).unwrap().count();
+    let mut document = labelled();
+    document.keep_history_in(parent.path().to_owned());
+    run(&mut document, r#"{"history":{"budget":{"bytes":0}}}"#).unwrap();
+    let start = bytes(&document);
+    run(&mut document, r#"{"selection":{"from_label":{"label":1}}}"#).unwrap();
+    assert_eq!(folders(), 1);
+    // What a crash leaves is the same without the process that held its lock.
+    let dead = parent.path().join("burin-history-dead");
+    std::fs::create_dir(&dead).unwrap();
+    #[cfg(unix)]
+    std::fs::set_permissions(&dead, std::os::unix::fs::PermissionsExt::from_mode(0o700)).unwrap();
+    for name in ["lock", "step-1"] {
+        std::fs::write(dead.join(name), b"left").unwrap();
+    }
+    // Of somebody else, or of something else: not ours to remove.
+    std::fs::create_dir_all(parent.path().join("burin-history-none/step-1")).unwrap();
+    std::fs::write(parent.path().join("burin-history-file"), b"").unwrap();
+    #[cfg(unix)]
+    {
+        let open = parent.path().join("burin-history-open");
+        std::fs::create_dir(&open).unwrap();
+        std::fs::write(open.join("lock"), b"").unwrap();
+        std::fs::set_permissions(&open, std::os::unix::fs::PermissionsExt::from_mode(0o777)).unwrap();
+        std::os::unix::fs::symlink(&open, parent.path().join("burin-history-link")).unwrap();
+    }
+    let before = folders();
+    assert_eq!(remove_dead_history(parent.path()), 1);
+    assert_eq!(folders(), before - 1);
+    assert!(!dead.exists());
+    run(&mut document, r#"{"history":{"undo":{}}}"#).unwrap();
+    assert_eq!(bytes(&document), start);
+    drop(document);
+    assert_eq!(folders(), before - 2);
 }
 
 #[test]

@@ -87,6 +87,86 @@ fn a_document_that_was_never_saved_is_found_after_a_crash() {
 }
 
 #[test]
+fn a_project_that_cannot_be_opened_again_goes_on_being_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let project = folder.path().join("p");
+    let mut document = open_volume(folder.path(), None);
+    run(&mut document, &json!({"project":{"save":{"path":project}}}).to_string()).unwrap();
+    let manifest = project.join("generation-000001/generation.json");
+    let whole = std::fs::read(&manifest).unwrap();
+    std::fs::write(&manifest, b"{").unwrap();
+    let again = json!({"project":{"open":{"path":project}}}).to_string();
+    run(&mut document, &again).unwrap_err();
+    std::fs::write(&manifest, whole).unwrap();
+    // Nobody else gets it, and what is done now is noted.
+    let taken = run(&mut Document::new(), &again).unwrap_err().to_string();
+    assert!(taken.contains("open"), "{taken}");
+    select(&mut document, folder.path());
+    let last = bytes(&document);
+    drop(document);
+    let (document, answer) = open(&project);
+    assert_eq!((bytes(&document), &answer["recovered"]["steps"]), (last, &json!(1)));
+}
+
+#[test]
+fn a_script_that_saves_nothing_leaves_what_a_crash_left() {
+    let folder = tempfile::tempdir().unwrap();
+    let project = folder.path().join("p");
+    let mut document = open_volume(folder.path(), None);
+    run(&mut document, &json!({"project":{"save":{"path":project}}}).to_string()).unwrap();
+    let saved = bytes(&document);
+    let window = |d: &mut Document| run(d, r#"{"view":{"window":{"level":3,"width":4}}}"#).unwrap();
+    // Nothing was left: nothing is.
+    window(&mut document);
+    document.leave_as_found().unwrap();
+    let (mut document, answer) = open(&project);
+    assert_eq!((bytes(&document), &answer["recovered"]), (saved, &Value::Null));
+    select(&mut document, folder.path());
+    let crashed = bytes(&document);
+    drop(document);
+    for _ in 0..2 {
+        let (mut document, answer) = open(&project);
+        assert_eq!((bytes(&document), &answer["recovered"]["steps"]), (crashed.clone(), &json!(1)));
+        window(&mut document);
+        document.leave_as_found().unwrap();
+    }
+    // What was left is in what is saved.
+    let (mut document, _) = open(&project);
+    run(&mut document, r#"{"project":{"save":{}}}"#).unwrap();
+    window(&mut document);
+    document.leave_as_found().unwrap();
+    let (document, answer) = open(&project);
+    assert_eq!((bytes(&document), &answer["recovered"]), (crashed, &Value::Null));
+}
+
+#[test]
+fn a_stroke_that_was_cut_off_is_painted_once() {
+    let Some(gpu) = crate::common::gpu::gpu() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let project = folder.path().join("p");
+    let mut document = open_volume(folder.path(), None);
+    document.use_gpu(gpu.clone());
+    run(&mut document, r#"{"brush":{"set":{"radius_mm":5,"target":{"selection":1}}}}"#).unwrap();
+    run(&mut document, &json!({"project":{"save":{"path":project}}}).to_string()).unwrap();
+    let points = json!([{"at":{"index":[10,9,2]}},{"at":{"index":[25,20,2]}}]);
+    run(&mut document, &json!({"stroke":{"begin":{"points":points}}}).to_string()).unwrap();
+    drop(document);
+    let (document, answer) = open(&project);
+    assert_eq!(answer["recovered"]["stroke"], "painted");
+    let painted = bytes(&document);
+    drop(document);
+    let (document, answer) = open(&project);
+    assert_eq!((&answer["recovered"]["stroke"], &answer["recovered"]["steps"]), (&json!("none"), &json!(1)));
+    assert_eq!(bytes(&document), painted);
+    // In one go it is the same stroke.
+    let mut other = open_volume(folder.path(), None);
+    other.use_gpu(gpu);
+    run(&mut other, r#"{"brush":{"set":{"radius_mm":5,"target":{"selection":1}}}}"#).unwrap();
+    run(&mut other, &json!({"stroke":{"paint":{"points":points}}}).to_string()).unwrap();
+    assert_eq!(bytes(&other).0, painted.0);
+}
+
+#[test]
 fn saving_without_a_place_or_into_a_full_folder_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let mut document = open_volume(folder.path(), None);
@@ -94,4 +174,5 @@ fn saving_without_a_place_or_into_a_full_folder_is_refused() {
     assert!(error.contains("never saved"), "{error}");
     let error = run(&mut document, &json!({"project":{"save":{"path":folder.path()}}}).to_string()).unwrap_err();
     assert!(error.to_string().contains("v.nrrd"), "{error}");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "a refused folder is left as it was");
 }

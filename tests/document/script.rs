@@ -32,6 +32,37 @@ fn the_first_error_ends_it_unless_told_to_go_on() {
 }
 
 #[test]
+fn what_is_wrong_is_told_with_its_field() {
+    let point = r#"{"at":{"mm":[0,0,0]}"#;
+    for (line, expected) in [
+        (r#"{"brush":{"set":{"radius_mm":"big"}}}"#.into(), "brush.set.radius_mm: invalid type: string"),
+        (r#"{"brush":{"set":{"target":{"label":70000}}}}"#.into(), "brush.set.target.label: invalid value"),
+        (r#"{"view":{"look":{"mode":{"iso":"a"}}}}"#.into(), "view.look.mode.iso: "),
+        (
+            r#"{"stroke":{"paint":{"points":[{"at":{"mm":[0,0]}}]}}}"#.into(),
+            "stroke.paint.points[0].at.mm: invalid length 2",
+        ),
+        (
+            format!(r#"{{"stroke":{{"paint":{{"points":[{point},"presure":1}}]}}}}}}"#),
+            "points[0].presure: unknown field",
+        ),
+        (
+            r#"{"ask":{"voxel":{"at":{"pixel":{"view":"axial","px":[1,2],"sise":[3,3]}}}}}"#.into(),
+            "at.pixel.sise: unknown field",
+        ),
+        (r#"{"history":{"undo":{"steps":-1}}}"#.into(), "history.undo.steps: invalid value"),
+        (r#"{"history":{"undo":{}},"view":{"back":{}}}"#.into(), "found 2 nouns (history, view), expected one a line"),
+        (r#"{"history":{"undo":{},"redo":{}}}"#.into(), "found 2 verbs (undo, redo), expected one a line"),
+        ("[1]".into(), "found no object"),
+        (r#"{"part":{"set":{"id":9}}}"#.into(), "part 9 does not exist; the parts are 1"),
+    ] {
+        let (_, lines) = answers(&mut labelled(), &line, false);
+        let text = lines[0]["error"].as_str().unwrap();
+        assert!(text.contains(expected), "{line}: {text}");
+    }
+}
+
+#[test]
 fn hostile_lines_are_answers() {
     let deep = "[".repeat(100_000);
     for line in ["\u{0}", "{", "null", "[1]", "{\"view\":{\"window\":{\"level\":1e999,\"width\":1}}}", &deep] {

@@ -229,9 +229,18 @@ fn what_fails_midway_leaves_the_old_file_and_nothing_else() {
     assert!(matches!(error, IoError::Cancelled { .. }), "{error}");
     assert_eq!(std::fs::read(&path).unwrap(), b"the old one");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
-    for nowhere in ["missing/out.nrrd", "."] {
+    let a_folder = folder.path().join("folder.nrrd");
+    std::fs::create_dir(&a_folder).unwrap();
+    for nowhere in ["missing/out.nrrd", "folder.nrrd"] {
         let error = io::export(folder.path().join(nowhere), &selection, &grid, &segments, Compression::Raw, &go_on());
         assert!(matches!(error, Err(IoError::System { .. })));
+    }
+    std::fs::remove_dir(&a_folder).unwrap();
+    // Another program would take the name's word for the format.
+    for other in ["out.nii", "out.nii.gz", "out", "."] {
+        let error = io::export(folder.path().join(other), &selection, &grid, &segments, Compression::Raw, &go_on());
+        let text = error.unwrap_err().to_string();
+        assert!(text.contains("extension: found") && text.contains("expected nrrd"), "{text}");
     }
     io::export(&path, &selection, &grid, &segments, Compression::Raw, &go_on()).unwrap();
     assert_eq!(read(&path, 0).1, Voxels::U8(vec![0; grid.voxel_count() as usize]));

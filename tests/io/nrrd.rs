@@ -6,6 +6,10 @@ use burin::volume::{VoxelType, Voxels};
 
 const PLAIN: [&str; 5] = ["type: short", "dimension: 3", "sizes: 3 4 5", "endian: big", "encoding: raw"];
 
+/// More bytes than can be counted.
+const BEYOND: [&str; 5] =
+    ["type: short", "dimension: 3", "sizes: 4000000 3000000 2000000", "endian: big", "encoding: raw"];
+
 fn voxels() -> Voxels {
     noise(VoxelType::I16, 60, 1)
 }
@@ -51,6 +55,19 @@ fn headers_are_read_as_people_write_them() {
     open(&[b"NRRD0004\nType:short\nDIMENSION:  3\nsizes:3 4 5\nEndian: BIG\nencoding: Raw\n\n", &data()[..]].concat());
     let opened = io::open(keep(&folder, "a.nrrd", &with(&["colour: red"]))).unwrap();
     assert!(opened.warnings[0].contains("colour"), "{:?}", opened.warnings);
+}
+
+#[test]
+fn an_axis_that_loses_its_direction_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let with_axes = |vectors: &str| {
+        let lines = ["space: RAS", &format!("space directions: {vectors}")];
+        io::open(keep(&folder, "a.nrrd", &with(&lines))).unwrap()
+    };
+    let odd = with_axes("(1,0,0) (nan,nan,nan) (0,0,1)");
+    assert_eq!((odd.grid.dims, odd.components), ([3, 5, 1], 4));
+    assert!(odd.warnings.iter().any(|w| w.contains("axis 1 has no direction")), "{:?}", odd.warnings);
+    assert!(with_axes("(1,0,0) (0,1,0) (0,0,1)").warnings.is_empty());
 }
 
 #[test]
@@ -104,8 +121,14 @@ fn headers_that_cannot_be_are_refused_by_field() {
     assert!(text.contains("space origin: found (1,nan,0)"), "{text}");
     let text = io::open(keep(&folder, "bad.nrrd", b"NRRD0009\n")).unwrap_err().to_string();
     assert!(text.contains("magic: found NRRD0009; expected NRRD0001"), "{text}");
-    let list = refused(&folder, "data file: LIST", "data file", "LIST");
-    assert!(list.contains("not supported yet"));
+    // Names of files follow: they are no fields, and not what is wrong.
+    for list in ["data file: LIST\nd0.raw\nd1.raw", "data file: LIST 2\nd0.raw", "datafile: list"] {
+        let text = error(&[list]);
+        assert!(text.contains("data file: found L") || text.contains("data file: found l"), "{text}");
+        assert!(text.contains("a series of data files is not supported yet"), "{text}");
+    }
+    let text = io::open(keep(&folder, "bad.nrrd", &nrrd(&BEYOND, &data()))).unwrap_err().to_string();
+    assert!(text.contains("found a file of") && text.contains("expected less than 2^64 bytes"), "{text}");
 }
 
 #[test]

@@ -112,7 +112,7 @@ impl Document {
 
     /// The part that is hit first by a visible sample, and where, world mm as it is seen.
     fn part_under(&mut self, px: [f64; 2], size: [u32; 2]) -> Result<(PartId, DVec3), DocumentError> {
-        let hit = self.pick(DVec2::from_array(px), Some(size))?.ok_or_else(|| nothing_there(px))?;
+        let hit = self.pick(DVec2::from_array(px), Some(size))?.ok_or_else(|| nothing_there("px", px))?;
         Ok((self.open()?.part_at(hit.body, hit.rest)?, hit.world))
     }
 }

@@ -42,12 +42,23 @@ impl Document {
         }
     }
 
+    /// Closes in order: what this program did and did not save is thrown away, what an earlier one left behind when it crashed
+    /// stays to be found.
+    ///
+    /// # Errors
+    /// If the system refuses.
+    pub fn leave_as_found(mut self) -> Result<(), DocumentError> {
+        match self.keeper.take() {
+            Some(keeper) => Ok(keeper.leave_as_found()?),
+            None => Ok(()),
+        }
+    }
+
     pub(in crate::document) fn project(&mut self, command: ProjectCommand) -> Result<Value, DocumentError> {
         match command {
             ProjectCommand::Open { path } => {
-                self.let_go_of(&path);
                 let watch = self.watch.clone();
-                let opened = Opened::project(&path, &|x| watch.go_on(x))?;
+                let opened = self.beside(&path, || Opened::project(&path, &|x| watch.go_on(x)))?;
                 Ok(self.take(opened))
             }
             ProjectCommand::Save { path, density } => {
@@ -119,12 +130,30 @@ impl Document {
         }
     }
 
-    /// A project that is opened again first has to be closed; it comes back as it was.
-    fn let_go_of(&mut self, path: &Path) {
+    /// Opens what may be the project that is open here: its folder is let go of meanwhile. If it cannot be opened, this document
+    /// stays, and goes on being kept.
+    fn beside(
+        &mut self,
+        path: &Path,
+        open: impl FnOnce() -> Result<Opened, DocumentError>,
+    ) -> Result<Opened, DocumentError> {
         let same = |dir: &Path| matches!((dir.canonicalize(), path.canonicalize()), (Ok(a), Ok(b)) if a == b);
-        if self.project_dir().is_some_and(same) {
-            self.keeper = None;
+        let Some(keeper) = self.keeper.take_if(|k| k.project_dir().is_some_and(same)) else { return open() };
+        if let Err(error) = keeper.let_go() {
+            self.keeper = Some(keeper);
+            return Err(error.into());
         }
+        let opened = open();
+        match (&opened, keeper.hold_again()) {
+            (Err(_), Ok(())) => self.keeper = Some(keeper),
+            (Err(why), Err(gone)) => {
+                return Err(DocumentError::NotNow(format!(
+                    "{why}; and what is done from here on is not safe from a crash until it is saved elsewhere: {gone}"
+                )));
+            }
+            (Ok(_), _) => {}
+        }
+        opened
     }
 
     fn recovery_folder(&self) -> Result<PathBuf, DocumentError> {

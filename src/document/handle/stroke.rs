@@ -213,7 +213,8 @@ impl Document {
         Ok((samples, missed))
     }
 
-    fn no_stroke(&mut self) {
+    /// Says that no stroke runs any more.
+    pub(in crate::document) fn no_stroke(&mut self) {
         if let Some(Err(error)) = self.keeper.as_mut().map(super::Keeper::no_stroke) {
             tracing::warn!("{error}");
         }

@@ -25,7 +25,7 @@ impl ViewCommand {
 impl Document {
     pub(in crate::document) fn view(&mut self, command: ViewCommand, edit: &mut Edit) -> Result<Value, DocumentError> {
         if let ViewCommand::Crosshair { at } = command {
-            let world = self.resolve(at)?.ok_or_else(|| nothing_there(at))?.position;
+            let world = self.resolve(at)?.ok_or_else(|| nothing_there("at", at))?.position;
             let state = self.open_mut()?;
             state.scene.views.crosshair = clamp_to_volume(state, world);
             return Ok(crosshair(state));
@@ -148,8 +148,9 @@ impl Document {
 }
 
 /// What a command says that needs a surface where there is none.
-pub(in crate::document) fn nothing_there(at: impl std::fmt::Debug) -> DocumentError {
-    DocumentError::invalid("at", format!("{at:?}, where nothing is visible"), "a pixel on a visible surface")
+pub(in crate::document) fn nothing_there(field: &str, at: impl serde::Serialize) -> DocumentError {
+    let at = json!(at);
+    DocumentError::invalid(field, format!("{at}, where nothing is visible"), "a pixel on a visible surface")
 }
 
 fn set_layer(state: &mut State, layer: Layer) -> Result<(), DocumentError> {

@@ -43,6 +43,8 @@ pub(in crate::document) struct Journal {
     /// Records that the disk refused.
     pending: VecDeque<Vec<u8>>,
     gather_above: u64,
+    /// Its length when it was opened; `None` once what was found then is gathered with what came later.
+    pub(in crate::document) found: Option<u64>,
 }
 
 /// See [`Journal::now`].
@@ -106,6 +108,7 @@ impl Journal {
             stroke_runs: false,
             pending: VecDeque::new(),
             gather_above: GATHER_ABOVE,
+            found: Some(HEADER),
         }
     }
 
@@ -177,6 +180,17 @@ impl Journal {
         }
         self.push(Kind::NoStroke, b"{}", &[]);
         self.flush(false)
+    }
+
+    /// Whether it held anything when it was opened.
+    pub fn found_anything(&self) -> bool {
+        self.found != Some(HEADER)
+    }
+
+    /// Takes off what was written since it was opened. What was gathered meanwhile cannot be told apart and stays.
+    pub fn leave_as_found(self) -> Result<(), KeepError> {
+        let Some(found) = self.found else { return Ok(()) };
+        self.file.set_len(found).and_then(|()| self.file.sync_all()).map_err(KeepError::io("shorten", &self.path))
     }
 
     /// The file.
@@ -258,6 +272,7 @@ impl Journal {
         std::fs::rename(&beside, &self.path).map_err(doing)?;
         // From here on the path names the new file.
         (self.file, self.end, self.sequence) = (file, end, sequence);
+        self.found = self.found.filter(|&found| found == HEADER);
         noted.iter().for_each(|(entries, body_at)| self.note(entries, *body_at));
         self.path.parent().map_or(Ok(()), sync_dir)
     }

@@ -51,7 +51,8 @@ impl Journal {
             opened => opened.map_err(KeepError::io("open", path))?,
         };
         let shorten = file.try_clone().map_err(KeepError::io("open", path))?;
-        let (journal, mut replay, damage) = Self::read(path, file, generation, scene, map)?;
+        let (mut journal, mut replay, damage) = Self::read(path, file, generation, scene, map)?;
+        journal.found = Some(journal.end);
         replay.set_aside = damage.map(|what| set_aside(path, what)).transpose()?;
         shorten.set_len(journal.end).map_err(KeepError::io("shorten", path))?;
         Ok(Some((journal, replay)))

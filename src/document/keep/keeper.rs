@@ -200,6 +200,39 @@ impl Keeper {
         }
     }
 
+    /// Gives the folder to whoever opens it, until [`hold_again`](Self::hold_again). Nothing may be noted meanwhile.
+    ///
+    /// # Errors
+    /// If the system refuses.
+    pub fn let_go(&self) -> Result<(), KeepError> {
+        let (dir, lock) = self.folder();
+        lock.release(dir)
+    }
+
+    /// Takes the folder again.
+    ///
+    /// # Errors
+    /// If somebody else has it now.
+    pub fn hold_again(&self) -> Result<(), KeepError> {
+        let (dir, lock) = self.folder();
+        lock.retake(dir)
+    }
+
+    fn folder(&self) -> (&Path, &Lock) {
+        match &self.place {
+            Place::Project(store) => (store.dir(), store.lock()),
+            Place::Unsaved { dir, lock } => (dir, lock),
+        }
+    }
+
+    /// Throws away what was noted since the document was opened or last saved, and leaves what a crash had left before.
+    ///
+    /// # Errors
+    /// If the system refuses.
+    pub fn leave_as_found(self) -> Result<(), KeepError> {
+        if self.journal.found_anything() { self.journal.leave_as_found() } else { self.discard() }
+    }
+
     /// Throws away what was done since the last save; an unsaved document is gone.
     ///
     /// # Errors

@@ -7,7 +7,7 @@
 use super::KeepError;
 use super::journal::HEADER;
 use super::store::MANIFEST;
-use super::store_files::remove_dir;
+use super::store_files::{create_dir, remove_dir};
 use super::store_lock::Lock;
 use super::store_manifest::Manifest;
 use std::path::{Path, PathBuf};
@@ -73,10 +73,10 @@ fn look(dir: &Path) -> Option<Lost> {
 /// A new folder for a document, locked.
 pub(in crate::document) fn create(state_dir: &Path) -> Result<(PathBuf, Lock), KeepError> {
     let all = state_dir.join(FOLDER);
-    std::fs::create_dir_all(&all).map_err(KeepError::io("create", &all))?;
+    create_dir(&all)?;
     let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).map_or(0, |d| d.as_nanos());
     let dir = all.join(format!("{now:x}-{:x}", std::process::id()));
-    std::fs::create_dir(&dir).map_err(KeepError::io("create", &dir))?;
+    create_dir(&dir)?;
     let lock = Lock::take(&dir)?;
     Ok((dir, lock))
 }

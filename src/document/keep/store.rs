@@ -11,7 +11,7 @@
 
 use super::store_arrays::{SHARD, group_json, ome_attributes};
 use super::store_fields::{Edits, array_name, read_edited, read_field, write_edited, write_field};
-use super::store_files::{Writer, remove_dir, replace, sync_dir};
+use super::store_files::{Writer, create_dir, remove_dir, replace, sync_dir};
 use super::store_lock::Lock;
 use super::store_manifest::{Kept, Link, Manifest, VERSION, project_json, read_project};
 use super::store_source::{ZarrSource, density_layout};
@@ -88,15 +88,15 @@ pub(in crate::document) struct Store {
     manifest: Option<Manifest>,
     source: Option<Arc<ZarrSource>>,
     is_new_folder: bool,
-    _lock: Lock,
+    lock: Lock,
 }
 
 impl Store {
     /// A new project in a folder that is empty or not there yet. Nothing is a project before the first save.
     pub fn create(dir: &Path) -> Result<Self, KeepError> {
         let is_new_folder = !dir.exists();
-        std::fs::create_dir_all(dir).map_err(KeepError::io("create", dir))?;
-        let lock = Lock::take(dir)?;
+        create_dir(dir)?;
+        // Before the lock, which is a file: a folder of something else is left as it is.
         for entry in std::fs::read_dir(dir).map_err(KeepError::io("read", dir))? {
             let name = entry.map_err(KeepError::io("read", dir))?.file_name().to_string_lossy().into_owned();
             // A first save that a crash cut short leaves these.
@@ -104,7 +104,8 @@ impl Store {
                 return Err(KeepError::NotEmpty { path: dir.to_owned(), found: name });
             }
         }
-        Ok(Self { dir: dir.to_owned(), generation: 0, manifest: None, source: None, is_new_folder, _lock: lock })
+        let lock = Lock::take(dir)?;
+        Ok(Self { dir: dir.to_owned(), generation: 0, manifest: None, source: None, is_new_folder, lock })
     }
 
     /// Opens a project and reads its current generation.
@@ -117,13 +118,18 @@ impl Store {
             LoadedDensity::Linked(_) => None,
         };
         let (generation, manifest) = (loaded.manifest.generation, Some(loaded.manifest.clone()));
-        let store = Self { dir: dir.to_owned(), generation, manifest, source, is_new_folder: false, _lock: lock };
+        let store = Self { dir: dir.to_owned(), generation, manifest, source, is_new_folder: false, lock };
         Ok((store, loaded))
     }
 
     /// The project's folder.
     pub fn dir(&self) -> &Path {
         &self.dir
+    }
+
+    /// Its lock.
+    pub fn lock(&self) -> &Lock {
+        &self.lock
     }
 
     /// The current generation, 0 before the first save.
@@ -181,7 +187,7 @@ impl Store {
 
     /// Takes back what [`create`](Self::create) made, if nothing was saved since.
     pub fn abandon(self) {
-        let Self { dir, generation, is_new_folder, _lock: lock, .. } = self;
+        let Self { dir, generation, is_new_folder, lock, .. } = self;
         drop(lock);
         if generation == 0 {
             let removed = std::fs::remove_file(dir.join("lock"));

@@ -136,6 +136,14 @@ pub(in crate::document) fn sync_dir(dir: &Path) -> Result<(), KeepError> {
     Ok(())
 }
 
+/// Makes a folder, and those above it that are missing, so that they survive a power cut.
+pub(in crate::document) fn create_dir(dir: &Path) -> Result<(), KeepError> {
+    let missing: Vec<&Path> = dir.ancestors().take_while(|d| !d.as_os_str().is_empty() && !d.exists()).collect();
+    std::fs::create_dir_all(dir).map_err(KeepError::io("create", dir))?;
+    let above = |d: &Path| d.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new(".")).to_owned();
+    missing.into_iter().try_for_each(|d| sync_dir(&above(d)))
+}
+
 /// Removes a folder with all that is in it, if it is there.
 pub(in crate::document) fn remove_dir(dir: &Path) -> Result<(), KeepError> {
     match std::fs::remove_dir_all(dir) {

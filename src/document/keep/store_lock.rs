@@ -43,6 +43,22 @@ impl Lock {
         }
         Ok(Self(file))
     }
+
+    /// Gives the folder to whoever wants it, until [`retake`](Self::retake).
+    pub fn release(&self, dir: &Path) -> Result<(), KeepError> {
+        self.0.unlock().map_err(KeepError::io("unlock", dir))
+    }
+
+    /// Takes the folder again, if nobody else has it.
+    pub fn retake(&self, dir: &Path) -> Result<(), KeepError> {
+        match self.0.try_lock() {
+            Ok(()) => Ok(()),
+            Err(TryLockError::WouldBlock) => {
+                Err(KeepError::Locked { path: dir.to_owned(), holder: "an unknown process".to_owned() })
+            }
+            Err(TryLockError::Error(error)) => Err(KeepError::io("lock", dir)(error)),
+        }
+    }
 }
 
 impl Drop for Lock {

@@ -1,0 +1,66 @@
+//! The temporary folder that older steps of history go to, and what is left of those of processes that died.
+//!
+//! A folder is its owner's alone and has a lock in it, which the system gives back when the process ends, however it ends. A
+//! folder whose lock nobody holds is nobody's. Knows no steps.
+
+use super::keep::store_lock::Lock;
+use std::fs::File;
+use std::path::Path;
+use tempfile::TempDir;
+
+const PREFIX: &str = "burin-history-";
+const LOCK: &str = "lock";
+/// Between its making and its lock a folder may be taken for a dead process's, at worst this often in a row.
+const TRIES: u32 = 8;
+
+/// Removed when dropped.
+#[derive(Debug)]
+pub(super) struct SpillFolder {
+    // Given back first: a file that is open cannot be removed everywhere.
+    _lock: Lock,
+    dir: TempDir,
+}
+
+impl SpillFolder {
+    /// A new folder inside `parent`. `Err` says what is wrong.
+    pub(super) fn new(parent: &Path) -> Result<Self, String> {
+        let mut last = String::new();
+        for _ in 0..TRIES {
+            let dir = tempfile::Builder::new().prefix(PREFIX).tempdir_in(parent).map_err(|e| e.to_string())?;
+            match Lock::take(dir.path()) {
+                Ok(lock) if dir.path().join(LOCK).exists() => return Ok(Self { _lock: lock, dir }),
+                Ok(_) => last = "the folder was removed by another program".into(),
+                Err(error) => last = error.to_string(),
+            }
+        }
+        Err(last)
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        self.dir.path()
+    }
+}
+
+/// Removes the folders inside `parent` whose processes died; answers how many. What cannot be read or removed stays: it is
+/// another user's.
+pub fn remove_dead_history(parent: &Path) -> usize {
+    let Ok(entries) = std::fs::read_dir(parent) else { return 0 };
+    let named = entries.flatten().filter(|e| e.file_name().to_string_lossy().starts_with(PREFIX));
+    named.filter(|entry| is_dead(&entry.path()) && std::fs::remove_dir_all(entry.path()).is_ok()).count()
+}
+
+/// Whether a folder is one of ours and its lock is free. Nothing is followed, made or written in it: the temporary folder is
+/// everybody's.
+fn is_dead(dir: &Path) -> bool {
+    let about = |path: &Path| std::fs::symlink_metadata(path).ok();
+    let private = |dir: &std::fs::Metadata| {
+        #[cfg(unix)]
+        return std::os::unix::fs::PermissionsExt::mode(&dir.permissions()) & 0o077 == 0;
+        #[cfg(not(unix))]
+        return dir.is_dir();
+    };
+    let lock = dir.join(LOCK);
+    about(dir).is_some_and(|d| d.is_dir() && private(&d))
+        && about(&lock).is_some_and(|l| l.is_file())
+        && File::open(&lock).is_ok_and(|file| file.try_lock().is_ok())
+}
