@@ -60,10 +60,11 @@ impl Graphics {
         }
         let Some(tools) = &mut self.tools else { return };
         let refresh = |tools: &mut Tools| {
-            refreshed
-                .slots
-                .iter()
-                .try_for_each(|(kind, slots)| tools.pools.refresh(&tools.gpu, *kind, state.field(*kind), slots))
+            let Tools { gpu, pools, .. } = tools;
+            refreshed.slots.iter().try_for_each(|(kind, slots)| match refreshed.painted {
+                true => pools.refresh_painted(gpu, *kind, state.field(*kind), slots),
+                false => pools.refresh(gpu, *kind, state.field(*kind), slots),
+            })
         };
         if let Err(error) = refresh(tools) {
             tracing::warn!("{error}");
@@ -117,9 +118,11 @@ impl Graphics {
     /// Takes the running stroke back; nothing of it is left even if the device fails meanwhile.
     pub(super) fn cancel(&mut self, state: &State, kind: FieldKind) {
         let (Some(tools), Some(painter)) = (&mut self.tools, &mut self.painter) else { return };
-        let done = painter
-            .cancel(&mut tools.pools)
-            .map(|slots: Refresh| Refreshed { slots: vec![(kind, slots)], ..Refreshed::default() });
+        let done = painter.cancel(&mut tools.pools).map(|slots: Refresh| Refreshed {
+            slots: vec![(kind, slots)],
+            painted: true,
+            ..Refreshed::default()
+        });
         match done {
             Ok(refreshed) => self.mirror(state, &refreshed),
             Err(error) => {

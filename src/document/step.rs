@@ -111,6 +111,8 @@ pub(super) struct Refreshed {
     pub bricks: Vec<(FieldKind, BrickIndex)>,
     /// Whether the density got another map: all of its texels are new.
     pub remapped: bool,
+    /// Whether the GPU's slots hold it already: a stroke painted them.
+    pub painted: bool,
 }
 
 impl Refreshed {

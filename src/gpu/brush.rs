@@ -196,7 +196,8 @@ impl Painter {
 
     /// Ends the stroke: waits for the GPU and answers the bricks whose own texels differ from those at its start, in order,
     /// with zeros beyond the volume. None: the stroke changed nothing. The slots show the stroke already; give the bricks to
-    /// [`Field::swap`](crate::volume::Field::swap) and the answer to [`FieldPools::refresh`] before anything else is drawn.
+    /// [`Field::swap`](crate::volume::Field::swap) and the answer to [`FieldPools::refresh_painted`] before anything else is
+    /// drawn.
     ///
     /// # Errors
     /// [`GpuError::Lost`] and others of the device. The stroke then goes on and can be replayed or cancelled.
@@ -209,12 +210,13 @@ impl Painter {
         let target = fields.get(stroke.kind());
         let changed = brush_readback::changed(&self.gpu, &stroke.chunks)?;
         let bricks = brush_readback::bricks(&self.gpu, pools, target, &stroke.slots(&changed))?;
-        self.end(pools);
+        pools.hand_over(stroke.kind());
+        self.end();
         Ok(bricks)
     }
 
-    /// Takes the stroke back: the slots are as they were. Answers what the pools showed of it, for [`FieldPools::refresh`]
-    /// with the unchanged field.
+    /// Takes the stroke back: the slots are as they were. Answers what the pools showed of it, for
+    /// [`FieldPools::refresh_painted`] with the unchanged field.
     ///
     /// # Errors
     /// [`GpuError::Lost`]: then there is nothing left to take back, and the stroke is gone too.
@@ -222,7 +224,12 @@ impl Painter {
         let touched = self.touched();
         let Some(stroke) = &self.stroke else { return Err(NOT_RUNNING) };
         let restored = stroke.restore(&self.gpu, pools);
-        self.end(pools);
+        if restored.is_ok() {
+            pools.hand_over(stroke.kind());
+        } else {
+            pools.unpin(stroke.kind());
+        }
+        self.end();
         restored?;
         Ok(Refresh { slots: touched.into_iter().map(|index| BrickKey { level: 0, index }).collect() })
     }
@@ -262,9 +269,8 @@ impl Painter {
         painted
     }
 
-    fn end(&mut self, pools: &mut FieldPools) {
+    fn end(&mut self) {
         let Some(stroke) = self.stroke.take() else { return };
-        pools.unpin(stroke.kind());
         let mut kept: u64 = self.spare.iter().map(Chunk::bytes).sum();
         for mut chunk in stroke.chunks {
             if kept + chunk.bytes() <= KEPT {

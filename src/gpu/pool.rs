@@ -7,29 +7,24 @@ use super::{Gpu, GpuError};
 use crate::volume::{BrickKey, Field, FieldKind, SLOT, SLOT_VOXELS, TexelFormat};
 use std::collections::{HashMap, HashSet};
 
+mod pages;
 mod upload;
+
+use pages::UNWRITTEN;
+pub(super) use pages::{Page, uniform_page};
 
 /// Slots along an axis: a slot's place is a byte of a page, and textures end at 2048 texels on many adapters.
 const MOST_ALONG: u32 = 60;
 /// Larger textures fail on common drivers.
 const MOST_BYTES: u64 = (2 << 30) - 1;
 
-/// A page: what a shader reads for a brick of level 0. See `page_of` in shaders/lib/field.wgsl.
-pub(super) type Page = [u32; 2];
-
-/// A page of one value; `bits` is the texel as the shader decodes it.
-pub(super) fn uniform_page(level: u8, bits: u32) -> Page {
-    [u32::from(level) << 1, bits]
-}
-
-fn held_page(level: u8, slot: [u32; 3]) -> Page {
-    [1 | u32::from(level) << 1 | slot[0] << 8 | slot[1] << 16 | slot[2] << 24, 0]
-}
-
 #[derive(Clone, Copy, Debug)]
 struct Held {
     slot: [u32; 3],
+    /// When it was last asked for.
     used: u64,
+    /// A picture draws from it.
+    wanted: bool,
     pinned: bool,
 }
 
@@ -42,14 +37,19 @@ pub(super) struct Pool {
     grid: [u32; 3],
     limit: [u32; 3],
     held: HashMap<BrickKey, Held>,
+    pinned: HashSet<BrickKey>,
     free: Vec<[u32; 3]>,
     clock: u64,
     bricks: [u32; 3],
     /// Whether anything was ever written to the texture.
     written: bool,
     pages: Vec<Page>,
-    /// The coarsest level that any page draws from.
-    coarsest: u8,
+    /// How many pages draw from each level.
+    levels: [usize; 32],
+    /// Bricks whose texels were uploaded so far.
+    uploaded: u64,
+    /// Painting took a slot that a picture draws from.
+    disturbed: bool,
     pub(super) page_texture: wgpu::Texture,
     /// Whether a texture was replaced since the bind group was made.
     pub(super) replaced: bool,
@@ -64,9 +64,6 @@ fn wgpu_format(format: TexelFormat) -> wgpu::TextureFormat {
         TexelFormat::R16Uint => wgpu::TextureFormat::R16Uint,
     }
 }
-
-/// The page table starts as this, so that the first write covers all of it.
-const UNWRITTEN: Page = [u32::MAX; 2];
 
 impl Pool {
     /// An empty pool of at most `budget_bytes`; its texture is one slot until something is held.
@@ -106,12 +103,15 @@ impl Pool {
             grid: [1; 3],
             limit,
             held: HashMap::new(),
+            pinned: HashSet::new(),
             free: vec![[0; 3]],
             clock: 0,
             bricks,
             written: false,
             pages: vec![UNWRITTEN; count],
-            coarsest: 0,
+            levels: [0; 32],
+            uploaded: 0,
+            disturbed: false,
             page_texture,
             replaced: true,
         })
@@ -137,14 +137,9 @@ impl Pool {
         self.grid.map(|n| 1.0 / (n * SLOT) as f32)
     }
 
-    /// The page that draws from a held brick.
-    pub(super) fn page(&self, key: BrickKey) -> Option<Page> {
-        self.held.get(&key).map(|h| held_page(key.level, h.slot))
-    }
-
-    /// The page of a pinned brick.
-    pub(super) fn pinned_page(&self, key: BrickKey) -> Option<Page> {
-        self.held.get(&key).filter(|h| h.pinned).map(|h| held_page(key.level, h.slot))
+    /// Whether a brick has a slot.
+    pub(super) fn holds(&self, key: BrickKey) -> bool {
+        self.held.contains_key(&key)
     }
 
     /// First texel, apron included, of a held brick's slot.
@@ -152,54 +147,70 @@ impl Pool {
         self.held.get(&key).map(|h| h.slot.map(|s| s * SLOT))
     }
 
-    /// The bits of a page of one value, from a texel of the host.
-    pub(super) fn bits(&self, texel: [u8; 4]) -> u32 {
-        match (self.host, self.format) {
-            (TexelFormat::R16Unorm, TexelFormat::R32Float) => {
-                (f32::from(u16::from_le_bytes([texel[0], texel[1]])) / 65_535.0).to_bits()
-            }
-            _ => u32::from_le_bytes(texel),
-        }
-    }
-
-    /// Gives every wanted brick a slot with its texels; bricks not wanted and not pinned make room, the longest unused
-    /// first. `wanted` has at most as many bricks as [`most`](Self::most) less the pinned ones. Answers whether anything
-    /// was uploaded.
-    pub(super) fn hold(&mut self, gpu: &Gpu, field: &Field, wanted: &[BrickKey], pin: bool) -> Result<bool, GpuError> {
+    /// Gives bricks slots with their texels: for pictures until [`release`](Self::release), or with `pin` for painting until
+    /// [`unpin`](Self::unpin). What neither wants makes room, the longest unused first; painting may take what pictures want.
+    /// Answers whether anything was uploaded.
+    pub(super) fn hold(&mut self, gpu: &Gpu, field: &Field, keys: &[BrickKey], pin: bool) -> Result<bool, GpuError> {
         self.clock += 1;
         let mut missing = Vec::new();
-        for key in wanted {
+        for key in keys {
             match self.held.get_mut(key) {
-                Some(held) => {
-                    held.used = self.clock;
-                    held.pinned |= pin;
-                }
+                Some(held) => held.used = self.clock,
                 None => missing.push(*key),
             }
         }
-        if missing.is_empty() {
-            return Ok(false);
-        }
-        self.make_room(gpu, missing.len())?;
-        let mut uploads = Vec::with_capacity(missing.len());
-        for key in missing {
-            let Some(slot) = self.free.pop() else {
-                return Err(GpuError::PoolFull { field: self.kind.name(), asked: wanted.len(), room: self.most() });
+        if !missing.is_empty() {
+            self.make_room(gpu, missing.len(), pin)?;
+            let Some(left) = self.free.len().checked_sub(missing.len()) else {
+                return Err(GpuError::PoolFull { field: self.kind.name(), asked: keys.len(), room: self.most() });
             };
-            uploads.push((key, slot));
+            let uploads: Vec<_> = missing.iter().copied().zip(self.free[left..].iter().rev().copied()).collect();
+            self.upload(gpu, field, &uploads)?;
+            self.free.truncate(left);
+            let fresh = |slot| Held { slot, used: self.clock, wanted: false, pinned: false };
+            self.held.extend(uploads.into_iter().map(|(key, slot)| (key, fresh(slot))));
         }
-        self.upload(gpu, field, &uploads)?;
-        for (key, slot) in uploads {
-            self.held.insert(key, Held { slot, used: self.clock, pinned: pin });
+        for key in keys {
+            if let Some(held) = self.held.get_mut(key) {
+                held.pinned |= pin;
+                held.wanted |= !pin;
+            }
         }
-        Ok(true)
+        if pin {
+            self.pinned.extend(keys);
+        }
+        Ok(!missing.is_empty())
+    }
+
+    /// Pictures no longer draw from these bricks; they stay until their slot is needed.
+    pub(super) fn release(&mut self, keys: impl IntoIterator<Item = BrickKey>) {
+        for key in keys {
+            if let Some(held) = self.held.get_mut(&key) {
+                held.wanted = false;
+            }
+        }
+    }
+
+    /// The same for all bricks.
+    pub(super) fn release_all(&mut self) {
+        self.held.values_mut().for_each(|h| h.wanted = false);
+    }
+
+    /// Whether painting took slots that pictures draw from.
+    pub(super) fn is_disturbed(&self) -> bool {
+        self.disturbed
+    }
+
+    /// The same since it was last asked.
+    pub(super) fn take_disturbed(&mut self) -> bool {
+        std::mem::take(&mut self.disturbed)
     }
 
     /// Frees slots until `count` are free or nothing more can go.
-    fn make_room(&mut self, gpu: &Gpu, count: usize) -> Result<(), GpuError> {
+    fn make_room(&mut self, gpu: &Gpu, count: usize, pin: bool) -> Result<(), GpuError> {
         let total = self.held.len() + self.free.len();
         if self.free.len() < count && total < self.most() {
-            let in_use = self.held.values().filter(|h| h.pinned || h.used == self.clock).count();
+            let in_use = self.held.values().filter(|h| h.pinned || h.wanted || h.used == self.clock).count();
             let need = in_use + count;
             if need > total {
                 // Half as much again, so that painting does not grow the pool stroke by stroke.
@@ -207,15 +218,14 @@ impl Pool {
             }
         }
         if self.free.len() < count {
-            let mut idle: Vec<_> = self
-                .held
-                .iter()
-                .filter(|(_, h)| !h.pinned && h.used != self.clock)
-                .map(|(k, h)| (h.used, *k))
-                .collect();
+            let now = self.clock;
+            let idle = |h: &Held| !h.pinned && h.used != now && (pin || !h.wanted);
+            let mut idle: Vec<_> =
+                self.held.iter().filter(|(_, h)| idle(h)).map(|(k, h)| (h.wanted, h.used, *k)).collect();
             idle.sort_unstable();
-            for (_, key) in idle.into_iter().take(count - self.free.len()) {
+            for (wanted, _, key) in idle.into_iter().take(count - self.free.len()) {
                 if let Some(held) = self.held.remove(&key) {
+                    self.disturbed |= wanted;
                     self.free.push(held.slot);
                 }
             }
@@ -265,58 +275,29 @@ impl Pool {
         Ok(())
     }
 
-    /// Lets pinned bricks go; they stay until their slot is needed.
-    pub(super) fn unpin(&mut self) {
-        self.held.values_mut().for_each(|h| h.pinned = false);
+    /// Lets pinned bricks go; they stay until their slot is needed. Answers which they were.
+    pub(super) fn unpin(&mut self) -> HashSet<BrickKey> {
+        for key in &self.pinned {
+            if let Some(held) = self.held.get_mut(key) {
+                held.pinned = false;
+            }
+        }
+        std::mem::take(&mut self.pinned)
+    }
+
+    /// Whether a brick is pinned.
+    pub(super) fn is_pinned(&self, key: BrickKey) -> bool {
+        self.pinned.contains(&key)
     }
 
     /// The pinned bricks.
-    pub(super) fn pinned(&self) -> HashSet<BrickKey> {
-        self.held.iter().filter(|(_, h)| h.pinned).map(|(k, _)| *k).collect()
+    pub(super) fn pinned(&self) -> &HashSet<BrickKey> {
+        &self.pinned
     }
 
-    /// Replaces the page table by `pages`, writing what changed. Answers the indices that changed.
-    pub(super) fn set_pages(&mut self, gpu: &Gpu, pages: Vec<Page>) -> Result<Vec<usize>, GpuError> {
-        let changed: Vec<usize> = (0..pages.len()).filter(|&i| pages[i] != self.pages[i]).collect();
-        self.pages = pages;
-        if changed.is_empty() {
-            return Ok(changed);
-        }
-        self.coarsest = (0..self.pages.len()).map(|i| self.level_of(i)).max().unwrap_or(0);
-        let [nx, ny, _] = self.bricks.map(|b| b as usize);
-        gpu.scoped(&format!("pages of {}", self.kind.name()), || {
-            // A handful of bricks is written brick by brick, more by the whole table.
-            if changed.len() <= 64 && changed.len() * 4 < self.pages.len() {
-                for &i in &changed {
-                    self.write_pages(gpu, [i % nx, i / nx % ny, i / (nx * ny)], [1; 3], &self.pages[i..=i]);
-                }
-            } else {
-                self.write_pages(gpu, [0; 3], self.bricks, &self.pages);
-            }
-            Ok(())
-        })?;
-        Ok(changed)
-    }
-
-    fn write_pages(&self, gpu: &Gpu, at: [usize; 3], size: [u32; 3], pages: &[Page]) {
-        let [x, y, z] = at.map(|v| v as u32);
-        gpu.queue.write_texture(
-            wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x, y, z }, ..self.page_texture.as_image_copy() },
-            bytemuck::cast_slice(pages),
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(8 * size[0]), rows_per_image: Some(size[1]) },
-            extent(size),
-        );
-    }
-
-    /// The coarsest level that any brick of level 0 is drawn from.
-    pub(super) fn coarsest(&self) -> u8 {
-        self.coarsest
-    }
-
-    /// The level that each brick of level 0 is drawn from.
-    pub(super) fn level_of(&self, brick: usize) -> u8 {
-        let [entry, _] = self.pages[brick];
-        if entry == u32::MAX { 0 } else { (entry >> 1 & 31) as u8 }
+    /// Bricks whose texels were uploaded so far.
+    pub(super) fn uploaded(&self) -> u64 {
+        self.uploaded
     }
 }
 

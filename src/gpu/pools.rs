@@ -7,18 +7,21 @@
 use super::bindings::{self, FieldInfo};
 use super::occupancy::{Shows, Skips};
 use super::pool::Pool;
-use super::residency::{self, Need};
 use super::sight::Sight;
 use super::{Frame, Gpu, GpuError};
 use crate::volume::{
     BRICK, BrickIndex, BrickKey, DensityMap, Field, FieldKind, Grid, Mode, TexelFormat, TransferFunction,
 };
-use std::collections::{BTreeSet, HashSet};
+use marks::Marks;
+use shown::Shown;
+use std::collections::HashSet;
 use std::sync::OnceLock;
 
 mod cells;
 mod edit;
+mod marks;
 mod needs;
+mod shown;
 
 /// The fields of one volume; blank ones cost nothing.
 #[derive(Clone, Copy, Debug)]
@@ -67,16 +70,24 @@ pub struct FieldPools {
     slices: [Option<u32>; 3],
     /// By brick of level 0: whether the look shows any of it. Empty: not known.
     visible: Vec<bool>,
+    /// By brick of level 0: whether anything draws it.
+    needed: Vec<bool>,
+    /// Bricks of which that is to be judged anew.
+    unsure: Marks,
     /// By brick of level 0: how much it hides. Known once it was needed.
     extinction: OnceLock<Vec<f32>>,
-    /// Bricks whose cells are to be renewed; `None`: all.
-    stale_cells: Option<BTreeSet<usize>>,
+    /// Bricks whose cells are to be renewed.
+    stale_cells: Marks,
     /// Bricks of a running stroke, of density and of the selection: they may show anything.
     forced: [HashSet<usize>; 2],
+    /// Slots that hold what the next refresh of their field brings.
+    painted: Option<(FieldKind, HashSet<BrickKey>)>,
+    shown: [Shown; 4],
+    /// Bricks of a field that one call may upload.
+    limit: Option<usize>,
     /// Something changed since pages were last made.
     stale: bool,
-    /// Whether all needed bricks are held at level 0, so that the camera decides nothing.
-    complete: bool,
+    judged: u64,
     info: wgpu::Buffer,
     sampler: wgpu::Sampler,
     nothing: [wgpu::Texture; 3],
@@ -126,11 +137,16 @@ impl FieldPools {
                 sight: None,
                 slices: [None; 3],
                 visible: Vec::new(),
+                needed: vec![false; bricks.iter().map(|&b| b as usize).product()],
+                unsure: Marks::all(),
                 extinction: OnceLock::new(),
-                stale_cells: None,
+                stale_cells: Marks::all(),
                 forced: Default::default(),
+                painted: None,
+                shown: Default::default(),
+                limit: None,
                 stale: true,
-                complete: false,
+                judged: 0,
                 info,
                 sampler,
                 nothing,
@@ -140,9 +156,10 @@ impl FieldPools {
         })
     }
 
-    /// Decides which bricks this frame needs and makes them resident: all that the look shows if they fit; otherwise the
-    /// nearest and most visible finest, the rest at the next coarser level that is held. Never leaves a hole. Renews the maps
-    /// of empty space. Answers whether anything changed; the same frame again changes nothing.
+    /// Decides which bricks this frame needs and makes them resident: all that the look shows of its bodies if they fit;
+    /// otherwise the nearest and most visible finest, the rest at the next coarser level that is held. Never leaves a hole.
+    /// Renews the maps of empty space. Answers whether anything changed; the same frame again changes nothing, unless uploads
+    /// [are bounded](Self::bound_uploads) and still to come.
     ///
     /// # Errors
     /// Out of memory, a lost device, or a source that fails.
@@ -151,22 +168,42 @@ impl FieldPools {
             let shows = Shows::of(&frame.transfer, frame.mode);
             if self.look.as_ref().is_none_or(|l| l.shows != shows) {
                 self.visible.clear();
-                self.stale_cells = None;
-                self.stale = true;
+                self.stale_cells = Marks::all();
             }
-            self.stale |= !self.complete;
             self.extinction.take();
             self.look = Some(Look { transfer: frame.transfer.clone(), mode: frame.mode, shows });
+            self.reconsider();
         }
-        let same = self
-            .sight
-            .as_ref()
-            .is_some_and(|s| s.camera == frame.camera && s.size == frame.size && s.bodies == frame.bodies);
-        if !same {
-            self.sight = Some(Sight { camera: frame.camera, size: frame.size, bodies: frame.bodies.clone() });
-            self.stale |= !self.complete;
+        let sight = Sight { camera: frame.camera, size: frame.size, bodies: frame.bodies.clone() };
+        if self.sight.as_ref() != Some(&sight) {
+            if self.sight.as_ref().is_none_or(|s| !needs::same_matter(&s.bodies, &sight.bodies)) {
+                self.unsure = Marks::all();
+            }
+            self.sight = Some(sight);
+            self.reconsider();
         }
         self.settle(gpu, fields)
+    }
+
+    fn reconsider(&mut self) {
+        self.shown.iter_mut().for_each(Shown::reconsider);
+        self.stale = true;
+    }
+
+    /// How many bricks of a field one call that makes bricks resident may upload from now on; the rest follows with the next
+    /// calls. `None`: as many as it takes, which is what a picture at rest needs.
+    pub fn bound_uploads(&mut self, bricks: Option<usize>) {
+        self.limit = bricks;
+    }
+
+    /// Whether bricks are still to come.
+    pub fn is_pending(&self) -> bool {
+        self.shown.iter().any(Shown::is_pending)
+    }
+
+    /// (bricks looked at, bricks uploaded) so far, all fields together: what the calls cost.
+    pub fn work(&self) -> (u64, u64) {
+        (self.judged, self.pools.iter().flatten().map(Pool::uploaded).sum())
     }
 
     /// The same for the slice `index` along voxel axis `axis`, whatever the look shows.
@@ -182,8 +219,18 @@ impl FieldPools {
     ) -> Result<bool, GpuError> {
         let row = index.min(self.grid.dims[axis].saturating_sub(1)) / BRICK;
         if self.slices[axis] != Some(row) {
-            self.slices[axis] = Some(row);
-            self.stale = true;
+            let old = self.slices[axis].replace(row);
+            let mut layer = self.bricks;
+            layer[axis] = 1;
+            for row in [old, Some(row)].into_iter().flatten() {
+                for i in 0..layer.iter().product() {
+                    let mut at = [i % layer[0], i / layer[0] % layer[1], i / (layer[0] * layer[1])];
+                    at[axis] = row;
+                    let brick = self.brick_at(BrickIndex(at));
+                    self.unsure.insert(brick);
+                }
+            }
+            self.reconsider();
         }
         self.settle(gpu, fields)
     }
@@ -195,70 +242,50 @@ impl FieldPools {
             self.pools[0] = None;
             self.visible.clear();
             self.extinction.take();
-            self.stale_cells = None;
+            self.stale_cells = Marks::all();
             self.stale = true;
         }
         if !self.stale {
             return Ok(false);
         }
-        if self.visible.is_empty() {
-            let bricks = fields.density.brick_indices(0);
-            self.visible = bricks.into_iter().map(|b| self.shows(fields.density, b)).collect();
+        if let Some((kind, keys)) = self.painted.take()
+            && let Some(pool) = &mut self.pools[place(kind)]
+        {
+            // No refresh came: the field is not what the slots hold.
+            pool.renew(gpu, fields.get(kind), &keys.into_iter().collect::<Vec<_>>())?;
         }
-        let needed = self.needed();
+        self.judge(fields);
         let mut changed = false;
-        self.complete = true;
         for kind in FieldKind::ALL {
             let field = fields.get(kind);
             if self.pools[place(kind)].is_none() {
                 if field.is_blank() && kind != FieldKind::Density {
                     continue;
                 }
-                self.pools[place(kind)] = Some(self.new_pool(gpu, field)?);
-                if kind == FieldKind::Selection {
-                    self.stale_cells = None;
-                }
+                self.begin_pool(gpu, field)?;
             }
-            changed |= self.settle_field(gpu, fields.density, field, &needed)?;
+            changed |= self.settle_field(gpu, fields, kind)?;
         }
         changed |= self.settle_cells(gpu, fields)?;
         self.rebind(gpu)?;
-        self.stale = false;
+        self.stale = self.is_pending();
         Ok(changed)
     }
 
-    fn settle_field(&mut self, gpu: &Gpu, density: &Field, field: &Field, needed: &[bool]) -> Result<bool, GpuError> {
+    fn begin_pool(&mut self, gpu: &Gpu, field: &Field) -> Result<(), GpuError> {
         let kind = field.kind();
-        let urgency = || self.urgency(density);
-        let Some(pool) = self.pools[place(kind)].as_ref() else { return Ok(false) };
-        let pinned = pool.pinned();
-        let mut wanted = needed.to_vec();
-        for key in &pinned {
-            wanted[self.brick_at(key.index)] = false;
+        let pool = Pool::new(gpu, kind, field.format(), self.bricks, share(self.budget, kind))?;
+        self.pools[place(kind)] = Some(pool);
+        self.shown[place(kind)] = Shown::default();
+        if kind == FieldKind::Selection {
+            self.stale_cells = Marks::all();
         }
-        let room = pool.most().saturating_sub(pinned.len());
-        let cut = residency::choose(&Need { field, urgency: &urgency, needed: &wanted, room });
-        let complete = cut.uniform.is_empty() && cut.held.iter().all(|k| k.level == 0);
-        let Some(pool) = self.pools[place(kind)].as_mut() else { return Ok(false) };
-        let uploaded = pool.hold(gpu, field, &cut.held, false)?;
-        let held: HashSet<BrickKey> = cut.held.into_iter().collect();
-        let pages = field
-            .brick_indices(0)
-            .into_iter()
-            .zip(needed)
-            .map(|(index, needed)| needs::page(pool, field, &held, &cut.uniform, index, *needed))
-            .collect();
-        let changed = pool.set_pages(gpu, pages)?;
-        self.complete &= complete;
-        if let (Some(stale), FieldKind::Density | FieldKind::Selection) = (&mut self.stale_cells, kind) {
-            stale.extend(&changed);
-        }
-        Ok(uploaded || !changed.is_empty())
+        Ok(())
     }
 
-    fn new_pool(&self, gpu: &Gpu, field: &Field) -> Result<Pool, GpuError> {
-        let kind = field.kind();
-        Pool::new(gpu, kind, field.format(), self.bricks, share(self.budget, kind))
+    fn key_at(&self, brick: usize) -> BrickKey {
+        let [nx, ny, _] = self.bricks.map(|n| n as usize);
+        BrickKey { level: 0, index: BrickIndex([brick % nx, brick / nx % ny, brick / (nx * ny)].map(|b| b as u32)) }
     }
 
     fn brick_at(&self, b: BrickIndex) -> usize {
@@ -273,7 +300,7 @@ impl FieldPools {
 
     /// Bricks of level 0 that are pinned: a stroke is changing them.
     pub fn pinned(&self, kind: FieldKind) -> Vec<BrickIndex> {
-        self.pools[place(kind)].as_ref().map_or_else(Vec::new, |p| p.pinned().into_iter().map(|k| k.index).collect())
+        self.pools[place(kind)].as_ref().map_or_else(Vec::new, |p| p.pinned().iter().map(|k| k.index).collect())
     }
 
     /// The 3D texture of a field's slots; `None` while nothing of the field is on the GPU.

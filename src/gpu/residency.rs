@@ -1,24 +1,26 @@
 //! Which bricks to hold: a cut through the levels that covers every needed brick of level 0 with the slots there are.
 //!
-//! Pure: knows no device. If all needed bricks fit, all are held at level 0, whatever the camera. Otherwise the cut starts at
-//! the coarsest level, which is one brick, and the most urgent brick is refined first, so that nothing is ever missing. The
+//! Pure: knows no device. It is asked for only if the needed bricks do not all fit at level 0. The cut starts at the coarsest
+//! level, which is one brick, and the most urgent brick is refined first, so that nothing is ever missing. The
 //! cut depends on nothing but its arguments: a picture at rest is stable.
 
-use crate::volume::{BrickIndex, BrickKey, Field};
+use crate::volume::{BrickKey, Field};
 use std::collections::{BinaryHeap, HashMap, HashSet};
 
-/// What is asked of a field.
+/// What is asked of a field whose needed bricks do not all fit.
 pub(super) struct Need<'a> {
     pub(super) field: &'a Field,
-    /// By brick of level 0: how much it matters, 0 for not at all. Only called if not everything fits.
-    pub(super) urgency: &'a dyn Fn() -> Vec<f32>,
-    /// By brick of level 0: whether it can be seen at all.
-    pub(super) needed: &'a [bool],
+    /// The needed bricks of level 0 with more than one value, in order.
+    pub(super) finest: &'a [BrickKey],
+    /// How much each of them matters.
+    pub(super) urgency: &'a [f32],
     /// Slots there are.
     pub(super) room: usize,
 }
 
-/// The answer: bricks with more than one value to be held, and bricks of one value that take part in the cut.
+/// The answer: bricks with more than one value to be held, the most urgent first and every brick after those above it, and
+/// bricks of one value that take part in the cut.
+#[derive(Debug)]
 pub(super) struct Cut {
     pub(super) held: Vec<BrickKey>,
     pub(super) uniform: HashSet<BrickKey>,
@@ -45,32 +47,11 @@ impl PartialOrd for Candidate {
 /// Chooses the cut.
 pub(super) fn choose(need: &Need<'_>) -> Cut {
     let field = need.field;
-    let finest: Vec<BrickKey> = field
-        .brick_indices(0)
-        .into_iter()
-        .zip(need.needed)
-        .filter(|(_, needed)| **needed)
-        .map(|(index, _)| BrickKey { level: 0, index })
-        .filter(|key| field.summary(*key).uniform.is_none())
-        .collect();
-    if finest.len() <= need.room {
-        return Cut { held: finest, uniform: HashSet::new() };
-    }
-    refine(need, &finest)
-}
-
-fn refine(need: &Need<'_>, finest: &[BrickKey]) -> Cut {
-    let field = need.field;
-    let urgency = (need.urgency)();
-    let [nx, ny, _] = field.brick_dims(0).map(|b| b as usize);
-    let at = |b: BrickIndex| b.0[0] as usize + nx * (b.0[1] as usize + ny * b.0[2] as usize);
     // For every brick above a needed one: the greatest urgency below it, and its children.
     let mut most: HashMap<BrickKey, f32> = HashMap::new();
     let mut children: HashMap<BrickKey, Vec<BrickKey>> = HashMap::new();
-    let mut layer: Vec<BrickKey> = finest.to_vec();
-    for key in finest {
-        most.insert(*key, urgency[at(key.index)]);
-    }
+    let mut layer: Vec<BrickKey> = need.finest.to_vec();
+    most.extend(need.finest.iter().copied().zip(need.urgency.iter().copied()));
     for level in 1..field.level_count() {
         let mut parents = Vec::new();
         for key in layer {
@@ -88,6 +69,7 @@ fn refine(need: &Need<'_>, finest: &[BrickKey]) -> Cut {
     }
     let cost = |key: &BrickKey| usize::from(field.summary(*key).uniform.is_none());
     let mut chosen: HashSet<BrickKey> = HashSet::new();
+    let mut order = Vec::new();
     let mut waiting: HashMap<BrickKey, usize> = HashMap::new();
     let mut queue = BinaryHeap::new();
     let mut used = 0;
@@ -104,6 +86,7 @@ fn refine(need: &Need<'_>, finest: &[BrickKey]) -> Cut {
     };
     for root in &layer {
         used += cost(root);
+        order.push(*root);
         enter(*root, &mut chosen, &mut waiting, &mut queue);
     }
     while let Some(Candidate { key, .. }) = queue.pop() {
@@ -119,17 +102,9 @@ fn refine(need: &Need<'_>, finest: &[BrickKey]) -> Cut {
             chosen.remove(&parent);
         }
         waiting.entry(parent).and_modify(|n| *n -= 1);
+        order.push(key);
         enter(key, &mut chosen, &mut waiting, &mut queue);
     }
-    let mut held: Vec<BrickKey> = Vec::with_capacity(used);
-    let mut uniform = HashSet::new();
-    for key in chosen {
-        if cost(&key) == 1 {
-            held.push(key);
-        } else {
-            uniform.insert(key);
-        }
-    }
-    held.sort_unstable();
-    Cut { held, uniform }
+    let (held, uniform) = order.into_iter().filter(|key| chosen.contains(key)).partition::<Vec<_>, _>(|k| cost(k) == 1);
+    Cut { held, uniform: uniform.into_iter().collect() }
 }

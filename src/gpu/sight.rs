@@ -3,7 +3,7 @@
 //! Pure: knows no device. An estimate that orders bricks when not all fit; what is drawn does not depend on it otherwise.
 
 use super::Body;
-use crate::math::{Aabb, Camera, DVec3, Projection};
+use crate::math::{Aabb, Camera, DVec3, Plane, Projection};
 use crate::volume::{BRICK, BrickIndex, BrickKey, Cells, Field, Grid, TransferFunction};
 use rayon::prelude::*;
 
@@ -20,8 +20,14 @@ pub(super) struct Sight {
     pub(super) bodies: Vec<Body>,
 }
 
-/// Extinction of every brick of level 0 along its edge, estimated from its cells' middle values.
+/// Extinction of every brick of level 0 along its edge.
 pub(super) fn extinctions(density: &Field, grid: &Grid, transfer: &TransferFunction) -> Vec<f32> {
+    let bricks = density.brick_indices(0);
+    bricks.into_par_iter().map(|index| extinction(density, grid, transfer, index)).collect()
+}
+
+/// Extinction of a brick of level 0 along its edge, estimated from its cells' middle values.
+pub(super) fn extinction(density: &Field, grid: &Grid, transfer: &TransferFunction, index: BrickIndex) -> f32 {
     let edge = f64::from(BRICK) * grid.voxel_mm() / transfer.unit_mm;
     let tau = |[lo, hi]: [f32; 2]| {
         if lo > hi {
@@ -30,29 +36,31 @@ pub(super) fn extinctions(density: &Field, grid: &Grid, transfer: &TransferFunct
         let opacity = transfer.opacity_at(f64::from(lo + hi) * 0.5).min(0.999);
         -f64::from(1.0 - opacity).ln() * edge
     };
-    density
-        .brick_indices(0)
-        .into_par_iter()
-        .map(|index| match density.cells(BrickKey { level: 0, index }) {
-            Cells::Uniform(range) => tau(range) as f32,
-            Cells::Dense(cells) => (cells.iter().map(|&c| tau(c)).sum::<f64>() / cells.len() as f64) as f32,
-        })
-        .collect()
+    match density.cells(BrickKey { level: 0, index }) {
+        Cells::Uniform(range) => tau(range) as f32,
+        Cells::Dense(cells) => (cells.iter().map(|&c| tau(c)).sum::<f64>() / cells.len() as f64) as f32,
+    }
 }
 
-/// By brick of level 0: pixels along a voxel's edge where a body shows it nearest, weighted by what reaches the eye.
-pub(super) fn urgency(sight: &Sight, grid: &Grid, bricks: [u32; 3], extinction: &[f32]) -> Vec<f32> {
-    let [nx, ny, _] = bricks;
+/// For each of some bricks of level 0: pixels along a voxel's edge where a body shows it nearest, weighted by what reaches the
+/// eye.
+pub(super) fn urgency(
+    sight: &Sight,
+    grid: &Grid,
+    bricks: [u32; 3],
+    extinction: &[f32],
+    wanted: &[BrickKey],
+) -> Vec<f32> {
     let voxel = grid.voxel_mm();
     let index_from_world = grid.index_from_world();
-    (0..extinction.len() as u32)
-        .into_par_iter()
-        .map(|i| {
-            let at = [i % nx, i / nx % ny, i / (nx * ny)];
-            let corners = corners(grid, BrickIndex(at));
+    wanted
+        .par_iter()
+        .map(|key| {
+            let at = key.index.0;
+            let corners = corners(grid, key.index);
             let mut best = 0.0_f32;
             for body in &sight.bodies {
-                if body.region.iter().any(|plane| corners.iter().all(|&c| plane.distance(c) > 0.0)) {
+                if outside(&body.region, &corners) {
                     continue;
                 }
                 let posed = corners.map(|c| body.pose.apply(c));
@@ -73,8 +81,13 @@ pub(super) fn urgency(sight: &Sight, grid: &Grid, bricks: [u32; 3], extinction: 
         .collect()
 }
 
+/// Whether one of a region's planes has all corners beyond it.
+pub(super) fn outside(region: &[Plane], corners: &[DVec3; 8]) -> bool {
+    region.iter().any(|plane| corners.iter().all(|&c| plane.distance(c) > 0.0))
+}
+
 /// World corners of a brick, a voxel of apron included.
-fn corners(grid: &Grid, brick: BrickIndex) -> [DVec3; 8] {
+pub(super) fn corners(grid: &Grid, brick: BrickIndex) -> [DVec3; 8] {
     let lo = DVec3::from_array(brick.origin().map(f64::from)) - 1.0;
     Aabb { min: lo, max: lo + f64::from(BRICK) + 1.0 }.corners().map(|c| grid.world_from_index.transform_point3(c))
 }

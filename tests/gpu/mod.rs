@@ -9,6 +9,7 @@ mod cast_tiles;
 mod device;
 mod occupancy;
 mod pools;
+mod pools_work;
 mod reference;
 mod shader;
 mod slice;

@@ -97,7 +97,8 @@ impl Document {
             return Ok(json!({ "step": null, "dabs": running.dabs, "missed": running.missed, "voxels_changed": 0 }));
         }
         running.edit.motion_is_not_mine(&state.scene);
-        let (step, refreshed) = running.edit.finish(state);
+        let (step, mut refreshed) = running.edit.finish(state);
+        refreshed.painted = true;
         let mut answer = json!({
             "step": step.as_ref().map(|s| s.name.clone()),
             "dabs": running.dabs,

@@ -36,6 +36,7 @@ impl Pool {
             self.upload_slots(gpu, field, uploads)?;
         }
         self.written = true;
+        self.uploaded += uploads.len() as u64;
         Ok(())
     }
 

@@ -1,24 +1,19 @@
 //! The fields' cell minima and maxima as bits for the maps of empty space, at the level that each brick is drawn from.
 
-use super::{FieldPools, Fields};
+use super::{FieldPools, Fields, Marks};
 use crate::gpu::Gpu;
 use crate::gpu::GpuError;
 use crate::gpu::occupancy::Map;
 use crate::volume::{BrickIndex, BrickKey, Cells, Field};
-use std::collections::BTreeSet;
 
 impl FieldPools {
     /// Renews the maps of empty space where bricks changed or are drawn from another level.
     pub(super) fn settle_cells(&mut self, gpu: &Gpu, fields: &Fields<'_>) -> Result<bool, GpuError> {
-        let bricks: Vec<usize> = match &self.stale_cells {
-            Some(some) => some.iter().copied().collect(),
-            None => (0..self.visible.len()).collect(),
-        };
-        self.stale_cells = Some(BTreeSet::new());
         let (Some(look), [Some(density), _, selection, _]) = (&self.look, &self.pools) else {
-            self.stale_cells = None;
+            self.stale_cells = Marks::all();
             return Ok(false);
         };
+        let bricks = self.stale_cells.take(self.visible.len());
         if bricks.is_empty() {
             return Ok(false);
         }

@@ -1,9 +1,11 @@
 //! What editing asks of the pools: new texels after a swap, slots for a running stroke.
 
+use super::shown::InCut;
 use super::{FieldPools, place};
 use crate::gpu::pool::Pool;
-use crate::gpu::{Gpu, GpuError};
+use crate::gpu::{Gpu, GpuError, sight};
 use crate::volume::{BrickIndex, BrickKey, Field, FieldKind, Refresh};
+use std::collections::HashSet;
 
 impl FieldPools {
     /// After [`Field::swap`]: uploads what is held and marks pages and cells for the next frame.
@@ -14,63 +16,99 @@ impl FieldPools {
         if let Some(pool) = &mut self.pools[place(kind)] {
             pool.renew(gpu, field, &refresh.slots)?;
         }
-        self.stale = true;
-        if kind == FieldKind::Density {
-            self.extinction.take();
+        if let Some((of, keys)) = &mut self.painted
+            && *of == kind
+        {
+            let new: HashSet<_> = refresh.slots.iter().collect();
+            keys.retain(|key| !new.contains(key));
         }
-        // Most of the time all is drawn from level 0, and a coarse brick lies over very many of its bricks.
-        let coarsest = self.pools[place(kind)].as_ref().map_or(0, Pool::coarsest);
-        for key in refresh.slots.iter().filter(|k| k.level <= coarsest) {
-            let below = key.index.0.map(|b| b << key.level);
-            let end: [u32; 3] = std::array::from_fn(|a| ((key.index.0[a] + 1) << key.level).min(self.bricks[a]));
-            for z in below[2]..end[2] {
-                for y in below[1]..end[1] {
-                    for x in below[0]..end[0] {
-                        self.renew_brick(field, BrickIndex([x, y, z]), key.level);
-                    }
-                }
-            }
-        }
+        self.follow(kind, field, refresh);
         Ok(())
     }
 
-    fn renew_brick(&mut self, field: &Field, index: BrickIndex, level: u8) {
+    /// The same after a stroke's bricks went into the field, or it was taken back: slots that were
+    /// [handed over](Self::hand_over) hold that already and are not uploaded.
+    ///
+    /// # Errors
+    /// As [`make_resident`](Self::make_resident).
+    pub fn refresh_painted(
+        &mut self,
+        gpu: &Gpu,
+        kind: FieldKind,
+        field: &Field,
+        refresh: &Refresh,
+    ) -> Result<(), GpuError> {
+        let right = self.painted.take_if(|(of, _)| *of == kind).map(|(_, keys)| keys).unwrap_or_default();
+        if let Some(pool) = &mut self.pools[place(kind)] {
+            let other: Vec<_> = refresh.slots.iter().copied().filter(|key| !right.contains(key)).collect();
+            pool.renew(gpu, field, &other)?;
+        }
+        self.follow(kind, field, refresh);
+        Ok(())
+    }
+
+    /// Marks what a changed field may change.
+    fn follow(&mut self, kind: FieldKind, field: &Field, refresh: &Refresh) {
+        self.stale = true;
+        let coarsest = self.pools[place(kind)].as_ref().map_or(0, Pool::coarsest);
+        for &key in refresh.slots.iter().filter(|k| k.level <= coarsest) {
+            if key.level == 0 {
+                self.renew_brick(field, key.index);
+                continue;
+            }
+            match self.shown[place(kind)].in_cut(key, field) {
+                InCut::No => {}
+                InCut::Uniform => self.shown[place(kind)].reconsider(),
+                InCut::Drawn => self.renew_cells_below(kind, key),
+            }
+        }
+    }
+
+    fn renew_brick(&mut self, field: &Field, index: BrickIndex) {
         let kind = field.kind();
         let i = self.brick_at(index);
-        if level == 0 && kind == FieldKind::Density && !self.visible.is_empty() {
-            self.visible[i] = self.shows(field, index);
+        self.shown[place(kind)].stale.insert(i);
+        let Some(map) = map_of(kind) else { return };
+        if kind == FieldKind::Density {
+            if !self.visible.is_empty() {
+                self.visible[i] = self.shows(field, index);
+            }
+            if let (Some(extinction), Some(look)) = (self.extinction.get_mut(), &self.look) {
+                extinction[i] = sight::extinction(field, &self.grid, &look.transfer, index);
+            }
         }
-        let map = match kind {
-            FieldKind::Density => 0,
-            FieldKind::Selection => 1,
-            FieldKind::Colour | FieldKind::Labels => return,
-        };
-        let drawn = self.pools[place(kind)].as_ref().map_or(0, |p| p.level_of(i));
-        if level == 0 {
-            self.forced[map].remove(&i);
-        }
-        if let Some(stale) = &mut self.stale_cells
-            && (level == 0 || level == drawn)
-        {
-            stale.insert(i);
+        self.forced[map].remove(&i);
+        self.unsure.insert(i);
+        self.stale_cells.insert(i);
+    }
+
+    /// A coarser brick is new that bricks of level 0 are drawn from.
+    fn renew_cells_below(&mut self, kind: FieldKind, key: BrickKey) {
+        let (Some(pool), Some(_)) = (&self.pools[place(kind)], map_of(kind)) else { return };
+        let below = key.index.0.map(|b| b << key.level);
+        let end: [u32; 3] = std::array::from_fn(|a| ((key.index.0[a] + 1) << key.level).min(self.bricks[a]));
+        for z in below[2]..end[2] {
+            for y in below[1]..end[1] {
+                for x in below[0]..end[0] {
+                    let i = self.brick_at(BrickIndex([x, y, z]));
+                    if pool.level_of(i) == key.level {
+                        self.stale_cells.insert(i);
+                    }
+                }
+            }
         }
     }
 
     /// While a stroke runs: these bricks' cells may show anything, until [`refresh`](Self::refresh) or
     /// [`unpin`](Self::unpin). `bricks` are all whose slots the stroke writes, aprons included.
     pub fn mark_occupied(&mut self, kind: FieldKind, bricks: &[BrickIndex]) {
-        let map = match kind {
-            FieldKind::Density => 0,
-            FieldKind::Selection => 1,
-            FieldKind::Colour | FieldKind::Labels => return,
-        };
+        let Some(map) = map_of(kind) else { return };
         for &brick in bricks {
             let i = self.brick_at(brick);
             if self.forced[map].insert(i) {
                 self.stale = true;
-                if let Some(stale) = &mut self.stale_cells {
-                    stale.insert(i);
-                }
+                self.stale_cells.insert(i);
+                self.unsure.insert(i);
             }
         }
     }
@@ -86,41 +124,60 @@ impl FieldPools {
         gpu.check()?;
         let kind = field.kind();
         if self.pools[place(kind)].is_none() {
-            self.pools[place(kind)] = Some(self.new_pool(gpu, field)?);
-            if kind == FieldKind::Selection {
-                self.stale_cells = None;
-            }
+            self.begin_pool(gpu, field)?;
         }
         let Some(pool) = &mut self.pools[place(kind)] else { return Ok(Vec::new()) };
         let keys: Vec<_> = bricks.iter().map(|&index| BrickKey { level: 0, index }).collect();
-        let mut pinned = pool.pinned();
-        pinned.extend(keys.iter().copied());
+        let new: HashSet<_> = keys.iter().filter(|k| !pool.is_pinned(**k)).collect();
+        let asked = pool.pinned().len() + new.len();
         let room = (pool.most() * 3 / 4).max(1);
-        if pinned.len() > room {
-            return Err(GpuError::PoolFull { field: kind.name(), asked: pinned.len(), room });
+        if asked > room {
+            return Err(GpuError::PoolFull { field: kind.name(), asked, room });
         }
+        self.shown[place(kind)].pin(&keys);
         pool.hold(gpu, field, &keys, true)?;
         let origins = keys.iter().filter_map(|k| pool.texel_origin(*k)).collect();
+        for &index in bricks {
+            let i = self.brick_at(index);
+            self.shown[place(kind)].stale.insert(i);
+        }
         self.stale = true;
         self.rebind(gpu)?;
         Ok(origins)
     }
 
-    /// Ends the keep of pinned bricks and of cells marked as occupied. What was written to them is committed (by
-    /// [`refresh`](Self::refresh)) or put back by the caller.
+    /// Ends the keep of pinned bricks and of cells marked as occupied. What was written to them is put back by the caller.
     pub fn unpin(&mut self, kind: FieldKind) {
-        if let Some(pool) = &mut self.pools[place(kind)] {
-            pool.unpin();
-        }
+        self.let_go(kind);
+    }
+
+    /// The same where the slots hold what the field is about to hold, as [`refresh_painted`](Self::refresh_painted) then says.
+    /// If it does not, they are made as the field is.
+    pub fn hand_over(&mut self, kind: FieldKind) {
+        let keys = self.let_go(kind);
+        self.painted = Some((kind, keys));
+    }
+
+    fn let_go(&mut self, kind: FieldKind) -> HashSet<BrickKey> {
+        let keys = self.pools[place(kind)].as_mut().map(Pool::unpin).unwrap_or_default();
+        let bricks: Vec<_> = keys.iter().map(|key| self.brick_at(key.index)).collect();
+        self.shown[place(kind)].stale.extend(bricks);
+        self.shown[place(kind)].reconsider();
         self.stale = true;
-        let map = match kind {
-            FieldKind::Density => 0,
-            FieldKind::Selection => 1,
-            FieldKind::Colour | FieldKind::Labels => return,
-        };
-        let forced = std::mem::take(&mut self.forced[map]);
-        if let Some(stale) = &mut self.stale_cells {
-            stale.extend(forced);
+        if let Some(map) = map_of(kind) {
+            let forced = std::mem::take(&mut self.forced[map]);
+            self.stale_cells.extend(forced.iter().copied());
+            self.unsure.extend(forced);
         }
+        keys
+    }
+}
+
+/// The number of a field that cells and needs depend on.
+fn map_of(kind: FieldKind) -> Option<usize> {
+    match kind {
+        FieldKind::Density => Some(0),
+        FieldKind::Selection => Some(1),
+        FieldKind::Colour | FieldKind::Labels => None,
     }
 }

@@ -1,85 +1,88 @@
-//! Which bricks of level 0 are needed, how urgently, and what page each gets.
+//! Which bricks of level 0 are needed, and how urgently.
+//!
+//! Needed is what the look shows of the matter that bodies draw, what slices run through, and what is being painted. Judged
+//! brick by brick where something changed that this depends on.
 
-use super::FieldPools;
-use crate::gpu::pool::{self, Page, Pool};
-use crate::gpu::sight;
-use crate::volume::{BrickIndex, BrickKey, Field, FieldKind};
-use std::collections::HashSet;
+use super::{FieldPools, Fields};
+use crate::gpu::{Body, Mask, sight};
+use crate::volume::{BrickIndex, BrickKey, Field};
+use rayon::prelude::*;
+
+/// Whether two lists of bodies draw the same matter, wherever it is moved to.
+pub(super) fn same_matter(a: &[Body], b: &[Body]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.mask == b.mask && a.region == b.region)
+}
 
 impl FieldPools {
+    /// Judges the bricks anew of which something changed; each field's pages follow those that are judged otherwise.
+    pub(super) fn judge(&mut self, fields: &Fields<'_>) {
+        if self.visible.is_empty() {
+            let bricks = fields.density.brick_indices(0);
+            self.visible = bricks.into_par_iter().map(|b| self.shows(fields.density, b)).collect();
+            self.unsure = super::Marks::all();
+        }
+        let marks = self.unsure.take(self.visible.len());
+        self.judged += marks.len() as u64;
+        let judged: Vec<bool> = marks.par_iter().with_min_len(64).map(|&i| self.is_needed(fields, i)).collect();
+        for (i, needed) in marks.into_iter().zip(judged) {
+            if self.needed[i] != needed {
+                self.needed[i] = needed;
+                self.shown.iter_mut().for_each(|s| s.stale.insert(i));
+            }
+        }
+    }
+
     /// Whether the look shows any of a brick of level 0.
     pub(super) fn shows(&self, density: &Field, index: BrickIndex) -> bool {
         let about = density.summary(BrickKey { level: 0, index });
         self.look.as_ref().is_some_and(|l| l.shows.any(about.min, about.max))
     }
 
-    /// What the look shows, what slices run through, and what is being painted.
-    pub(super) fn needed(&self) -> Vec<bool> {
-        let mut needed = self.visible.clone();
-        let [nx, ny, _] = self.bricks.map(|n| n as usize);
-        for (i, needed) in needed.iter_mut().enumerate() {
-            let at = [i % nx, i / nx % ny, i / (nx * ny)];
-            *needed |= (0..3).any(|a| self.slices[a].is_some_and(|row| row as usize == at[a]));
-            *needed |= self.forced[0].contains(&i);
-        }
-        needed
+    fn is_needed(&self, fields: &Fields<'_>, i: usize) -> bool {
+        self.sliced(self.key_at(i).index)
+            || self.forced[0].contains(&i)
+            || self.visible[i] && self.is_drawn(fields.selection, i)
     }
 
-    pub(super) fn urgency(&self, density: &Field) -> Vec<f32> {
-        let [nx, ny, _] = self.bricks.map(|n| n as usize);
+    /// Whether a body draws any of a brick: hidden parts need nothing.
+    fn is_drawn(&self, selection: &Field, i: usize) -> bool {
+        let Some(sight) = &self.sight else { return false };
+        if sight.bodies.iter().any(|b| b.mask == Mask::None && b.region.is_empty()) {
+            return true;
+        }
+        let key = self.key_at(i);
+        let (about, mixed) = (selection.summary(key), self.forced[1].contains(&i));
+        let corners = sight::corners(&self.grid, key.index);
+        sight.bodies.iter().any(|body| {
+            let shares = match body.mask {
+                Mask::None => true,
+                Mask::Selection => about.max > 0.0 || mixed,
+                Mask::Background => about.min < 1.0 || mixed,
+            };
+            shares && !sight::outside(&body.region, &corners)
+        })
+    }
+
+    /// Whether a slice runs through a brick of level 0.
+    fn sliced(&self, index: BrickIndex) -> bool {
+        (0..3).any(|a| self.slices[a] == Some(index.0[a]))
+    }
+
+    /// How much each of some bricks of level 0 matters to the picture.
+    pub(super) fn urgency(&self, density: &Field, bricks: &[BrickKey]) -> Vec<f32> {
         let mut urgency = match (&self.sight, &self.look) {
             (Some(sight), Some(look)) => {
                 let known = || sight::extinctions(density, &self.grid, &look.transfer);
-                sight::urgency(sight, &self.grid, self.bricks, self.extinction.get_or_init(known))
+                sight::urgency(sight, &self.grid, self.bricks, self.extinction.get_or_init(known), bricks)
             }
-            _ => vec![0.0; self.bricks.iter().map(|&b| b as usize).product()],
+            _ => vec![0.0; bricks.len()],
         };
-        for (i, urgency) in urgency.iter_mut().enumerate() {
-            let at = [i % nx, i / nx % ny, i / (nx * ny)];
+        for (urgency, key) in urgency.iter_mut().zip(bricks) {
             // A slice shows its voxels at about a pixel each.
-            if (0..3).any(|a| self.slices[a].is_some_and(|row| row as usize == at[a])) {
+            if self.sliced(key.index) {
                 *urgency = urgency.max(1.0);
             }
         }
         urgency
     }
-}
-
-/// Where a brick of level 0 is drawn from.
-pub(super) fn page(
-    pool: &Pool,
-    field: &Field,
-    held: &HashSet<BrickKey>,
-    uniform: &HashSet<BrickKey>,
-    index: BrickIndex,
-    needed: bool,
-) -> Page {
-    let mut key = BrickKey { level: 0, index };
-    if let Some(page) = pool.pinned_page(key) {
-        return page;
-    }
-    let about = field.summary(key);
-    if let Some(texel) = about.uniform {
-        return pool::uniform_page(0, pool.bits(texel));
-    }
-    if !needed {
-        // Nothing of it shows under the look, its least value neither.
-        let texel = if field.kind() == FieldKind::Density { field.map().encode(f64::from(about.min)) } else { [0; 4] };
-        return pool::uniform_page(0, pool.bits(texel));
-    }
-    while key.level < field.level_count() {
-        if held.contains(&key)
-            && let Some(page) = pool.page(key)
-        {
-            return page;
-        }
-        if uniform.contains(&key)
-            && let Some(texel) = field.summary(key).uniform
-        {
-            return pool::uniform_page(key.level, pool.bits(texel));
-        }
-        key = BrickKey { level: key.level + 1, index: key.index.parent() };
-    }
-    // The cut covers every needed brick, so this is not reached.
-    pool::uniform_page(0, 0)
 }

@@ -1,0 +1,208 @@
+//! What residency costs: an edit its bricks, a stroke's end nothing twice, hidden parts nothing, a picture in motion no more
+//! than it may.
+
+use crate::common::gpu::{gpu, sample};
+use crate::common::volumes::*;
+use burin::gpu::{Body, FieldPools, Fields, Frame, Gpu, Mask, Painter};
+use burin::math::{DVec3, Plane};
+use burin::paint::{Brush, Dab, Falloff, Target};
+use burin::volume::*;
+
+fn noisy(grid: Grid) -> Field {
+    density_u16(grid, |v| (1000 + (v[0] * 631 + v[1] * 409 + v[2] * 211 + v[0] * v[1] * 7) % 3000) as u16)
+}
+
+fn blanks(grid: &Grid) -> [Field; 3] {
+    [FieldKind::Colour, FieldKind::Selection, FieldKind::Labels].map(|kind| Field::blank(kind, grid))
+}
+
+fn fields<'a>(density: &'a Field, [colour, selection, labels]: &'a [Field; 3]) -> Fields<'a> {
+    Fields { density, colour, selection, labels }
+}
+
+/// Budget, five eighths of it for density, whose density pool has exactly this many slots of 16 bits.
+fn budget_of(slots: usize) -> u64 {
+    ((slots * SLOT_VOXELS * 2) as u64).div_ceil(20) * 32
+}
+
+/// One voxel in the middle of a brick becomes another: no other slot of its level shows it.
+fn touch(field: &mut Field, brick: [u32; 3]) -> Refresh {
+    let bytes = field.format().bytes();
+    let index = BrickIndex(brick);
+    let mut texels = field.brick(BrickKey { level: 0, index }).unwrap().to_texels(bytes);
+    texels[(16 + 32 * (16 + 32 * 16)) * bytes] ^= 0x55;
+    field.swap(vec![(index, Some(Brick::from_texels(texels, bytes)))]).unwrap().1
+}
+
+#[test]
+fn an_edit_costs_its_bricks_and_not_the_volume() {
+    let Some(gpu) = gpu() else { return };
+    let grid = unit_grid([256, 256, 96]);
+    let all = 8 * 8 * 3;
+    // With room for all, and with room for an eighth.
+    for slots in [2 * all, all / 8] {
+        let mut density = noisy(grid);
+        let none = blanks(&grid);
+        let mut pools = FieldPools::new(&gpu, &grid, &density, budget_of(slots)).unwrap();
+        let frame = frame(&grid, ramp(0.0, 4000.0), DVec3::new(1.0, -0.4, 0.3), [64, 64]);
+        pools.make_resident(&gpu, &fields(&density, &none), &frame).unwrap();
+        let (first, _) = pools.work();
+        assert!(first >= all as u64, "{first}: all was looked at once");
+        let refresh = touch(&mut density, [3, 4, 1]);
+        let (judged, uploaded) = pools.work();
+        pools.refresh(&gpu, FieldKind::Density, &density, &refresh).unwrap();
+        pools.make_resident(&gpu, &fields(&density, &none), &frame).unwrap();
+        let (judged, uploaded) = (pools.work().0 - judged, pools.work().1 - uploaded);
+        assert!(judged <= 2, "{slots} slots: {judged} bricks looked at for one edited");
+        assert!(uploaded <= 1 + 8, "{slots} slots: {uploaded} bricks uploaded for one edited");
+        let at = [[112.0, 144.0, 48.0]];
+        let (found, level) = (sample(&gpu, &pools, &at)[0].density, sample(&gpu, &pools, &at)[0].level as u8);
+        let expected = trilinear(&density, level, at[0], |t| density.map().decode(t));
+        assert!((f64::from(found) - expected).abs() < 1.0, "{found} for {expected} at level {level}");
+    }
+}
+
+#[test]
+fn what_a_stroke_painted_is_not_uploaded_again_and_what_it_did_not_keep_is() {
+    let Some(gpu) = gpu() else { return };
+    let grid = unit_grid([96, 96, 64]);
+    let mut density = noisy(grid);
+    let none = blanks(&grid);
+    let mut pools = FieldPools::new(&gpu, &grid, &density, budget_of(64)).unwrap();
+    let mut painter = Painter::new(&gpu).unwrap();
+    let frame = frame(&grid, ramp(0.0, 4000.0), DVec3::NEG_Y, [64, 64]);
+    let brush = Brush { target: Target::Density(3900.0), radius_mm: 6.0, falloff: Falloff::Hard, ..Brush::default() };
+    let centre = DVec3::new(31.5, 40.0, 31.5);
+    let dab = Dab { centre, radius_mm: 6.0, pressure: 1.0, normal: DVec3::Z };
+    let at = [[31.5, 40.0, 31.5], [31.0, 41.0, 33.0]];
+    let values = |pools: &FieldPools| sample(&gpu, pools, &at).iter().map(|s| s.density.round()).collect::<Vec<_>>();
+    pools.make_resident(&gpu, &fields(&density, &none), &frame).unwrap();
+    let before = values(&pools);
+    let stroke = |painter: &mut Painter, pools: &mut FieldPools, density: &Field| {
+        painter.begin(&grid, &fields(density, &none), &brush, &Segments::default()).unwrap();
+        painter.extend(pools, &fields(density, &none), &[dab]).unwrap();
+    };
+    // Taken back: the slots are right again without an upload.
+    stroke(&mut painter, &mut pools, &density);
+    let uploaded = pools.work().1;
+    let refresh = painter.cancel(&mut pools).unwrap();
+    pools.refresh_painted(&gpu, FieldKind::Density, &density, &refresh).unwrap();
+    pools.make_resident(&gpu, &fields(&density, &none), &frame).unwrap();
+    assert_eq!((pools.work().1, values(&pools)), (uploaded, before.clone()), "cancelled");
+    // Lost on the way to the field: the slots are made as the field is.
+    stroke(&mut painter, &mut pools, &density);
+    let bricks = painter.finish(&mut pools, &fields(&density, &none)).unwrap();
+    assert_eq!(values(&pools), [3900.0; 2]);
+    pools.make_resident(&gpu, &fields(&density, &none), &frame).unwrap();
+    assert_eq!(values(&pools), before, "not kept");
+    // Kept: nothing of level 0 is uploaded.
+    stroke(&mut painter, &mut pools, &density);
+    assert_eq!(painter.finish(&mut pools, &fields(&density, &none)).unwrap(), bricks);
+    let (_, refresh) = density.swap(bricks.into_iter().map(|(i, b)| (i, Some(b))).collect()).unwrap();
+    let uploaded = pools.work().1;
+    pools.refresh_painted(&gpu, FieldKind::Density, &density, &refresh).unwrap();
+    pools.make_resident(&gpu, &fields(&density, &none), &frame).unwrap();
+    assert_eq!((pools.work().1, values(&pools)), (uploaded, vec![3900.0; 2]), "kept");
+}
+
+/// The frame with its matter divided at x = 64: the lower half, the upper half, or the selection, as asked.
+fn halves(frame: &Frame, lower: Option<Mask>, upper: Option<Mask>, selection: bool) -> Frame {
+    let half = |normal: DVec3, mask: Mask| Body {
+        region: vec![Plane::through(DVec3::new(63.5, 0.0, 0.0), normal).unwrap()],
+        mask,
+        ..Body::whole(1)
+    };
+    let lower = lower.map(|mask| half(DVec3::X, mask));
+    let upper = upper.map(|mask| half(DVec3::NEG_X, mask));
+    let selection = selection.then(|| Body { mask: Mask::Selection, ..Body::whole(0) });
+    Frame { bodies: [lower, upper, selection].into_iter().flatten().collect(), ..frame.clone() }
+}
+
+#[test]
+fn bricks_that_only_hidden_parts_cover_are_not_asked_for() {
+    let Some(gpu) = gpu() else { return };
+    let grid = unit_grid([192, 64, 64]);
+    let density = noisy(grid);
+    let mut none = blanks(&grid);
+    let mut pools = FieldPools::new(&gpu, &grid, &density, budget_of(100)).unwrap();
+    let whole = frame(&grid, ramp(0.0, 4000.0), DVec3::NEG_Y, [64, 64]);
+    let lower = halves(&whole, Some(Mask::None), None, false);
+    pools.make_resident(&gpu, &fields(&density, &none), &lower).unwrap();
+    // Two layers of four bricks below the plane; it runs along a border, and a brick's apron reaches over.
+    assert_eq!(pools.room(FieldKind::Density).0, 12);
+    // Shown again, the other half comes.
+    pools
+        .make_resident(&gpu, &fields(&density, &none), &halves(&whole, Some(Mask::None), Some(Mask::None), false))
+        .unwrap();
+    assert_eq!(pools.room(FieldKind::Density).0, 24);
+    // The selection among hidden parts needs its own bricks only, and those that are being painted.
+    none[1] = painted(FieldKind::Selection, &grid, |v| [if v[0] > 180 { 255 } else { 0 }, 0, 0, 0]);
+    let mut pools = FieldPools::new(&gpu, &grid, &density, budget_of(100)).unwrap();
+    let selection = halves(&whole, None, None, true);
+    pools.make_resident(&gpu, &fields(&density, &none), &selection).unwrap();
+    assert_eq!(pools.room(FieldKind::Density).0, 4);
+    pools.mark_occupied(FieldKind::Selection, &[BrickIndex([0, 1, 1])]);
+    pools.make_resident(&gpu, &fields(&density, &none), &selection).unwrap();
+    assert_eq!(pools.room(FieldKind::Density).0, 5);
+    // What is wholly selected is no background.
+    let mut pools = FieldPools::new(&gpu, &grid, &density, budget_of(100)).unwrap();
+    none[1] = painted(FieldKind::Selection, &grid, |_| [255, 0, 0, 0]);
+    let background = halves(&whole, Some(Mask::Background), Some(Mask::Background), false);
+    pools.make_resident(&gpu, &fields(&density, &none), &background).unwrap();
+    assert_eq!(pools.room(FieldKind::Density).0, 0);
+    // A selection that changes is followed.
+    let bricks = vec![(BrickIndex([5, 0, 0]), None)];
+    let (_, refresh) = none[1].swap(bricks).unwrap();
+    pools.refresh(&gpu, FieldKind::Selection, &none[1], &refresh).unwrap();
+    pools.make_resident(&gpu, &fields(&density, &none), &background).unwrap();
+    assert_eq!(pools.room(FieldKind::Density).0, 8, "the brick and those whose taps reach it");
+}
+
+/// The level that every place is drawn from; each place must hold its level's own value.
+fn levels(gpu: &Gpu, pools: &FieldPools, density: &Field, points: &[[f32; 3]]) -> Vec<u32> {
+    let samples = sample(gpu, pools, points);
+    for (p, s) in points.iter().zip(&samples) {
+        let expected = trilinear(density, s.level as u8, *p, |t| density.map().decode(t));
+        let got = f64::from(s.density);
+        assert!((got - expected).abs() <= 3000.0 / 200.0, "{p:?} at level {}: {got} for {expected}", s.level);
+    }
+    samples.iter().map(|s| s.level).collect()
+}
+
+#[test]
+fn bounded_uploads_leave_no_hole_and_end_where_unbounded_ones_do() {
+    let Some(gpu) = gpu() else { return };
+    let grid = unit_grid([150, 140, 130]);
+    let density = noisy(grid);
+    let none = blanks(&grid);
+    let points = places(grid.dims, 2000);
+    for slots in [200, 15] {
+        let near = frame(&grid, ramp(0.0, 4000.0), DVec3::new(1.0, -0.4, 0.3), [256, 256]);
+        let far = frame(&grid, ramp(0.0, 4000.0), DVec3::new(-1.0, 0.2, 0.1), [256, 256]);
+        let mut at_once = FieldPools::new(&gpu, &grid, &density, budget_of(slots)).unwrap();
+        at_once.make_resident(&gpu, &fields(&density, &none), &far).unwrap();
+        let rest = levels(&gpu, &at_once, &density, &points);
+        let mut pools = FieldPools::new(&gpu, &grid, &density, budget_of(slots)).unwrap();
+        pools.bound_uploads(Some(4));
+        for frame in [&near, &far] {
+            for turn in 0.. {
+                let uploaded = pools.work().1;
+                let changed = pools.make_resident(&gpu, &fields(&density, &none), frame).unwrap();
+                let uploaded = pools.work().1 - uploaded;
+                assert!(uploaded <= 4 + 1, "{uploaded} with the one that stands in for all");
+                levels(&gpu, &pools, &density, &points);
+                if !pools.is_pending() {
+                    break;
+                }
+                assert!(changed && turn < 60, "it gets on");
+            }
+        }
+        assert_eq!(levels(&gpu, &pools, &density, &points), rest, "{slots} slots");
+        // At rest all that is missing comes at once.
+        pools.make_resident(&gpu, &fields(&density, &none), &near).unwrap();
+        pools.bound_uploads(None);
+        pools.make_resident(&gpu, &fields(&density, &none), &far).unwrap();
+        assert!(!pools.is_pending() && !pools.make_resident(&gpu, &fields(&density, &none), &far).unwrap());
+        assert_eq!(levels(&gpu, &pools, &density, &points), rest, "{slots} slots, at rest");
+    }
+}
