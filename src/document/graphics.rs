@@ -14,6 +14,8 @@ use crate::volume::{Brick, BrickIndex, FieldKind, Refresh};
 
 /// Memory for pools of bricks on the GPU, all fields together.
 const BUDGET_BYTES: u64 = 512 << 20;
+/// Bricks of a field that a picture in motion may wait for: some 5 MB of density.
+const MOVING_UPLOADS: usize = 64;
 
 /// What works on one device.
 #[derive(Debug)]
@@ -30,6 +32,7 @@ pub(super) struct Graphics {
     gpu: Option<Gpu>,
     tools: Option<Tools>,
     painter: Option<Painter>,
+    moving: bool,
 }
 
 fn fields(state: &State) -> Fields<'_> {
@@ -40,6 +43,16 @@ impl Graphics {
     /// Works on this device instead of one of its own.
     pub(super) fn use_gpu(&mut self, gpu: Gpu) {
         *self = Self { gpu: Some(gpu), ..Self::default() };
+    }
+
+    /// Whether pictures are in motion: they then wait for a bounded number of bricks, and coarser ones stand in.
+    pub(super) fn set_motion(&mut self, moving: bool) {
+        self.moving = moving;
+    }
+
+    /// Whether coarser bricks stand in.
+    pub(super) fn is_pending(&self) -> bool {
+        self.tools.as_ref().is_some_and(|t| t.pools.is_pending())
     }
 
     /// The device's name, or why there is none.
@@ -73,7 +86,11 @@ impl Graphics {
     }
 
     pub(super) fn image(&mut self, state: &State, frame: &Frame) -> Result<Image, DocumentError> {
-        self.with(state, "a picture", |t, _| t.caster.image(&t.gpu, &mut t.pools, &fields(state), frame))
+        let bound = self.bound();
+        self.with(state, "a picture", |t, _| {
+            t.pools.bound_uploads(bound);
+            t.caster.image(&t.gpu, &mut t.pools, &fields(state), frame)
+        })
     }
 
     pub(super) fn rows(
@@ -82,23 +99,35 @@ impl Graphics {
         frame: &Frame,
         rows: std::ops::Range<u32>,
     ) -> Result<Image, DocumentError> {
-        self.with(state, "a picture", |t, _| t.caster.rows(&t.gpu, &mut t.pools, &fields(state), frame, rows.clone()))
+        let bound = self.bound();
+        self.with(state, "a picture", |t, _| {
+            t.pools.bound_uploads(bound);
+            t.caster.rows(&t.gpu, &mut t.pools, &fields(state), frame, rows.clone())
+        })
     }
 
     pub(super) fn slice(&mut self, state: &State, frame: &SliceFrame) -> Result<Image, DocumentError> {
-        let colour =
-            self.with(state, "a slice", |t, _| t.slices.pixels(&t.gpu, &mut t.pools, &fields(state), frame))?;
+        let colour = self.with(state, "a slice", |t, _| {
+            t.pools.bound_uploads(None);
+            t.slices.pixels(&t.gpu, &mut t.pools, &fields(state), frame)
+        })?;
         Ok(Image { colour, ..Image::empty(frame.size) })
     }
 
     pub(super) fn pick(&mut self, state: &State, frame: &Frame, px: DVec2) -> Result<Option<Hit>, DocumentError> {
+        let bound = self.bound();
         self.with(state, "a pixel of the 3D view", |t, _| {
+            t.pools.bound_uploads(bound);
             t.caster.pick(&t.gpu, &mut t.pools, &fields(state), frame, px)
         })
     }
 
     pub(super) fn visibility(&mut self, state: &State, frame: &Frame) -> Result<Visibility, DocumentError> {
-        self.with(state, "visibility", |t, _| t.caster.visibility(&t.gpu, &mut t.pools, &fields(state), frame))
+        self.with(state, "visibility", |t, _| {
+            // Poses depend on it, and must not on what was held before.
+            t.pools.bound_uploads(None);
+            t.caster.visibility(&t.gpu, &mut t.pools, &fields(state), frame)
+        })
     }
 
     pub(super) fn begin(&mut self, state: &State, brush: &Brush) -> Result<(), DocumentError> {
@@ -140,6 +169,10 @@ impl Graphics {
     /// Bricks that the running stroke shows in.
     pub(super) fn touched(&self) -> Vec<BrickIndex> {
         self.painter.as_ref().map(Painter::touched).unwrap_or_default()
+    }
+
+    fn bound(&self) -> Option<usize> {
+        self.moving.then_some(MOVING_UPLOADS)
     }
 
     fn gpu(&mut self) -> Result<&Gpu, GpuError> {

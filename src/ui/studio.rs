@@ -144,7 +144,10 @@ impl Studio {
         let begun = Instant::now();
         let image = document.picture(ViewName::ThreeD, size, None)?;
         self.learn(begun, size);
-        self.drawn.insert(ViewName::ThreeD, Drawn { basis, fine: size == basis.size, turn: self.turn });
+        self.drawn.insert(
+            ViewName::ThreeD,
+            Drawn { basis, fine: size == basis.size && !document.is_pending(), turn: self.turn },
+        );
         Ok(Some(picture(ViewName::ThreeD, basis.camera, &image, background(document))))
     }
 

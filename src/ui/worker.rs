@@ -88,6 +88,7 @@ impl Worker {
                 }
                 Next::Gone => return,
             }
+            self.document.set_motion(self.held || self.moving);
             if self.moving {
                 self.step();
             }

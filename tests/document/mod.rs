@@ -11,6 +11,7 @@ mod keep_support;
 mod keep_zarr;
 pub mod maker;
 pub mod maker_gpu;
+mod motion;
 mod nouns;
 mod parts;
 mod program;

@@ -51,6 +51,17 @@ impl Document {
         self.graphics.rows(state, &state.frame(&camera, check_size(size)?), rows)
     }
 
+    /// Says whether something is held or moves: pictures and picks of the 3D view then wait for a bounded number of bricks, and
+    /// coarser ones stand in. Scripts never say so.
+    pub fn set_motion(&mut self, moving: bool) {
+        self.graphics.set_motion(moving);
+    }
+
+    /// Whether the last picture was of coarser bricks than it would be at rest.
+    pub fn is_pending(&self) -> bool {
+        self.graphics.is_pending()
+    }
+
     /// The graphics adapter, or why there is none and what to do.
     ///
     /// # Errors

@@ -1,0 +1,37 @@
+//! Pictures while something moves.
+
+use super::maker::run;
+use burin::document::{Document, Origin, State, ViewName};
+use burin::math::DVec3;
+use burin::volume::*;
+use std::sync::Arc;
+
+#[test]
+fn a_picture_in_motion_waits_for_few_bricks_and_at_rest_none_is_missing() {
+    let mut document = Document::new();
+    if let Err(reason) = document.describe_gpu() {
+        eprintln!("skipped: {reason}");
+        return;
+    }
+    // 80 bricks, none of one value.
+    let dims = [640, 128, 32];
+    let grid = Grid::aligned(dims, DVec3::ONE, DVec3::ZERO);
+    let voxels: Vec<u8> = (0..grid.voxel_count()).map(|i| (i * 7 % 251) as u8).collect();
+    let statistics = Statistics { min: 0.0, max: 250.0, sum: 0.0, nan_count: 0 };
+    let source = Arc::new(MemorySource::new("noise", grid, Voxels::U8(voxels), (1.0, 0.0)).unwrap());
+    let origin = Origin { path: "noise.nrrd".into(), component: 0, frame: 0 };
+    let histogram = Histogram { min: 0.0, max: 250.0, bins: vec![1; 256] };
+    document.adopt(State::new(source, origin, statistics, histogram, None, &|_| true).unwrap());
+    run(&mut document, r#"{"view":{"size":{"view":"3d","size":[64,64]}}}"#).unwrap();
+    let mut picture = |moving: bool| {
+        document.set_motion(moving);
+        let image = document.picture(ViewName::ThreeD, [64, 64], None).unwrap();
+        (image.colour, document.is_pending())
+    };
+    let (rough, pending) = picture(true);
+    assert!(pending && rough.iter().any(|c| c[3] > 0.0), "coarser bricks stand in");
+    let (next, pending) = picture(true);
+    assert!(!pending, "the rest comes with the next picture");
+    let (rest, pending) = picture(false);
+    assert!(!pending && rest == next && rest != rough);
+}
