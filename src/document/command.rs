@@ -139,7 +139,7 @@ pub enum TransferCommand {
 pub enum ViewCommand {
     /// Sets the 3D view's camera.
     Camera { camera: Camera },
-    /// Frames the volume from a side: the direction from the volume towards the eye, world RAS+.
+    /// Frames the volume from a side: the direction from the volume towards the eye, world RAS+. The projection stays.
     Frame {
         from: [f64; 3],
         #[serde(default)]
@@ -176,7 +176,7 @@ pub enum ViewCommand {
     },
     /// Grey window of the slices.
     Window { level: f64, width: f64 },
-    /// How a painted field is shown.
+    /// How a field is shown.
     Layer(Layer),
     /// The view before the last change of view.
     Back {},

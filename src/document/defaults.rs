@@ -15,9 +15,7 @@ impl Scene {
             look: Look::default(),
             window: Window::from_histogram(histogram),
             views: Views::new(grid),
-            layers: [(FieldKind::Colour, 1.0), (FieldKind::Selection, 0.5), (FieldKind::Labels, 0.5)]
-                .map(|(field, opacity)| Layer { field, visible: true, opacity })
-                .to_vec(),
+            layers: FieldKind::ALL.map(Layer::new).to_vec(),
             segments: Segments::default(),
             brush: Brush::default(),
             explosion: Explosion::whole(grid),
@@ -25,7 +23,23 @@ impl Scene {
     }
 }
 
+impl Layer {
+    /// As a field is shown until somebody says otherwise.
+    pub fn new(field: FieldKind) -> Self {
+        let opacity = match field {
+            FieldKind::Density | FieldKind::Colour => 1.0,
+            FieldKind::Selection | FieldKind::Labels => 0.5,
+        };
+        Self { field, visible: true, opacity }
+    }
+}
+
 impl Scene {
+    /// How a field is shown. Older projects do not say it of density.
+    pub fn layer(&self, field: FieldKind) -> Layer {
+        self.layers.iter().find(|l| l.field == field).copied().unwrap_or_else(|| Layer::new(field))
+    }
+
     /// Checks a scene that was read from disk, so that nothing behind it meets numbers it cannot use.
     ///
     /// # Errors

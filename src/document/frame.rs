@@ -12,6 +12,9 @@ pub(super) const WHOLE: u32 = 0;
 /// Tint of the selection, display-referred.
 const SELECTION_COLOUR: [f32; 3] = [1.0, 0.6, 0.15];
 
+/// Level and width of a grey window in which every value is black, as numbers of 32 bits.
+const ALL_BLACK: (f64, f64) = (2e38, 2e38);
+
 impl State {
     /// What the 3D view shows.
     pub(super) fn frame(&self, camera: &Camera, size: [u32; 2]) -> Frame {
@@ -62,14 +65,15 @@ impl State {
         let plane = SlicePlane::new(self.grid(), &views, view)?;
         let window = self.scene.window;
         let at = (plane.axis, plane.index);
-        let grey = (window.level, window.width);
+        let shown = self.scene.layer(FieldKind::Density).visible;
+        let grey = if shown { (window.level, window.width) } else { ALL_BLACK };
         Some(SliceFrame::new(self.grid(), at, size, |px| plane.world(px), grey, self.overlay()))
     }
 
     fn overlay(&self) -> Overlay {
         let strength = |kind: FieldKind| {
-            let layer = self.scene.layers.iter().find(|l| l.field == kind);
-            layer.filter(|l| l.visible).map_or(0.0, |l| l.opacity)
+            let layer = self.scene.layer(kind);
+            if layer.visible { layer.opacity } else { 0.0 }
         };
         Overlay {
             colour: strength(FieldKind::Colour),

@@ -76,14 +76,14 @@ pub struct Window {
     pub width: f64,
 }
 
-/// Whether and how strongly a painted field is shown.
+/// Whether and how strongly a field is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Layer {
     /// Field.
     pub field: FieldKind,
-    /// Shown in slices and in 3D.
+    /// Painted fields: in slices and in 3D. Density: in slices; in 3D the transfer function says it.
     pub visible: bool,
-    /// Strength of its overlay, 0..1.
+    /// Strength of its overlay, 0..1. Density has 1: what it lies over is black.
     pub opacity: f32,
 }
 
@@ -111,7 +111,7 @@ pub struct Scene {
     pub window: Window,
     /// Views.
     pub views: Views,
-    /// Painted fields' display.
+    /// Fields' display.
     pub layers: Vec<Layer>,
     /// Segments.
     pub segments: Segments,

@@ -1,7 +1,7 @@
 //! The brush's settings as commands that carry only what changed, so that two changes on their way do not undo each other.
 
 use crate::document::{BrushCommand, Command};
-use crate::paint::Brush;
+use crate::paint::{Brush, Falloff, Target};
 
 /// The command that makes `new` of `old`; `None` if they are the same.
 pub fn brush_change(old: &Brush, new: &Brush) -> Option<Command> {
@@ -23,6 +23,22 @@ pub fn brush_change(old: &Brush, new: &Brush) -> Option<Command> {
             erase: changed(old.erase, new.erase),
         })
     })
+}
+
+/// Share of the radius, 0..1, within which a press paints at all: a soft brush gives its label only where coverage reaches ½, any other
+/// target up to the rim. 0: nowhere.
+pub fn reach(brush: &Brush) -> f64 {
+    if !matches!(brush.target, Target::Label(_)) {
+        return 1.0;
+    }
+    // F(x) · strength = ½, solved for x.
+    let wanted = 0.5 / f64::from(brush.strength);
+    match brush.falloff {
+        _ if wanted > 1.0 => 0.0,
+        Falloff::Hard => 1.0,
+        Falloff::Linear => 1.0 - wanted,
+        Falloff::Smooth => (1.0 - wanted.sqrt()).sqrt(),
+    }
 }
 
 fn only(change: impl FnOnce(&mut BrushCommand)) -> Command {

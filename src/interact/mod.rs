@@ -15,7 +15,7 @@ pub mod readout;
 mod slices;
 mod tool;
 
-pub use brush::brush_change;
+pub use brush::{brush_change, reach};
 pub use event::{Button, Event, Hit, Key, Modifiers, PointerEvent, Wheel};
 pub use gesture::Gesture;
 pub use keys::{Action, SHORTCUTS, Shortcut, action_of};

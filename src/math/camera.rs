@@ -42,15 +42,19 @@ pub struct Camera {
 impl Camera {
     /// Looks at a box from `direction` (from the box towards the eye) so that its bounding sphere fills the picture.
     pub fn framing(bounds: &Aabb, direction: DVec3, up: DVec3) -> Self {
-        let fov_y_deg: f64 = 30.0;
-        let distance = bounds.half_diagonal().max(1e-6) / (fov_y_deg.to_radians() * 0.5).sin();
+        Self::framing_in(bounds, direction, up, Projection::Perspective { fov_y_deg: 30.0 })
+    }
+
+    /// The same in a projection: its angle is kept, the height of an orthographic picture becomes the sphere's.
+    pub fn framing_in(bounds: &Aabb, direction: DVec3, up: DVec3, projection: Projection) -> Self {
+        let radius = bounds.half_diagonal().max(1e-6);
+        let away = |fov_y_deg: f64| radius / (fov_y_deg.to_radians() * 0.5).sin();
+        let (distance, projection) = match projection {
+            Projection::Perspective { fov_y_deg } => (away(fov_y_deg), projection),
+            Projection::Orthographic { .. } => (away(30.0), Projection::Orthographic { height_mm: radius * 2.0 }),
+        };
         let towards_eye = direction.try_normalize().unwrap_or(DVec3::Y);
-        Self {
-            eye: bounds.centre() + towards_eye * distance,
-            target: bounds.centre(),
-            up,
-            projection: Projection::Perspective { fov_y_deg },
-        }
+        Self { eye: bounds.centre() + towards_eye * distance, target: bounds.centre(), up, projection }
     }
 
     /// Unit direction of sight.

@@ -71,11 +71,10 @@ pub(super) fn echo(scene: &mut Scene, command: &Command) {
 fn echo_view(scene: &mut Scene, command: &ViewCommand) {
     match command {
         ViewCommand::Window { level, width } => scene.window = Window { level: *level, width: *width },
-        ViewCommand::Layer(layer) => {
-            if let Some(known) = scene.layers.iter_mut().find(|l| l.field == layer.field) {
-                *known = *layer;
-            }
-        }
+        ViewCommand::Layer(layer) => match scene.layers.iter_mut().find(|l| l.field == layer.field) {
+            Some(known) => *known = *layer,
+            None => scene.layers.push(*layer),
+        },
         ViewCommand::Crosshair { at: Place::Mm(at) } => scene.views.crosshair = (*at).into(),
         ViewCommand::Size { view, size } => match view.slice() {
             Some(i) => scene.views.slices[i].size = *size,

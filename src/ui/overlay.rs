@@ -3,13 +3,15 @@
 use super::app::App;
 use super::theme::{self, view_colour};
 use crate::document::{SlicePlane, ViewName};
-use crate::interact::{Gesture, Tool};
+use crate::interact::{Gesture, Tool, reach};
 use crate::math::{DVec2, DVec3, Projection};
 use crate::paint::Target;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
 
 /// The crosshair leaves its own middle open, in points.
 const OPENING: f32 = 8.0;
+/// And the side letters: an I on a line would be a line.
+const LETTERS: f32 = 24.0;
 
 impl App {
     pub(super) fn overlay(&self, painter: &Painter, view: ViewName, body: Rect) {
@@ -64,9 +66,13 @@ impl App {
                         None => return,
                     },
                 };
-                let radius = (scene.brush.radius_mm / mm_per_px) as f32 / scale;
+                let rim = (scene.brush.radius_mm / mm_per_px) as f32 / scale;
+                let radius = rim * reach(&scene.brush) as f32;
                 let erase = scene.brush.erase || painter.ctx().input(|i| i.key_down(egui::Key::E));
                 let colour = if erase { theme::ERROR } else { paint_colour(scene.brush.target, scene) };
+                if radius < rim {
+                    painter.circle_stroke(at, rim, Stroke::new(1.0, colour.gamma_multiply(0.4)));
+                }
                 painter.circle_stroke(at, radius + 1.0, Stroke::new(1.0, Color32::from_black_alpha(170)));
                 painter.circle_stroke(at, radius.max(1.0), Stroke::new(1.4, colour));
                 painter.circle_filled(at, 1.2, colour);
@@ -108,6 +114,7 @@ fn crosshair(painter: &Painter, body: Rect, view: ViewName, at: Pos2) {
     };
     let stroke = |v: ViewName| Stroke::new(1.0, view_colour(v).gamma_multiply(0.7));
     let inside = |a: f32, b: f32| (b > a).then_some(a..=b);
+    let body = body.shrink(LETTERS);
     for (a, b) in [(body.min.y, at.y - OPENING), (at.y + OPENING, body.max.y)] {
         if let Some(range) = inside(a, b) {
             painter.vline(at.x, range, stroke(vertical));

@@ -19,4 +19,5 @@ mod projects;
 mod script;
 mod selection;
 mod strokes;
+mod views;
 mod volumes;

@@ -6,6 +6,7 @@ mod driver;
 mod interact;
 mod looks;
 mod projection;
+mod reach;
 mod real;
 mod slices;
 mod window;

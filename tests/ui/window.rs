@@ -2,12 +2,13 @@
 
 use super::driver::{LARGE, SMALL, Window};
 use burin::document::{
-    BrushCommand, Command, ExplosionCommand, HistoryCommand, PartCommand, ProjectCommand, SegmentCommand,
-    StrokeCommand, TransferCommand,
+    BrushCommand, Command, ExplosionCommand, HistoryCommand, Layer, PartCommand, ProjectCommand, SegmentCommand,
+    StrokeCommand, TransferCommand, ViewCommand,
 };
 use burin::explode::PartId;
 use burin::paint::Target;
 use burin::ui::{Gravity, Report};
+use burin::volume::FieldKind;
 use egui::accesskit::Toggled;
 use egui::{Modifiers, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -268,6 +269,8 @@ fn what_is_needed_is_in_sight_at_both_sizes() {
             "Brush radius",
             "Show Segment 1",
             "Opacity of layer Selection",
+            "Show layer Density",
+            "Window width",
             "Opacity point 1",
             "Mode: Volume",
             "Degree of explosion",
@@ -280,6 +283,34 @@ fn what_is_needed_is_in_sight_at_both_sizes() {
             assert!(whole.contains_rect(rect), "{name} at {rect:?} in {size:?}");
         }
     }
+}
+
+#[test]
+fn the_last_steps_are_in_sight_however_long_the_list_of_parts_is() {
+    let mut window = Window::open(SMALL);
+    let parts = window.scene.explosion.parts.clone();
+    window.scene.explosion.parts.extend((3..20).map(|id| {
+        let name = format!("Piece {id}");
+        burin::explode::Part { id: PartId(id), name, ..parts[0].clone() }
+    }));
+    window.snapshot(|s| s.undo = (0..30).map(|i| format!("Step of {i}")).collect());
+    window.harness.run_steps(3);
+    let rect = window.harness.get_by_label("Step 30: Step of 29").rect();
+    let views = window.harness.get_by_label("Sagittal view").rect();
+    assert!(rect.bottom() <= views.bottom() && rect.top() > views.top(), "{rect:?} beside {views:?}");
+}
+
+#[test]
+fn density_is_hidden_by_its_layer() {
+    let mut window = Window::open(SMALL);
+    let hide = Layer { field: FieldKind::Density, visible: false, opacity: 1.0 };
+    assert_eq!(window.click("Show layer Density"), [Command::View(ViewCommand::Layer(hide))]);
+    let show = Layer { visible: true, ..hide };
+    assert_eq!(
+        window.click("Show layer Density"),
+        [Command::View(ViewCommand::Layer(show))],
+        "the row follows at once"
+    );
 }
 
 #[test]

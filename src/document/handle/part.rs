@@ -12,7 +12,12 @@ impl Document {
     pub(in crate::document) fn part(&mut self, command: PartCommand, edit: &mut Edit) -> Result<Value, DocumentError> {
         match command {
             PartCommand::Split { by, size } => {
-                edit.name("Split");
+                edit.name(match by {
+                    Splitter::Axis { .. } => "Axis split",
+                    Splitter::Depth { .. } => "Depth split",
+                    Splitter::Line { .. } => "Line split",
+                    Splitter::Plane { .. } => "Plane split",
+                });
                 let halves = self.split(by, size)?;
                 let parts = self.open()?.scene.explosion.parts.len();
                 Ok(json!({ "halves": halves, "parts": parts }))

@@ -48,7 +48,8 @@ impl Document {
                 let zoom = positive("zoom", zoom.unwrap_or(1.0))?;
                 let from = direction("from", from)?;
                 let up = up.map_or(Ok(up_for(from)), |up| direction("up", up))?;
-                views.camera = checked(Camera::framing(&bounds, from, up).zoomed(zoom))?;
+                let framed = Camera::framing_in(&bounds, from, up, views.camera.projection);
+                views.camera = checked(framed.zoomed(zoom))?;
                 Ok(json!({ "camera": views.camera }))
             }
             ViewCommand::Orbit { azimuth_deg, elevation_deg } => {
@@ -157,13 +158,13 @@ fn set_layer(state: &mut State, layer: Layer) -> Result<(), DocumentError> {
     if !(0.0..=1.0).contains(&layer.opacity) {
         return Err(DocumentError::invalid("opacity", layer.opacity, "0 to 1"));
     }
+    if layer.field == FieldKind::Density && layer.opacity != 1.0 {
+        let expected = "1: density's own look is the grey window in slices and the transfer function in 3D";
+        return Err(DocumentError::invalid("opacity", layer.opacity, expected));
+    }
     match state.scene.layers.iter_mut().find(|l| l.field == layer.field) {
         Some(known) => *known = layer,
-        None => {
-            debug_assert_eq!(layer.field, FieldKind::Density);
-            let expected = "colour, selection or labels; the density's look is the transfer function";
-            return Err(DocumentError::invalid("field", layer.field.name(), expected));
-        }
+        None => state.scene.layers.push(layer),
     }
     Ok(())
 }

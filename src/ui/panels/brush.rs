@@ -6,7 +6,7 @@ use crate::paint::{Brush, Falloff, Operation, Shape, Target, Tip};
 use crate::ui::app::App;
 use crate::ui::theme;
 use crate::ui::widgets::{Scale, choice, colour_button, row, slider};
-use egui::{Checkbox, ComboBox, DragValue, Response, Ui, vec2};
+use egui::{Checkbox, ComboBox, DragValue, Response, RichText, Ui, vec2};
 
 const TARGETS: [(&str, &str, &str); 4] = [
     ("selection", "Selection", "Degree of interest: what stays when the rest moves away"),
@@ -76,6 +76,9 @@ impl App {
                 new.strength = strength as f32;
             }
         });
+        if matches!(new.target, Target::Label(_)) && crate::interact::reach(&new) == 0.0 && new.tip == Tip::Wash {
+            ui.label(RichText::new("Labels take a strength of 50 % or more.").color(theme::WARNING));
+        }
         row(ui, "Shape", |ui| {
             let options = [
                 (Shape::Sphere, "Ball", "A ball, in every view"),

@@ -10,7 +10,8 @@ impl App {
         let snapshot = self.snapshot.clone();
         let done = snapshot.undo.len();
         let rows = done + 1 + snapshot.redo.len();
-        let height = ui.available_height().clamp(ROW * 5.0, ROW * 14.0);
+        // Three and a half steps on a small screen: the half says that there are more.
+        let height = (ui.ctx().viewport_rect().height() * 0.15 - ROW * 1.5).max(ROW * 3.5);
         let mut jump = None;
         ScrollArea::vertical().id_salt("history").max_height(height).stick_to_bottom(true).show_rows(
             ui,

@@ -37,12 +37,16 @@ impl App {
             return;
         }
         side(Panel::right("properties")).default_size(288.0).size_range(248.0..=520.0).show(ui, |ui| {
+            // Below what scrolls, so that what was done is always in sight.
+            let under = Frame::new().inner_margin(Margin { left: 0, right: 8, top: 6, bottom: 0 });
+            Panel::bottom("steps").resizable(false).show_separator_line(false).frame(under).show(ui, |ui| {
+                section(ui, "History", true, |ui| self.history_panel(ui));
+            });
             scrolled(ui, "right", |ui| {
                 section(ui, "Transfer function", true, |ui| self.transfer_panel(ui));
                 section(ui, "3D look", true, |ui| self.look_panel(ui));
                 section(ui, "Explosion", true, |ui| self.explosion_panel(ui));
                 section(ui, "Parts", true, |ui| self.part_panel(ui));
-                section(ui, "History", true, |ui| self.history_panel(ui));
             });
         });
     }
