@@ -10,7 +10,7 @@ use crate::document::{
 use crate::explode::{Axis, PartId};
 use crate::math::{Camera, DQuat, DVec2, DVec3, Pose};
 
-/// A press this close to its release, in pixels, is a click.
+/// A press this close to its release, in pixels, is a click; a hand that lets go of key and button moves no further between.
 const CLICK_PX: f64 = 4.0;
 /// Degrees that a drag across the picture's height turns.
 const DEGREES_PER_HEIGHT: f64 = 180.0;
@@ -29,8 +29,8 @@ pub enum Gesture {
     Window { start: Window, from: DVec2 },
     /// Crosshair follows.
     Crosshair { view: ViewName },
-    /// A stroke. `erase`: the brush was set to take away for this stroke only.
-    Stroke { view: ViewName, last: DVec2, erase: bool },
+    /// A stroke. `erase`: the brush is set to take away for as long as the key is held; `fixed`: it takes away anyway.
+    Stroke { view: ViewName, last: PointerEvent, erase: bool, fixed: bool },
     /// A splitter that waits for its click to end.
     Click { tool: Tool, from: DVec2, axis: Axis },
     /// The line splitter's line.
@@ -74,12 +74,22 @@ impl Gesture {
             }
             Self::Window { start, from } => vec![set_window(windowed(*start, e.px - *from, height))],
             Self::Crosshair { view } => vec![crosshair(*view, e.px, e.size)],
-            Self::Stroke { last, .. } => {
-                if e.px == *last {
+            Self::Stroke { last, erase, fixed, .. } => {
+                let switch = !*fixed && e.modifiers.erase != *erase;
+                if e.px == last.px || switch && e.px.distance(last.px) <= CLICK_PX {
                     return Vec::new();
                 }
-                *last = e.px;
-                vec![Command::Stroke(StrokeCommand::Extend { points: vec![stroke_point(e)] })]
+                let mut commands = Vec::new();
+                if switch {
+                    // From where the key changed on it is another stroke.
+                    *erase = e.modifiers.erase;
+                    let begin = StrokeCommand::Begin { points: vec![stroke_point(last)] };
+                    commands.push(Command::Stroke(StrokeCommand::End {}));
+                    commands.extend([set_erase(*erase), Command::Stroke(begin)]);
+                }
+                *last = *e;
+                commands.push(Command::Stroke(StrokeCommand::Extend { points: vec![stroke_point(e)] }));
+                commands
             }
             Self::Click { .. } => Vec::new(),
             Self::Line { to, .. } => {

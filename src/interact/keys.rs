@@ -53,7 +53,7 @@ pub const SHORTCUTS: [Shortcut; 32] = [
     line("Paint", "B", "Brush"),
     line("Paint", "[  ]", "Smaller or larger brush"),
     line("Paint", "Shift + wheel", "Smaller or larger brush"),
-    line("Paint", "Hold E", "Erase"),
+    line("Paint", "Hold E", "Erase, also from the middle of a stroke on"),
     line("Paint", "1 … 9", "Paint this label"),
     line("Paint", "Esc", "Take the running stroke back"),
     line("Look", "N", "Navigate"),

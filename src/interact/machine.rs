@@ -115,8 +115,8 @@ impl Interaction {
             }
             Tool::Navigate if three_d => Some(orbit),
             Tool::Brush if !three_d || e.hit.is_some() => {
-                let erase = e.modifiers.erase && !context.scene.brush.erase;
-                Some(Gesture::Stroke { view: e.view, last: e.px, erase })
+                let fixed = context.scene.brush.erase;
+                Some(Gesture::Stroke { view: e.view, last: *e, erase: e.modifiers.erase && !fixed, fixed })
             }
             Tool::LineSplit if three_d => Some(Gesture::Line { from: e.px, to: e.px }),
             Tool::AxisSplit | Tool::DepthSplit if three_d && e.hit.is_some() => {

@@ -20,8 +20,15 @@ impl App {
             (i.raw.events.clone(), i.pixels_per_point, i.time, free(egui::Key::Space), free(egui::Key::E))
         });
         let typing = ctx.memory(|m| m.focused().is_some());
+        // Keys and the pointer's samples of a frame come in their order; what is held now is how it ended.
+        let key_e = |event: &egui::Event| match event {
+            egui::Event::Key { key: egui::Key::E, pressed, repeat: false, .. } => Some(*pressed),
+            _ => None,
+        };
+        let mut erase = events.iter().find_map(key_e).map_or(erase, |pressed| !pressed);
         let mut last = None;
         for event in events {
+            erase = key_e(&event).unwrap_or(erase);
             match event {
                 egui::Event::Touch { force: Some(force), .. } => self.viewports.pressure = force.clamp(0.0, 1.0),
                 egui::Event::PointerButton { pos, button, pressed, modifiers } => {
@@ -53,7 +60,7 @@ impl App {
                     last = Some(pos);
                     let Some((_, view)) = self.viewports.captured else { continue };
                     let Some(&(_, rect)) = rects.iter().find(|(v, _)| *v == view) else { continue };
-                    let modifiers = held(ctx.input(|i| i.modifiers), space, erase);
+                    let modifiers = held(ctx.input(|i| i.modifiers), space, erase && !typing);
                     let e = self.pointer_event(view, rect, pos, scale, modifiers, time);
                     self.interact(Event::Move(e));
                 }

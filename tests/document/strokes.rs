@@ -199,3 +199,32 @@ fn a_stroke_that_was_running_at_a_crash_is_finished() {
     assert_eq!(bytes(&again), bytes(&whole));
     assert_eq!(again.history().undo_names().collect::<Vec<_>>(), ["Paint selection"]);
 }
+
+#[test]
+fn a_stroke_that_turns_into_an_erasing_one_is_two_steps() {
+    let Some(mut document) = block() else { return };
+    let selected = |d: &mut Document, x: u32| {
+        run(d, &json!({"ask":{"voxel":{"at":{"index":[x, 20, 20]}}}}).to_string()).unwrap()["selection"]
+            .as_f64()
+            .unwrap()
+    };
+    let steps = document.history().undo_names().len();
+    let at = |x: f64| json!([{"at":{"index":[x, 20.0, 20.0]}}]);
+    // What the window sends while E is pressed in mid-stroke: painted to 40, from there back to 25 taken away.
+    for line in [
+        json!({"brush":{"set":{"target":{"selection":1.0},"radius_mm":3,"falloff":"hard"}}}),
+        json!({"stroke":{"begin":{"points":at(10.0)}}}),
+        json!({"stroke":{"extend":{"points":at(40.0)}}}),
+        json!({"stroke":{"end":{}}}),
+        json!({"brush":{"set":{"erase":true}}}),
+        json!({"stroke":{"begin":{"points":at(40.0)}}}),
+        json!({"stroke":{"extend":{"points":at(25.0)}}}),
+        json!({"stroke":{"end":{}}}),
+    ] {
+        run(&mut document, &line.to_string()).unwrap();
+    }
+    assert_eq!([15, 21, 24, 40].map(|x| selected(&mut document, x)), [1.0, 1.0, 0.0, 0.0]);
+    assert_eq!(document.history().undo_names().skip(steps).collect::<Vec<_>>(), ["Paint selection", "Erase selection"]);
+    run(&mut document, r#"{"history":{"undo":{}}}"#).unwrap();
+    assert_eq!([15, 24, 40].map(|x| selected(&mut document, x)), [1.0; 3], "one step back the painted stroke is whole");
+}

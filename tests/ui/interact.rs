@@ -125,6 +125,50 @@ fn held_e_erases_for_one_stroke_only() {
 }
 
 #[test]
+fn e_in_mid_stroke_makes_another_stroke_of_the_other_sign_from_there_on() {
+    let mut hand = Hand::new(Tool::Brush, ViewName::Axial);
+    hand.press(Button::Primary, 10.0, 20.0);
+    hand.drag(30.0, 20.0);
+    for (held, from, to) in [(true, 30.0, 50.0), (false, 50.0, 90.0)] {
+        hand.modifiers.erase = held;
+        let commands = hand.drag(to, 20.0);
+        assert_eq!(commands.len(), 4, "{commands:?}");
+        assert_eq!(commands[0], Command::Stroke(StrokeCommand::End {}));
+        assert!(matches!(commands[1], Command::Brush(BrushCommand::Set { erase: Some(e), .. }) if e == held));
+        assert!(matches!(commands[2], Command::Stroke(StrokeCommand::Begin { .. })));
+        assert_eq!(pixel_of(&commands[2]), [from, 20.0], "nothing is left out between the two");
+        assert_eq!(pixel_of(&commands[3]), [to, 20.0]);
+        assert_eq!(hand.drag(to + 1.0, 20.0).len(), 1, "it goes on as it is");
+        hand.drag(to, 20.0);
+    }
+    assert_eq!(hand.release(Button::Primary, 90.0, 20.0), [Command::Stroke(StrokeCommand::End {})]);
+    // Lost while it erases, the brush is as it was.
+    hand.press(Button::Primary, 10.0, 20.0);
+    hand.modifiers.erase = true;
+    hand.drag(40.0, 20.0);
+    let aborted = hand.send(Event::Abort);
+    assert!(matches!(
+        aborted[..],
+        [Command::Stroke(StrokeCommand::Cancel {}), Command::Brush(BrushCommand::Set { erase: Some(false), .. })]
+    ));
+    // Letting go of the key a moment before the button paints nothing.
+    hand.press(Button::Primary, 10.0, 20.0);
+    hand.drag(40.0, 20.0);
+    hand.modifiers.erase = false;
+    assert_eq!(hand.drag(42.0, 20.0), []);
+    let end = hand.release(Button::Primary, 42.0, 21.0);
+    assert!(matches!(
+        end[..],
+        [Command::Stroke(StrokeCommand::End {}), Command::Brush(BrushCommand::Set { erase: Some(false), .. })]
+    ));
+    // A brush that erases anyway goes on.
+    hand.scene.brush.erase = true;
+    hand.press(Button::Primary, 10.0, 20.0);
+    hand.modifiers.erase = true;
+    assert_eq!(hand.drag(40.0, 20.0).len(), 1);
+}
+
+#[test]
 fn the_brush_beside_the_object_turns_the_view_instead() {
     let mut hand = Hand::new(Tool::Brush, ViewName::ThreeD);
     hand.hit = None;

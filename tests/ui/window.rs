@@ -234,6 +234,43 @@ fn a_stroke_on_a_slice_sends_every_sample() {
 }
 
 #[test]
+fn e_between_two_samples_of_a_frame_divides_the_stroke_there() {
+    let mut window = Window::open(SMALL);
+    window.click("Brush");
+    let at = window.harness.get_by_label("Axial view").rect().center();
+    window.harness.drag_at(at);
+    window.harness.run_steps(2);
+    window.sent();
+    let key = |pressed| egui::Event::Key {
+        key: egui::Key::E,
+        physical_key: None,
+        pressed,
+        repeat: false,
+        modifiers: Modifiers::NONE,
+    };
+    // Pressed and let go within one frame.
+    for (i, event) in [(1, None), (2, Some(key(true))), (3, None), (4, Some(key(false)))] {
+        let moved = egui::Event::PointerMoved(at + vec2(i as f32 * 10.0, 0.0));
+        window.harness.input_mut().events.extend(event.into_iter().chain([moved]));
+    }
+    window.harness.run_steps(2);
+    let names: Vec<&str> = window
+        .sent()
+        .iter()
+        .map(|c| match c {
+            Command::Stroke(StrokeCommand::Begin { .. }) => "begin",
+            Command::Stroke(StrokeCommand::Extend { .. }) => "extend",
+            Command::Stroke(StrokeCommand::End {}) => "end",
+            Command::Brush(BrushCommand::Set { erase: Some(true), .. }) => "erase",
+            Command::Brush(BrushCommand::Set { erase: Some(false), .. }) => "paint",
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    let divided = ["extend", "end", "erase", "begin", "extend", "extend", "end", "paint", "begin", "extend"];
+    assert_eq!(names, divided);
+}
+
+#[test]
 fn escape_takes_a_stroke_back() {
     let mut window = Window::open(SMALL);
     window.click("Brush");
