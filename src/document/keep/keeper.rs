@@ -265,7 +265,10 @@ fn save_into(
         Journal::create(&dir.join(journal_name(generation)), generation, &state.scene, state.density.map())
     };
     let committed = store.save(state, density, start, progress)?;
-    remove_other_journals(&dir, committed.made.path());
+    // A power cut could bring the old generation back, which is nothing without its journal.
+    if committed.doubt.is_none() {
+        remove_other_journals(&dir, committed.made.path());
+    }
     Ok(committed)
 }
 
