@@ -4,13 +4,19 @@
 //! Every timed picture is compared with one that was drawn untimed.
 #![allow(missing_docs)]
 
+mod cube;
 mod dense;
 mod draw;
 mod explode;
+mod export;
 mod head;
 mod measure;
 mod open;
 mod paint;
+mod save;
+mod settle;
+mod slices;
+mod undo;
 
 use measure::Report;
 
@@ -24,7 +30,12 @@ const BENCHES: &[Bench] = &[
     ("draw/pool", draw::pool),
     ("paint/dab", paint::dab),
     ("paint/stamp", paint::stamp),
+    ("undo/stroke", undo::undo),
+    ("slices/pictures", slices::slices),
+    ("explode/settle", settle::settle),
     ("explode/visibility", explode::visibility),
+    ("keep/save", save::save),
+    ("keep/export", export::export),
     ("open/memory", open::memory),
 ];
 

@@ -20,6 +20,16 @@ fn cpu_ms() -> f64 {
     t.tv_sec as f64 * 1e3 + t.tv_nsec as f64 * 1e-6
 }
 
+impl Time {
+    /// Of runs that were measured one by one.
+    pub fn median(times: Vec<Self>) -> Self {
+        Self {
+            wall: median(times.iter().map(|t| t.wall).collect()),
+            cpu: median(times.iter().map(|t| t.cpu).collect()),
+        }
+    }
+}
+
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]
