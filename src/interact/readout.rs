@@ -1,4 +1,6 @@
-//! Numbers as a person reads them in passing: lengths of scale bars, values under the pointer.
+//! Numbers and answers as a person reads them in passing: lengths of scale bars, values under the pointer, what a crash left.
+
+use serde_json::Value;
 
 /// The largest 1, 2 or 5 × 10ⁿ that is not longer.
 pub fn round_length(mm: f64) -> f64 {
@@ -16,4 +18,32 @@ pub fn short(value: f64) -> String {
     } else {
         format!("{value:.4e}")
     }
+}
+
+/// How long ago something was, to the unit that one would say aloud.
+pub fn ago(seconds: u64) -> String {
+    let said = |n: u64, unit: &str| format!("{n} {unit}{} ago", if n == 1 { "" } else { "s" });
+    match seconds {
+        0..60 => "just now".into(),
+        60..3600 => said(seconds / 60, "minute"),
+        3600..86_400 => said(seconds / 3600, "hour"),
+        _ => said(seconds / 86_400, "day"),
+    }
+}
+
+/// What the answer of an opened project says of work that was not saved when the program ended; `None` if there was none.
+pub fn recovered(answer: &Value) -> Option<String> {
+    let steps = answer["steps"].as_u64()?;
+    let mut text = match steps {
+        0 => "Brought back".to_owned(),
+        1 => "Brought back 1 step that was not saved when the program ended".to_owned(),
+        n => format!("Brought back {n} steps that were not saved when the program ended"),
+    };
+    match (answer["stroke"].as_str(), steps) {
+        (Some("painted"), 0) => text += " the stroke that was running when the program ended, as far as it had come",
+        (Some("painted"), _) => text += ", and the stroke that was running as far as it had come",
+        (_, 0) => return None,
+        _ => {}
+    }
+    Some(text + ". Save to keep it.")
 }

@@ -1,14 +1,15 @@
 //! The window's state, and how commands leave it and reports reach it.
 
-use super::dialogs::Dialog;
+use super::dialogs::{Dialog, Lost};
 use super::echo::echo;
 use super::panels::transfer::TransferEditor;
+use super::saving::AfterSave;
 use super::session::{Gravity, Opened, Report, Request, Session, Snapshot};
 use super::viewport::Viewports;
 use super::{pictures::Pictures, theme};
 use crate::document::{Command, HistoryCommand, ProjectCommand, Scene, ViewCommand, ViewName, VolumeCommand};
 use crate::explode::PartId;
-use crate::interact::{Context, Event, Interaction};
+use crate::interact::{Context, Event, Interaction, readout};
 use egui::{Id, Response, Ui};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -38,7 +39,8 @@ pub struct App {
     /// The control whose drag is one step of history.
     group: Option<Id>,
     pub(super) chosen: (Sender<Chosen>, Receiver<Chosen>),
-    pub(super) close_after_save: bool,
+    /// What a save was asked for on the way to; forgotten when a save is asked for its own sake.
+    pub(super) after_save: Option<AfterSave>,
     pub(super) closing: bool,
     title: String,
     /// The zoom that the window's size asked for; 0 before the first pass.
@@ -89,7 +91,7 @@ impl App {
             last_paint: BTreeMap::new(),
             group: None,
             chosen: channel(),
-            close_after_save: false,
+            after_save: None,
             closing: false,
             title: String::new(),
             zoom: 0.0,
@@ -185,23 +187,11 @@ impl App {
         self.send(Command::Project(ProjectCommand::Lost {}));
     }
 
-    /// Saves where the project is, or asks where.
-    pub(super) fn save(&mut self) {
-        if self.opened().is_none() {
-            return;
-        }
-        if self.snapshot.project.is_some() {
-            self.send(Command::Project(ProjectCommand::Save { path: None, density: None }));
-        } else {
-            self.ask_path(Dialog::save_as(self));
-        }
-    }
-
     /// Asks what takes its time to stop.
     pub(super) fn stop(&mut self) {
+        self.wait_no_more();
         if let Some(busy) = &mut self.busy {
             busy.stopping = true;
-            self.close_after_save = false;
             self.session.stop();
         }
     }
@@ -249,7 +239,7 @@ impl App {
                 Report::Finished => self.busy = None,
                 Report::Message(gravity, text) => {
                     if gravity == Gravity::Error {
-                        self.close_after_save = false;
+                        self.wait_no_more();
                     }
                     self.say(gravity, text);
                 }
@@ -262,16 +252,14 @@ impl App {
         if let Command::Project(ProjectCommand::Lost {}) = command
             && let Some(lost) = answer["lost"].as_array().filter(|l| !l.is_empty())
         {
-            let one = |l: &serde_json::Value| {
-                (l["id"].as_str().unwrap_or_default().to_owned(), l["origin"].as_str().unwrap_or_default().to_owned())
-            };
-            self.dialog = Some(Dialog::Lost(lost.iter().map(one).collect()));
+            self.dialog = Some(Dialog::Lost(lost.iter().map(Lost::from).collect()));
         }
-        if let Command::Project(ProjectCommand::Save { .. }) = command
-            && self.close_after_save
-        {
-            self.closing = true;
-            ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+        if let Some(text) = readout::recovered(&answer["recovered"]) {
+            self.say(Gravity::Warning, text);
+            self.messages_open = true;
+        }
+        if let Command::Project(ProjectCommand::Save { .. }) = command {
+            self.saved(ctx);
         }
     }
 
@@ -286,9 +274,7 @@ impl App {
     pub(super) fn choose(&mut self, choice: Chosen) {
         match choice {
             Chosen::Open(path) => self.open_guarded(path),
-            Chosen::SaveAs(path) => {
-                self.send(Command::Project(ProjectCommand::Save { path: Some(path), density: None }))
-            }
+            Chosen::SaveAs(path) => self.send_save(Some(path)),
             Chosen::Export(field, path) => self.send(Command::Volume(VolumeCommand::Export { field, path })),
             Chosen::Image(path) => self.send(Command::Render(crate::document::RenderCommand::Image {
                 path,

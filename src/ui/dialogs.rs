@@ -3,12 +3,14 @@
 //! The system's file dialog runs beside the window; where there is none, a path is typed.
 
 use super::app::{App, Chosen};
-use super::session::Gravity;
+use super::saving::AfterSave;
 use super::theme;
 use crate::document::{Command, ProjectCommand};
+use crate::interact::readout;
 use crate::volume::FieldKind;
 use egui::{Align2, Color32, Id, Modal, RichText, TextEdit, Ui, vec2};
 use std::path::PathBuf;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 /// What is asked.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,8 +21,30 @@ pub(super) enum Dialog {
     Close,
     /// Something else is opened over unsaved changes.
     Replace(PathBuf),
-    /// Documents that crashes left behind: id and file.
-    Lost(Vec<(String, String)>),
+    /// Documents that crashes left behind.
+    Lost(Vec<Lost>),
+    /// Nothing: the window waits for a save, after which it closes or opens something else.
+    Saving,
+}
+
+/// A document that a crash left behind.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Lost {
+    id: String,
+    /// The file that was open.
+    origin: String,
+    /// How long ago it was changed last, in words; empty if nobody knows.
+    age: String,
+}
+
+impl From<&serde_json::Value> for Lost {
+    fn from(lost: &serde_json::Value) -> Self {
+        let text = |name: &str| lost[name].as_str().unwrap_or_default().to_owned();
+        let changed = lost["changed"]["secs_since_epoch"].as_u64().map(|s| UNIX_EPOCH + Duration::from_secs(s));
+        let age = changed.and_then(|c| SystemTime::now().duration_since(c).ok());
+        let age = age.map_or_else(String::new, |a| readout::ago(a.as_secs()));
+        Self { id: text("id"), origin: text("origin"), age }
+    }
 }
 
 /// What a path is for.
@@ -151,6 +175,7 @@ impl App {
                 Dialog::Close => self.close_dialog(ui),
                 Dialog::Replace(path) => self.replace_dialog(ui, path),
                 Dialog::Lost(lost) => self.lost_dialog(ui, lost),
+                Dialog::Saving => self.saving_dialog(ui),
             }
         });
     }
@@ -164,6 +189,8 @@ impl App {
         let response = ui.add(field).accessible_name("Path");
         if !response.has_focus() && !response.lost_focus() {
             response.request_focus();
+            // The cursor is seen a frame later.
+            ui.ctx().request_repaint();
         }
         let entered = response.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
         ui.add_space(12.0);
@@ -178,16 +205,21 @@ impl App {
         }
     }
 
-    fn close_dialog(&mut self, ui: &mut Ui) {
-        ui.heading("Save before closing?");
+    fn unsaved_question(&self, ui: &mut Ui, title: &str) {
+        ui.add(egui::Label::new(RichText::new(title).heading()).truncate());
         ui.add_space(4.0);
-        ui.label(RichText::new("There are changes that are not saved.").color(theme::TEXT_WEAK));
+        let name = self.document_title();
+        let text = format!("{} has changes that are not saved.", name.trim_end_matches('*'));
+        ui.label(RichText::new(text).color(theme::TEXT_WEAK));
         ui.add_space(16.0);
+    }
+
+    fn close_dialog(&mut self, ui: &mut Ui) {
+        self.unsaved_question(ui, "Save before closing?");
         match three_buttons(ui) {
             Some(Answer::Yes) => {
                 self.dialog = None;
-                self.close_after_save = true;
-                self.save();
+                self.save_then(Some(AfterSave::Close));
             }
             Some(Answer::No) => {
                 self.dialog = None;
@@ -200,21 +232,12 @@ impl App {
     }
 
     fn replace_dialog(&mut self, ui: &mut Ui, path: PathBuf) {
-        ui.heading("Save before opening another?");
-        ui.add_space(4.0);
-        ui.label(RichText::new("There are changes that are not saved.").color(theme::TEXT_WEAK));
-        ui.add_space(16.0);
+        let name = short_path(&path.to_string_lossy());
+        self.unsaved_question(ui, &format!("Save before {name} is opened?"));
         match three_buttons(ui) {
             Some(Answer::Yes) => {
                 self.dialog = None;
-                if self.snapshot.project.is_some() {
-                    // Commands are done in order: the save is on disk before the other volume is read.
-                    self.save();
-                    self.open(&path);
-                } else {
-                    self.say(Gravity::Note, "Save the project first, then open the other volume.".into());
-                    self.save();
-                }
+                self.save_then(Some(AfterSave::Open(path)));
             }
             Some(Answer::No) => {
                 self.dialog = None;
@@ -225,14 +248,14 @@ impl App {
         }
     }
 
-    fn lost_dialog(&mut self, ui: &mut Ui, mut lost: Vec<(String, String)>) {
+    fn lost_dialog(&mut self, ui: &mut Ui, mut lost: Vec<Lost>) {
         ui.heading("Unsaved work was found");
         ui.add_space(4.0);
         let text = "The program did not end in order. These documents can be brought back as they were.";
         ui.label(RichText::new(text).color(theme::TEXT_WEAK));
         ui.add_space(12.0);
         let mut gone = None;
-        for (i, (id, origin)) in lost.iter().enumerate() {
+        for (i, Lost { id, origin, age }) in lost.iter().enumerate() {
             super::widgets::from_right_row(ui, |ui| {
                 let name = format!("Recover {}", short_path(origin));
                 if ui.add(primary("Recover")).accessible_name(name).clicked() {
@@ -247,7 +270,11 @@ impl App {
                     gone = Some(i);
                 }
                 ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
-                    ui.add(egui::Label::new(short_path(origin)).truncate()).on_hover_text(origin);
+                    ui.vertical(|ui| {
+                        ui.spacing_mut().item_spacing.y = 0.0;
+                        ui.add(egui::Label::new(short_path(origin)).truncate()).on_hover_text(origin);
+                        ui.label(RichText::new(age).small().color(theme::TEXT_WEAK));
+                    });
                 });
             });
         }
@@ -296,9 +323,17 @@ fn two_buttons(ui: &mut Ui, yes: &str, no: &str, can: bool) -> (bool, bool) {
 }
 
 fn three_buttons(ui: &mut Ui) -> Option<Answer> {
+    // A key that is held since the question before answers only that.
+    let entered = ui.input(|i| {
+        i.events.iter().any(|e| {
+            matches!(e, egui::Event::Key { key: egui::Key::Enter, pressed: true, repeat: false, modifiers, .. }
+                if modifiers.is_none())
+        })
+    });
+    let entered = entered && ui.memory(|m| m.focused().is_none());
     super::widgets::from_right_row(ui, |ui| {
         let mut answer = None;
-        if ui.add(primary("Save")).clicked() {
+        if ui.add(primary("Save")).clicked() || entered {
             answer = Some(Answer::Yes);
         }
         if ui.add(egui::Button::new("Cancel").min_size(vec2(90.0, 30.0))).clicked() {

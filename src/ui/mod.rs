@@ -12,6 +12,7 @@ mod panels;
 mod pictures;
 mod pointer;
 mod progress;
+mod saving;
 mod session;
 mod stir;
 mod studio;

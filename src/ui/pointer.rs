@@ -170,7 +170,10 @@ impl App {
             Action::Undo => self.travel(HistoryCommand::Undo { steps: 1 }),
             Action::Redo => self.travel(HistoryCommand::Redo { steps: 1 }),
             Action::Save => self.save(),
-            Action::SaveAs => self.ask_path(Dialog::save_as(self)),
+            Action::SaveAs => {
+                self.after_save = None;
+                self.ask_path(Dialog::save_as(self));
+            }
             Action::Open => self.ask_path(Dialog::open()),
             Action::Frame => {
                 if self.opened().is_some() {
@@ -185,6 +188,8 @@ impl App {
             Action::Abort => {
                 if self.interaction.gesture().is_some() {
                     self.interact(Event::Abort);
+                } else if self.dialog == Some(Dialog::Saving) {
+                    self.stop();
                 } else if self.dialog.take().is_none() {
                     self.keys_open = false;
                 }

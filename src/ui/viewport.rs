@@ -87,10 +87,16 @@ impl App {
     pub(super) fn central(&mut self, ui: &mut Ui) {
         egui::CentralPanel::no_frame().show(ui, |ui| {
             let all = ui.max_rect();
-            ui.painter().rect_filled(all, 0.0, theme::DEEP);
             if self.opened().is_none() {
+                ui.painter().rect_filled(all, 0.0, theme::DEEP);
                 self.welcome(ui);
                 return;
+            }
+            // Without a graphics card every layer under a picture costs as much as the picture: only the seams are filled.
+            if self.viewports.maximised.is_none() {
+                for seam in seams(all) {
+                    ui.painter().rect_filled(seam, 0.0, theme::DEEP);
+                }
             }
             let tiles: Vec<(ViewName, Rect)> = match self.viewports.maximised {
                 Some(view) => vec![(view, all)],
@@ -126,18 +132,18 @@ impl App {
         let Some(scene) = &self.scene else { return };
         let background = scene.look.background;
         let painter = ui.painter_at(body);
-        painter.rect_filled(body, 0.0, if view == ViewName::ThreeD { theme::rgb(background) } else { Color32::BLACK });
         if let Some(texture) = self.pictures.texture(view) {
             let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
             painter.image(texture.id(), body, uv, Color32::WHITE);
-        } else if self.snapshot.gpu.as_ref().is_some_and(Result::is_err) {
-            painter.text(
-                body.center(),
-                Align2::CENTER_CENTER,
-                "No GPU: no picture",
-                egui::FontId::proportional(13.5),
-                theme::TEXT_WEAK,
-            );
+        } else {
+            let ground = if view == ViewName::ThreeD { theme::rgb(background) } else { Color32::BLACK };
+            painter.rect_filled(body, 0.0, ground);
+            let text = match &self.snapshot.gpu {
+                Some(Err(_)) => "No GPU: no picture",
+                _ => "Drawing…",
+            };
+            let font = egui::FontId::proportional(13.5);
+            painter.text(body.center(), Align2::CENTER_CENTER, text, font, theme::TEXT_WEAK);
         }
         self.overlay(&painter, view, body);
         if self.viewports.hovered.is_some_and(|(v, _)| v == view) && self.viewports.maximised.is_none() {
@@ -253,6 +259,15 @@ fn quarters(all: Rect) -> [(ViewName, Rect); 4] {
         (ViewName::Axial, Rect::from_min_max(pos2(far.x, all.min.y), pos2(all.max.x, mid.y))),
         (ViewName::Coronal, Rect::from_min_max(pos2(all.min.x, far.y), pos2(mid.x, all.max.y))),
         (ViewName::Sagittal, Rect::from_min_max(far, all.max)),
+    ]
+}
+
+/// What lies between the views.
+fn seams(all: Rect) -> [Rect; 2] {
+    let [first, .., last] = quarters(all).map(|q| q.1);
+    [
+        Rect::from_min_max(pos2(first.max.x, all.min.y), pos2(last.min.x, all.max.y)),
+        Rect::from_min_max(pos2(all.min.x, first.max.y), pos2(all.max.x, last.min.y)),
     ]
 }
 

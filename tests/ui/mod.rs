@@ -8,6 +8,7 @@ mod looks;
 mod projection;
 mod reach;
 mod real;
+mod saving;
 mod slices;
 mod window;
 mod worker;

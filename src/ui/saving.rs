@@ -1,0 +1,79 @@
+//! Saving, and what waits for it: the window that closes, the file that is opened next.
+//!
+//! While something waits nothing can be changed, so that what closes is what was saved.
+
+use super::app::App;
+use super::dialogs::Dialog;
+use super::theme;
+use crate::document::{Command, ProjectCommand};
+use egui::{Button, ProgressBar, Ui, ViewportCommand, vec2};
+use std::path::PathBuf;
+
+/// What follows a save.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum AfterSave {
+    Close,
+    Open(PathBuf),
+}
+
+impl App {
+    /// Saves where the project is, or asks where.
+    pub(super) fn save(&mut self) {
+        self.save_then(None);
+    }
+
+    /// Saves, and does something else once all is on disk.
+    pub(super) fn save_then(&mut self, then: Option<AfterSave>) {
+        if self.opened().is_none() {
+            return;
+        }
+        self.after_save = then;
+        if self.snapshot.project.is_some() {
+            self.send_save(None);
+        } else {
+            self.ask_path(Dialog::save_as(self));
+        }
+    }
+
+    pub(super) fn send_save(&mut self, path: Option<PathBuf>) {
+        // What was painted meanwhile would be closed unsaved: nothing can be.
+        if self.after_save.is_some() {
+            self.dialog = Some(Dialog::Saving);
+        }
+        self.send(Command::Project(ProjectCommand::Save { path, density: None }));
+    }
+
+    /// Nothing follows a save that runs: it failed, or was stopped.
+    pub(super) fn wait_no_more(&mut self) {
+        self.after_save = None;
+        self.dialog.take_if(|d| *d == Dialog::Saving);
+    }
+
+    /// All is on disk.
+    pub(super) fn saved(&mut self, ctx: &egui::Context) {
+        let then = self.after_save.take();
+        self.wait_no_more();
+        match then {
+            Some(AfterSave::Close) => {
+                self.closing = true;
+                ctx.send_viewport_cmd(ViewportCommand::Close);
+            }
+            Some(AfterSave::Open(path)) => self.open(&path),
+            None => {}
+        }
+    }
+
+    pub(super) fn saving_dialog(&mut self, ui: &mut Ui) {
+        let name = self.document_title();
+        ui.heading(format!("Saving {}", name.trim_end_matches('*')));
+        ui.add_space(12.0);
+        let share = self.busy.as_ref().and_then(|b| b.percent).unwrap_or(0) as f32 / 100.0;
+        ui.add(ProgressBar::new(share).desired_height(6.0).fill(theme::ACCENT));
+        ui.add_space(12.0);
+        let cancelled =
+            super::widgets::from_right_row(ui, |ui| ui.add(Button::new("Cancel").min_size(vec2(90.0, 30.0))).clicked());
+        if cancelled {
+            self.stop();
+        }
+    }
+}

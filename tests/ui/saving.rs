@@ -1,0 +1,126 @@
+//! Saving, what waits for it, and what a crash left.
+
+use super::driver::{SMALL, Window};
+use burin::document::{Command, DensityKeeping, ProjectCommand, VolumeCommand};
+use burin::ui::{Gravity, Report};
+use egui::{Modifiers, ViewportCommand, ViewportEvent, ViewportId};
+use egui_kittest::kittest::Queryable;
+use std::path::{Path, PathBuf};
+
+/// A window with unsaved work, in a project if one is named.
+fn unsaved(project: Option<&str>) -> Window {
+    let mut window = Window::open(SMALL);
+    told(&mut window, project, true);
+    window
+}
+
+fn told(window: &mut Window, project: Option<&str>, unsaved: bool) {
+    window.snapshot(|s| {
+        s.unsaved = unsaved;
+        s.project = project.map(PathBuf::from);
+    });
+}
+
+fn close(window: &mut Window) {
+    let viewport = window.harness.input_mut().viewports.entry(ViewportId::ROOT).or_default();
+    viewport.events.push(ViewportEvent::Close);
+    window.harness.run_steps(3);
+    let viewport = window.harness.input_mut().viewports.entry(ViewportId::ROOT).or_default();
+    viewport.events.clear();
+    window.harness.run_steps(2);
+}
+
+fn save(path: Option<&str>) -> Command {
+    let density: Option<DensityKeeping> = None;
+    Command::Project(ProjectCommand::Save { path: path.map(PathBuf::from), density })
+}
+
+/// The save is done; answers whether the window closes, and what it asks for next.
+fn done(window: &mut Window, command: Command) -> (bool, Vec<Command>) {
+    window.far.reports.send(Report::Done(command, serde_json::json!({ "saved": {} }))).unwrap();
+    let mut closes = false;
+    for _ in 0..3 {
+        window.harness.step();
+        let output = &window.harness.output().viewport_output[&ViewportId::ROOT];
+        closes |= output.commands.contains(&ViewportCommand::Close);
+    }
+    (closes, window.sent())
+}
+
+#[test]
+fn a_window_with_unsaved_work_closes_once_it_is_saved() {
+    let mut window = unsaved(Some("/data/head.burin"));
+    close(&mut window);
+    assert!(window.harness.query_by_label_contains("Save before closing?").is_some());
+    let sent = window.key(Modifiers::NONE, egui::Key::Enter);
+    assert_eq!(sent, [save(None)], "Enter is the button that loses nothing");
+    // What would be done now would be lost.
+    assert_eq!(window.key(Modifiers::NONE, egui::Key::Num3), []);
+    assert_eq!(done(&mut window, save(None)), (true, vec![]));
+}
+
+#[test]
+fn a_save_that_was_given_up_closes_nothing_later() {
+    let mut window = unsaved(None);
+    close(&mut window);
+    window.key(Modifiers::NONE, egui::Key::Enter);
+    assert!(window.harness.query_by_label("Path").is_some(), "where is asked");
+    window.key(Modifiers::NONE, egui::Key::Escape);
+    told(&mut window, Some("/data/head.burin"), true);
+    assert_eq!(window.key(Modifiers::COMMAND, egui::Key::S), [save(None)]);
+    assert_eq!(done(&mut window, save(None)), (false, vec![]));
+
+    close(&mut window);
+    window.key(Modifiers::NONE, egui::Key::Enter);
+    window.report(Report::Message(Gravity::Error, "the disk is full".into()));
+    assert!(window.harness.query_by_label_contains("Saving head.burin").is_none(), "the window can be used again");
+    assert_eq!(window.key(Modifiers::COMMAND, egui::Key::S), [save(None)]);
+    assert_eq!(done(&mut window, save(None)), (false, vec![]));
+}
+
+#[test]
+fn what_is_opened_over_unsaved_work_waits_for_the_save() {
+    for project in [None, Some("/data/head.burin")] {
+        let mut window = unsaved(project);
+        assert_eq!(window.key(Modifiers::COMMAND, egui::Key::O), []);
+        window.harness.get_by_label("Path").type_text("/data/other.nii");
+        window.harness.run_steps(2);
+        assert_eq!(window.key(Modifiers::NONE, egui::Key::Enter), []);
+        assert!(window.harness.query_by_label_contains("Save before other.nii is opened?").is_some());
+        let mut sent = window.key(Modifiers::NONE, egui::Key::Enter);
+        if project.is_none() {
+            assert_eq!(sent, []);
+            sent = window.key(Modifiers::NONE, egui::Key::Enter);
+            assert!(matches!(&sent[..], [Command::Project(ProjectCommand::Save { path: Some(_), .. })]), "{sent:?}");
+        } else {
+            assert_eq!(sent, [save(None)]);
+        }
+        let (closes, next) = done(&mut window, sent.remove(0));
+        assert!(!closes);
+        assert!(
+            matches!(&next[..], [Command::Volume(VolumeCommand::Open { path, .. })] if path == Path::new("/data/other.nii")),
+            "{next:?}"
+        );
+    }
+}
+
+#[test]
+fn what_a_crash_left_is_said() {
+    let mut window = Window::open(SMALL);
+    let open = Command::Project(ProjectCommand::Open { path: "/data/head.burin".into() });
+    let answer = serde_json::json!({ "recovered": { "steps": 2, "last": null, "stroke": "painted" } });
+    window.report(Report::Done(open, answer));
+    let said = "Brought back 2 steps that were not saved when the program ended, \
+        and the stroke that was running as far as it had come. Save to keep it.";
+    assert!(window.harness.query_by_label(said).is_some());
+
+    let mut window = Window::empty(SMALL);
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap().as_secs();
+    let lost = serde_json::json!({ "lost": [
+        { "id": "1-a", "origin": "/data/head.nii.gz", "changed": { "secs_since_epoch": now - 7500, "nanos_since_epoch": 0 } }
+    ] });
+    window.report(Report::Done(Command::Project(ProjectCommand::Lost {}), lost));
+    assert!(window.harness.query_by_label("2 hours ago").is_some());
+    let recover = Command::Project(ProjectCommand::Recover { id: "1-a".into() });
+    assert_eq!(window.click("Recover head.nii.gz"), [recover]);
+}
