@@ -3,8 +3,10 @@
 //! PNG takes the display-referred colour as it is; EXR holds linear colour (sRGB's transfer curve undone), `Z` in mm along
 //! the ray with +inf for nothing, and `id`. Knows nothing of how the picture came to be.
 
+use crate::io::{IoError, replace_file};
 use crate::math::DVec2;
 use exr::prelude as exr;
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 /// Why a picture could not be kept.
@@ -88,8 +90,10 @@ impl Image {
     pub fn write_png(&self, path: &Path, background: Option<[f32; 3]>) -> Result<(), ImageError> {
         let bytes = self.to_rgba8(background);
         let [w, h] = self.size;
-        image::save_buffer_with_format(path, &bytes, w, h, image::ColorType::Rgba8, image::ImageFormat::Png)
-            .map_err(|e| ImageError::Unwritable { path: path.to_path_buf(), reason: e.to_string() })
+        let mut file = Cursor::new(Vec::new());
+        image::write_buffer_with_format(&mut file, &bytes, w, h, image::ColorType::Rgba8, image::ImageFormat::Png)
+            .map_err(|e| unwritable(path, &e))?;
+        keep(path, file.get_ref())
     }
 
     /// Writes an EXR with channels `R G B A Z id` in one layer, 32 bits each.
@@ -115,11 +119,22 @@ impl Image {
             exr::AnyChannels::sort(channels),
         );
         use exr::WritableImage;
-        exr::Image::from_layer(layer)
-            .write()
-            .to_file(path)
-            .map_err(|e| ImageError::Unwritable { path: path.to_path_buf(), reason: e.to_string() })
+        let mut file = Cursor::new(Vec::new());
+        exr::Image::from_layer(layer).write().to_buffered(&mut file).map_err(|e| unwritable(path, &e))?;
+        keep(path, file.get_ref())
     }
+}
+
+/// Puts a whole picture in an old one's place: what fails midway leaves the old one.
+fn keep(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
+    replace_file(path, bytes).map_err(|error| match error {
+        IoError::System { source, .. } => unwritable(path, &source),
+        other => unwritable(path, &other),
+    })
+}
+
+fn unwritable(path: &Path, reason: &dyn std::fmt::Display) -> ImageError {
+    ImageError::Unwritable { path: path.to_path_buf(), reason: reason.to_string() }
 }
 
 /// Colour as light: the transfer curve of sRGB undone on the colour itself, then multiplied by alpha again.

@@ -1,6 +1,6 @@
 //! Readers and writers of volumes.
 //!
-//! Owns the [`Reader`] trait, the list of readers, `info`, and the export to NRRD. A reader turns a file into a [`Grid`] in
+//! Owns the [`Reader`] trait, the list of readers, `info`, the export to NRRD, and how a file is replaced. A reader turns a file into a [`Grid`] in
 //! RAS+ mm (LPS is turned here and nowhere else) and into `BrickSource`s; voxels keep their file's order, the affine carries
 //! the orientation. Files are hostile: what is allocated is bounded by what the file can hold, and an error names the field.
 //! Knows no GPU and no document.
@@ -28,4 +28,5 @@ pub use error::IoError;
 pub use export::{Compression, Exported, export};
 pub use info::{Info, info};
 pub use reader::{Contents, Opened, Progress, Reader, open, readers};
+pub use replace::replace_file;
 pub use statistics::statistics;

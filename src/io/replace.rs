@@ -5,6 +5,14 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
+/// Writes a file anew: whoever looks, and whatever fails, finds the old file or the whole new one.
+///
+/// # Errors
+/// If the system refuses.
+pub fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
+    replace(path, |out| out.write_all(bytes).map_err(IoError::system(path, "write the file"))).map(|_| ())
+}
+
 /// Writes `path` anew by what `write` puts out. If anything fails (a full disk, a source, a cancel) the old file is as it was
 /// and nothing is left beside it. Answers the new file's bytes.
 pub(super) fn replace(

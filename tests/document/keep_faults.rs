@@ -256,3 +256,27 @@ mod full_disk {
         keeper.record(&end(), &state, &[(kind, index)], true).unwrap();
     }
 }
+
+#[test]
+fn a_save_that_fails_at_its_last_step_leaves_nothing_of_itself() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(SMALL, dir.path());
+    let project = saved(dir.path(), &state);
+    let (mut keeper, _) = Keeper::open(&project).unwrap();
+    paint_all(&mut state);
+    let named = std::fs::read(project.join("project.json")).unwrap();
+    // A folder of that name is what no rename replaces.
+    std::fs::remove_file(project.join("project.json")).unwrap();
+    std::fs::create_dir(project.join("project.json")).unwrap();
+    keeper.save(None, &state, None, &|_| true).unwrap_err();
+    let mut names: Vec<String> =
+        std::fs::read_dir(&project).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    assert_eq!(names, ["generation-000001", "journal-000001", "lock", "project.json"]);
+    // And the next one succeeds.
+    std::fs::remove_dir(project.join("project.json")).unwrap();
+    std::fs::write(project.join("project.json"), named).unwrap();
+    assert_eq!(keeper.save(None, &state, None, &|_| true).unwrap().generation, 2);
+    drop(keeper);
+    assert_kept(&state, &opened(&project), "after a save that failed");
+}

@@ -57,4 +57,11 @@ fn a_file_that_cannot_be_written_is_named() {
     let error = sample().write(std::path::Path::new("/nowhere/at/all.png"), None).unwrap_err();
     assert!(error.to_string().contains("/nowhere/at/all.png"), "{error}");
     assert!(matches!(sample().write(std::path::Path::new("a.gif"), None), Err(ImageError::UnknownFormat { .. })));
+    let dir = tempfile::tempdir().unwrap();
+    for name in ["a.png", "a.exr"] {
+        let taken = dir.path().join(name);
+        std::fs::create_dir(&taken).unwrap();
+        sample().write(&taken, None).unwrap_err();
+    }
+    assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 2, "nothing is left beside");
 }

@@ -264,7 +264,11 @@ fn save_into(
     let start = |generation| {
         Journal::create(&dir.join(journal_name(generation)), generation, &state.scene, state.density.map())
     };
-    let committed = store.save(state, density, start, progress)?;
+    let next = store.generation() + 1;
+    let committed = store.save(state, density, start, progress).inspect_err(|_| {
+        // Its generation is not.
+        let _ = std::fs::remove_file(dir.join(journal_name(next)));
+    })?;
     // A power cut could bring the old generation back, which is nothing without its journal.
     if committed.doubt.is_none() {
         remove_other_journals(&dir, committed.made.path());

@@ -123,8 +123,13 @@ pub(in crate::document) fn replace(path: &Path, bytes: &[u8]) -> Result<(), Keep
         Err(error) if error.kind() != ErrorKind::NotFound => return Err(KeepError::io("replace", &beside)(error)),
         _ => {}
     }
-    write_new(&beside, bytes)?;
-    std::fs::rename(&beside, path).map_err(KeepError::io("replace", path))
+    let replaced =
+        write_new(&beside, bytes).and_then(|()| std::fs::rename(&beside, path).map_err(KeepError::io("replace", path)));
+    if replaced.is_err() {
+        // What little was written would only keep a full disk full.
+        let _ = std::fs::remove_file(&beside);
+    }
+    replaced
 }
 
 /// Makes the names in a folder survive a power cut.
