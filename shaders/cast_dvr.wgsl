@@ -5,7 +5,7 @@
 // extinction.
 
 #import burin::body::{
-    Sight, BodyRay, view, bodies, sight_of, head_of, listed, ray_of, interval, skip_empty, brick_end, FAR, MERGE as MERGE_TILE
+    Sight, BodyRay, view, bodies, sight_of, head_of, listed, ray_of, interval, skip_empty, run_end, FAR, MERGE as MERGE_TILE
 }
 #import burin::field::{Page, brick_of, density_page, density_texel, selection_page, selection_at}
 #import burin::look::{table_at, share, opacity_of_share, painted, gradient, lit, facing}
@@ -40,7 +40,7 @@ fn add(c: vec4<f32>, k: f32) {
 }
 
 // The share, paint and light of the visible sample k: display colour and opacity.
-fn evaluate(r: BodyRay, page: Page, selection: Page, brick: vec3<i32>, k: f32, texel: f32, c: vec4<f32>) -> vec4<f32> {
+fn evaluate(r: BodyRay, page: Page, selection: Page, k: f32, texel: f32, c: vec4<f32>) -> vec4<f32> {
     let p = r.o + r.d * k;
     var s = 0.0;
     var out = c;
@@ -50,7 +50,7 @@ fn evaluate(r: BodyRay, page: Page, selection: Page, brick: vec3<i32>, k: f32, t
         out.a = opacity_of_share(c.a, share(r.mask, s));
     }
 #endif
-    var colour = painted(c.rgb, p, brick, s) * bodies[r.body].tint;
+    var colour = painted(c.rgb, p, s) * bodies[r.body].tint;
 #ifdef LIT
     colour = lit(colour, facing(r, gradient(page, p), texel));
 #endif
@@ -71,7 +71,7 @@ fn march(r: BodyRay, k0: f32, k1: f32) {
         let page = density_page(brick);
         let q = r.o * page.scale + page.off;
         let dq = r.d * page.scale;
-        let end = min(min(k1, k + RUN), max(brick_end(r, brick), k + 1.0));
+        let end = run_end(r, brick, k, min(k1, k + RUN));
 #ifdef STAGED
 #ifdef SELECTION
         let selection = selection_page(brick);
@@ -93,7 +93,7 @@ fn march(r: BodyRay, k0: f32, k1: f32) {
                 }
             }
             if (c.a > 0.0) {
-                add(evaluate(r, page, selection, brick, k - 1.0, texel, c), k - 1.0);
+                add(evaluate(r, page, selection, k - 1.0, texel, c), k - 1.0);
             }
             if (k >= end || clear < THRESHOLD) {
                 break;
@@ -152,7 +152,7 @@ fn gather(r: BodyRay, k0: f32, k1: f32) {
         let page = density_page(brick);
         let q = r.o * page.scale + page.off;
         let dq = r.d * page.scale;
-        let end = min(k1, max(brick_end(r, brick), k + 1.0));
+        let end = run_end(r, brick, k, k1);
 #ifdef SELECTION
         let selection = selection_page(brick);
 #else
@@ -173,7 +173,7 @@ fn gather(r: BodyRay, k0: f32, k1: f32) {
                 }
             }
             if (c.a > 0.0) {
-                mix_in(evaluate(r, page, selection, brick, k - 1.0, texel, c), u32(k - 1.0 - k0), r.body);
+                mix_in(evaluate(r, page, selection, k - 1.0, texel, c), u32(k - 1.0 - k0), r.body);
             }
             if (k >= end) {
                 break;

@@ -3,7 +3,7 @@
 // Bodies may overlap: each ends the others' search at its own hit. A mask divides matter at ½; where it, and not the density,
 // makes the surface, the selection's gradient is the normal.
 
-#import burin::body::{Sight, BodyRay, view, bodies, planes, sight_of, head_of, listed, ray_of, interval, skip_empty, brick_end, FAR, MERGE as MERGE_TILE}
+#import burin::body::{Sight, BodyRay, view, bodies, planes, sight_of, head_of, listed, ray_of, interval, skip_empty, run_end, FAR, MERGE as MERGE_TILE}
 #import burin::field::{Page, brick_of, density_page, density_texel, address, selection_page, selection_at, is_nan}
 #import burin::look::{table, painted, gradient, lit, facing}
 
@@ -102,7 +102,7 @@ fn search(r: BodyRay, within: vec2<f32>, limit: f32) -> f32 {
         let page = density_page(brick);
         let q = r.o * page.scale + page.off;
         let dq = r.d * page.scale;
-        let end = min(min(k1, k + RUN), max(brick_end(r, brick), k + 1.0));
+        let end = run_end(r, brick, k, min(k1, k + RUN));
         loop {
             if (k >= end || hit < FAR) {
                 break;
@@ -201,7 +201,7 @@ fn march_pixel(@builtin(position) at: vec4<f32>) -> Picture {
         // The colour of the surface's value, for caps too.
         let value = clamp(view.iso * view.table_scale + view.table_bias, 0.0, 4095.0);
         var colour = textureLoad(table, vec2<i32>(i32(value), 0), 0).rgb;
-        colour = painted(colour, p, brick_of(p), s) * bodies[body].tint;
+        colour = painted(colour, p, s) * bodies[body].tint;
 #ifdef LIT
         var cosine = 1.0;
         if (capped) {

@@ -2,7 +2,7 @@
 //
 // The maximum does not care for order, so overlapping bodies need no merging. A mask divides matter at ½.
 
-#import burin::body::{Sight, BodyRay, view, bodies, sight_of, head_of, listed, ray_of, interval, skip_empty, brick_end, FAR, MERGE as MERGE_TILE}
+#import burin::body::{Sight, BodyRay, view, bodies, sight_of, head_of, listed, ray_of, interval, skip_empty, run_end, FAR, MERGE as MERGE_TILE}
 #import burin::field::{brick_of, density_page, density_texel, selection_page, selection_at, is_nan}
 #import burin::look::{table_at, painted}
 
@@ -51,7 +51,7 @@ fn march(r: BodyRay, k0: f32, k1: f32) {
         let page = density_page(brick);
         let q = r.o * page.scale + page.off;
         let dq = r.d * page.scale;
-        let end = min(min(k1, k + RUN), max(brick_end(r, brick), k + 1.0));
+        let end = run_end(r, brick, k, min(k1, k + RUN));
         loop {
             if (k >= end) {
                 break;
@@ -105,7 +105,7 @@ fn march_pixel(@builtin(position) at: vec4<f32>) -> Picture {
         let p = r.o + r.d * largest_at;
         let s = selected(p);
         let c = table_at(largest);
-        let colour = painted(c.rgb, p, brick_of(p), s) * bodies[largest_body].tint;
+        let colour = painted(c.rgb, p, s) * bodies[largest_body].tint;
         picture.colour = vec4<f32>(colour * c.a, c.a);
         if (c.a > 0.0) {
             picture.depth = largest_at * view.step_mm;

@@ -3,7 +3,7 @@
 // A pixel counts as selected where the selected matter alone reaches opacity ½; it is visible if the bodies before that sample
 // have less than 5 % opacity together. Extinctions add, so each body is marched by itself.
 
-#import burin::body::{Sight, BodyRay, view, bodies, sight_of, head_of, listed, ray_of, interval, skip_empty, brick_end, FAR, MERGE as MERGE_TILE}
+#import burin::body::{Sight, BodyRay, view, bodies, sight_of, head_of, listed, ray_of, interval, skip_empty, run_end, FAR, MERGE as MERGE_TILE}
 #import burin::field::{brick_of, density_page, density_texel, selection_page, selection_at}
 #import burin::look::{table_at, share, opacity_of_share}
 
@@ -32,7 +32,7 @@ fn fade(r: BodyRay, k0: f32, k1: f32, start: f32, limit: f32) -> Faded {
         let page = density_page(brick);
         let q = r.o * page.scale + page.off;
         let dq = r.d * page.scale;
-        let end = min(min(k1, k + 32.0), max(brick_end(r, brick), k + 1.0));
+        let end = run_end(r, brick, k, min(k1, k + 32.0));
         loop {
             if (k >= end || at < FAR) {
                 break;

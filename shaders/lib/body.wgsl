@@ -162,6 +162,20 @@ fn skip_empty(r: BodyRay, k_first: f32, k1: f32) -> f32 {
     return k;
 }
 
+// Where a run that begins at sample k of a brick of level 0 ends: with the brick, at `most` at the latest. One sample at least.
+fn run_end(r: BodyRay, brick: vec3<i32>, k: f32, most: f32) -> f32 {
+#ifdef IN_PLACE
+#ifndef SELECTION
+    // One page serves all bricks.
+    return most;
+#else
+    return min(most, max(brick_end(r, brick), k + 1.0));
+#endif
+#else
+    return min(most, max(brick_end(r, brick), k + 1.0));
+#endif
+}
+
 // The first sample at or after which the ray has left a brick of level 0.
 fn brick_end(r: BodyRay, brick: vec3<i32>) -> f32 {
     let corner = 32.0 * (vec3<f32>(brick) + select(vec3<f32>(0.0), vec3<f32>(1.0), r.d > vec3<f32>(0.0))) - 0.5;

@@ -80,6 +80,18 @@ fn is_nan(x: f32) -> bool {
 
 // ---- density
 
+#ifdef IN_PLACE
+// Bricks lie where they are in the volume and share their aprons: one page for all of them.
+fn density_page(brick: vec3<i32>) -> Page {
+    var page: Page;
+    page.held = true;
+    page.scale = info.density_texel;
+    page.off = 1.5 * info.density_texel;
+    page.first = 0.5 * info.density_texel;
+    page.last = 1.0 - (0.5 + 1.0 / 256.0) * info.density_texel;
+    return page;
+}
+#else
 fn density_page(brick: vec3<i32>) -> Page {
     let entry = textureLoad(density_pages, brick, 0);
     var page = page_of(entry.r, brick, info.density_texel);
@@ -90,6 +102,7 @@ fn density_page(brick: vec3<i32>) -> Page {
 #endif
     return page;
 }
+#endif
 
 // The texel at an address of the page, linear between voxels.
 fn density_texel(page: Page, q: vec3<f32>) -> f32 {

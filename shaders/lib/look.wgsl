@@ -1,7 +1,7 @@
 #define_import_path burin::look
 // From texels to colour: the table, painted fields, light.
 
-#import burin::field::{Page, density_texel, address, is_nan, colour_page, colour_at, label_at}
+#import burin::field::{Page, brick_of, density_texel, address, is_nan, colour_page, colour_at, label_at}
 #import burin::body::{BodyRay, view, bodies, matrix_of}
 
 @group(0) @binding(5) var table: texture_2d<f32>;
@@ -30,10 +30,10 @@ fn opacity_of_share(alpha: f32, w: f32) -> f32 {
 }
 
 // Painted fields over the table's colour, at a place in voxels.
-fn painted(rgb: vec3<f32>, p: vec3<f32>, brick: vec3<i32>, s: f32) -> vec3<f32> {
+fn painted(rgb: vec3<f32>, p: vec3<f32>, s: f32) -> vec3<f32> {
     var c = rgb;
 #ifdef COLOUR
-    let paint = colour_at(colour_page(brick), p);
+    let paint = colour_at(colour_page(brick_of(p)), p);
     c = mix(c, paint.rgb, paint.a * view.colour_opacity);
 #endif
 #ifdef LABELS

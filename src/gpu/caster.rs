@@ -29,6 +29,7 @@ struct Key {
     plain: bool,
     float_density: bool,
     manual_filter: bool,
+    in_place: bool,
 }
 
 /// A point under a pixel.
@@ -280,6 +281,7 @@ impl Caster {
             plain: !self.shortcuts,
             float_density: has("FLOAT_DENSITY"),
             manual_filter: has("MANUAL_FILTER"),
+            in_place: has("IN_PLACE"),
         }
     }
 
@@ -302,6 +304,7 @@ impl Caster {
             ("PLAIN", key.plain),
             ("FLOAT_DENSITY", key.float_density),
             ("MANUAL_FILTER", key.manual_filter),
+            ("IN_PLACE", key.in_place),
         ]
         .into_iter()
         .filter(|d| d.1)

@@ -1,10 +1,11 @@
 //! One field on the GPU: a 3D texture of 34³ slots and the page table that says where each brick of level 0 is drawn from.
 //!
 //! Owns the texture, the map from bricks to slots, and the host's copy of the page table. Does not decide which bricks to
-//! hold (that is `residency`) and knows no camera.
+//! hold (that is `residency`) and knows no camera. Slots lie apart, or, where all of level 0 fits, in place: neighbours then
+//! share their aprons, so that the texture is the volume and a ray need not know where bricks end.
 
 use super::{Gpu, GpuError};
-use crate::volume::{BrickKey, Field, FieldKind, SLOT, SLOT_VOXELS, TexelFormat};
+use crate::volume::{BRICK, BrickIndex, BrickKey, Field, FieldKind, SLOT, SLOT_VOXELS, TexelFormat};
 use std::collections::{HashMap, HashSet};
 
 mod pages;
@@ -33,6 +34,9 @@ pub(super) struct Pool {
     kind: FieldKind,
     host: TexelFormat,
     format: TexelFormat,
+    /// All bricks of level 0 are held, each where it is in the volume.
+    in_place: bool,
+    budget: u64,
     pub(super) texture: wgpu::Texture,
     grid: [u32; 3],
     limit: [u32; 3],
@@ -66,21 +70,25 @@ fn wgpu_format(format: TexelFormat) -> wgpu::TextureFormat {
 }
 
 impl Pool {
-    /// An empty pool of at most `budget_bytes`; its texture is one slot until something is held.
+    /// An empty pool of at most `budget_bytes`; its texture is one slot until something is held. Bricks lie in place if all
+    /// of level 0 then takes at most `in_place_bytes`.
     pub(super) fn new(
         gpu: &Gpu,
         kind: FieldKind,
         host: TexelFormat,
         bricks: [u32; 3],
         budget_bytes: u64,
+        in_place_bytes: u64,
     ) -> Result<Self, GpuError> {
         let format = match host {
             TexelFormat::R16Unorm if !gpu.has_unorm16() => TexelFormat::R32Float,
             other => other,
         };
-        let slot_bytes = (SLOT_VOXELS * format.bytes()) as u64;
-        let along = (gpu.device.limits().max_texture_dimension_3d / SLOT).min(MOST_ALONG);
-        let limit = largest_grid((budget_bytes.min(MOST_BYTES) / slot_bytes).max(1), along);
+        let longest = gpu.device.limits().max_texture_dimension_3d;
+        let whole = texels(bricks, true);
+        let bytes = whole.iter().map(|&n| u64::from(n)).product::<u64>() * format.bytes() as u64;
+        let in_place = bytes <= in_place_bytes.min(budget_bytes).min(MOST_BYTES) && whole.iter().all(|&n| n <= longest);
+        let limit = if in_place { bricks } else { limit(gpu, format, budget_bytes) };
         let (texture, page_texture) = gpu.scoped(&format!("the {} pool", kind.name()), || {
             let pages = gpu.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(&format!("{} pages", kind.name())),
@@ -92,13 +100,15 @@ impl Pool {
                 usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
                 view_formats: &[],
             });
-            Ok((slots_texture(gpu, kind, format, [1; 3]), pages))
+            Ok((slots_texture(gpu, kind, format, texels([1; 3], in_place)), pages))
         })?;
         let count = bricks.iter().map(|&b| b as usize).product();
         Ok(Self {
             kind,
             host,
             format,
+            in_place,
+            budget: budget_bytes,
             texture,
             grid: [1; 3],
             limit,
@@ -132,9 +142,14 @@ impl Pool {
         self.held.len()
     }
 
+    /// Whether all bricks of level 0 are held, each where it is in the volume.
+    pub(super) fn is_in_place(&self) -> bool {
+        self.in_place
+    }
+
     /// 1 / texels along each axis.
     pub(super) fn texel(&self) -> [f32; 3] {
-        self.grid.map(|n| 1.0 / (n * SLOT) as f32)
+        texels(self.grid, self.in_place).map(|n| 1.0 / n as f32)
     }
 
     /// Whether a brick has a slot.
@@ -144,7 +159,12 @@ impl Pool {
 
     /// First texel, apron included, of a held brick's slot.
     pub(super) fn texel_origin(&self, key: BrickKey) -> Option<[u32; 3]> {
-        self.held.get(&key).map(|h| h.slot.map(|s| s * SLOT))
+        self.held.get(&key).map(|h| self.origin(h.slot))
+    }
+
+    /// First texel, apron included, of a slot.
+    fn origin(&self, slot: [u32; 3]) -> [u32; 3] {
+        slot.map(|s| s * if self.in_place { BRICK } else { SLOT })
     }
 
     /// Gives bricks slots with their texels: for pictures until [`release`](Self::release), or with `pin` for painting until
@@ -152,6 +172,7 @@ impl Pool {
     /// Answers whether anything was uploaded.
     pub(super) fn hold(&mut self, gpu: &Gpu, field: &Field, keys: &[BrickKey], pin: bool) -> Result<bool, GpuError> {
         self.clock += 1;
+        let filled = self.in_place && self.held.is_empty() && self.fill(gpu, field)?;
         let mut missing = Vec::new();
         for key in keys {
             match self.held.get_mut(key) {
@@ -179,7 +200,29 @@ impl Pool {
         if pin {
             self.pinned.extend(keys);
         }
-        Ok(!missing.is_empty())
+        Ok(filled || !missing.is_empty())
+    }
+
+    /// Holds all of level 0 in place. Answers false, and lies apart from then on, where memory is short.
+    fn fill(&mut self, gpu: &Gpu, field: &Field) -> Result<bool, GpuError> {
+        match self.grow_to(gpu, self.bricks) {
+            Err(GpuError::OutOfMemory { .. }) => {
+                self.in_place = false;
+                self.limit = limit(gpu, self.format, self.budget);
+                self.texture = gpu.scoped(&format!("the {} pool", self.kind.name()), || {
+                    Ok(slots_texture(gpu, self.kind, self.format, texels(self.grid, false)))
+                })?;
+                self.replaced = true;
+                return Ok(false);
+            }
+            other => other?,
+        }
+        self.free.clear();
+        let all: Vec<_> = places(self.bricks).map(|at| (BrickKey { level: 0, index: BrickIndex(at) }, at)).collect();
+        self.upload(gpu, field, &all)?;
+        let held = |slot| Held { slot, used: 0, wanted: true, pinned: false };
+        self.held = all.into_iter().map(|(key, slot)| (key, held(slot))).collect();
+        Ok(true)
     }
 
     /// Pictures no longer draw from these bricks; they stay until their slot is needed.
@@ -256,8 +299,9 @@ impl Pool {
     fn grow_to(&mut self, gpu: &Gpu, grid: [u32; 3]) -> Result<(), GpuError> {
         let (kind, format, old, written) = (self.kind, self.format, &self.texture, self.written);
         let size = old.size();
+        let larger = texels(grid, self.in_place);
         self.texture = gpu.scoped(&format!("a {} pool of {grid:?} slots", kind.name()), || {
-            let texture = slots_texture(gpu, kind, format, grid);
+            let texture = slots_texture(gpu, kind, format, larger);
             if written {
                 let mut encoder =
                     gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("grow pool") });
@@ -334,10 +378,22 @@ fn grow_grid(old: [u32; 3], slots: usize, limit: [u32; 3]) -> [u32; 3] {
     grid
 }
 
-fn slots_texture(gpu: &Gpu, kind: FieldKind, format: TexelFormat, grid: [u32; 3]) -> wgpu::Texture {
+/// The grid of slots that lie apart within a budget.
+fn limit(gpu: &Gpu, format: TexelFormat, budget_bytes: u64) -> [u32; 3] {
+    let slot_bytes = (SLOT_VOXELS * format.bytes()) as u64;
+    let along = (gpu.device.limits().max_texture_dimension_3d / SLOT).min(MOST_ALONG);
+    largest_grid((budget_bytes.min(MOST_BYTES) / slot_bytes).max(1), along)
+}
+
+/// Texels along each axis of a grid of slots.
+fn texels(grid: [u32; 3], in_place: bool) -> [u32; 3] {
+    grid.map(|n| if in_place { n * BRICK + SLOT - BRICK } else { n * SLOT })
+}
+
+fn slots_texture(gpu: &Gpu, kind: FieldKind, format: TexelFormat, size: [u32; 3]) -> wgpu::Texture {
     gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some(&format!("{} pool", kind.name())),
-        size: extent(grid.map(|n| n * SLOT)),
+        size: extent(size),
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D3,

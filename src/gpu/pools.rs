@@ -60,6 +60,8 @@ struct Look {
 pub struct FieldPools {
     grid: Grid,
     budget: u64,
+    /// Bytes up to which density lies in place.
+    in_place: u64,
     map: DensityMap,
     bricks: [u32; 3],
     pools: [Option<Pool>; 4],
@@ -115,9 +117,28 @@ impl FieldPools {
     /// # Errors
     /// Out of memory, or a lost device.
     pub fn new(gpu: &Gpu, grid: &Grid, density: &Field, budget_bytes: u64) -> Result<Self, GpuError> {
+        // Half of density's share: a larger volume had better not be uploaded whole before it is seen.
+        Self::with_place(gpu, grid, density, budget_bytes, share(budget_bytes, FieldKind::Density) / 2)
+    }
+
+    /// The same with every brick in a slot of its own, as in volumes that do not fit whole: tests and benches compare the two.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn apart(gpu: &Gpu, grid: &Grid, density: &Field, budget_bytes: u64) -> Result<Self, GpuError> {
+        Self::with_place(gpu, grid, density, budget_bytes, 0)
+    }
+
+    fn with_place(
+        gpu: &Gpu,
+        grid: &Grid,
+        density: &Field,
+        budget_bytes: u64,
+        in_place: u64,
+    ) -> Result<Self, GpuError> {
         let bricks = density.brick_dims(0);
         let most = share(budget_bytes, FieldKind::Density);
-        let pool = Pool::new(gpu, FieldKind::Density, density.format(), bricks, most)?;
+        let pool = Pool::new(gpu, FieldKind::Density, density.format(), bricks, most, in_place)?;
         let skips = Skips::new(gpu, grid.dims, bricks)?;
         gpu.scoped("the fields' bindings", || {
             let nothing = bindings::nothing(gpu);
@@ -129,6 +150,7 @@ impl FieldPools {
             Ok(Self {
                 grid: *grid,
                 budget: budget_bytes,
+                in_place,
                 map: *density.map(),
                 bricks,
                 pools,
@@ -274,7 +296,9 @@ impl FieldPools {
 
     fn begin_pool(&mut self, gpu: &Gpu, field: &Field) -> Result<(), GpuError> {
         let kind = field.kind();
-        let pool = Pool::new(gpu, kind, field.format(), self.bricks, share(self.budget, kind))?;
+        // The others are mostly blank: theirs lie apart.
+        let in_place = if kind == FieldKind::Density { self.in_place } else { 0 };
+        let pool = Pool::new(gpu, kind, field.format(), self.bricks, share(self.budget, kind), in_place)?;
         self.pools[place(kind)] = Some(pool);
         self.shown[place(kind)] = Shown::default();
         if kind == FieldKind::Selection {
@@ -326,6 +350,9 @@ impl FieldPools {
         }
         if !self.pools[0].as_ref().is_none_or(|p| bindings::filters(gpu, p)) {
             defs.push(("MANUAL_FILTER", super::shader::Def::Bool(true)));
+        }
+        if self.pools[0].as_ref().is_some_and(Pool::is_in_place) {
+            defs.push(("IN_PLACE", super::shader::Def::Bool(true)));
         }
         defs
     }

@@ -3,7 +3,7 @@
 //! Owns the two ways: slot by slot, and all of a new texture at once, since a device clears a texture before its first
 //! partial write. Staging memory is bounded in both.
 
-use super::{Pool, extent};
+use super::{Pool, extent, texels};
 use crate::gpu::{Gpu, GpuError};
 use crate::volume::{BrickKey, Field, SLOT, SLOT_VOXELS, TexelFormat};
 use rayon::prelude::*;
@@ -27,8 +27,9 @@ impl Pool {
         if uploads.is_empty() {
             return Ok(());
         }
-        let pitch = (self.grid[0] * SLOT * self.format.bytes() as u32).next_multiple_of(256);
-        let whole = u64::from(pitch) * u64::from(self.grid[1] * SLOT) * u64::from(self.grid[2] * SLOT);
+        let [width, height, depth] = texels(self.grid, self.in_place);
+        let pitch = (width * self.format.bytes() as u32).next_multiple_of(256);
+        let whole = u64::from(pitch) * u64::from(height) * u64::from(depth);
         let at_once = !self.written && whole <= WHOLE_BYTES.min(gpu.device.limits().max_buffer_size);
         if at_once {
             self.upload_whole(gpu, field, uploads, (pitch, whole))?;
@@ -62,7 +63,7 @@ impl Pool {
             }
             gpu.scoped(&format!("bricks of {}", self.kind.name()), || {
                 for ((_, slot), texels) in part.iter().zip(&texels) {
-                    let [x, y, z] = slot.map(|s| s * SLOT);
+                    let [x, y, z] = self.origin(*slot);
                     gpu.queue.write_texture(
                         wgpu::TexelCopyTextureInfo {
                             origin: wgpu::Origin3d { x, y, z },
@@ -105,11 +106,12 @@ impl Pool {
             let mut view = buffer
                 .get_mapped_range_mut(..)
                 .map_err(|e| GpuError::Refused { what: what.clone(), reason: e.to_string() })?;
+            let [_, height, _] = texels(self.grid, self.in_place);
             let row_bytes = SLOT as usize * bytes;
             for part in uploads.chunks((BATCH_BYTES / (SLOT_VOXELS * bytes)).max(1)) {
                 for ((_, slot), texels) in part.iter().zip(self.texels(field, part)?) {
-                    let [x, y, z] = slot.map(|s| (s * SLOT) as usize);
-                    let rows = (self.grid[1] * SLOT) as usize;
+                    let [x, y, z] = self.origin(*slot).map(|t| t as usize);
+                    let rows = height as usize;
                     for (i, row) in texels.chunks_exact(row_bytes).enumerate() {
                         let (dy, dz) = (i % SLOT as usize, i / SLOT as usize);
                         let at = (y + dy + rows * (z + dz)) * pitch as usize + x * bytes;
@@ -128,7 +130,7 @@ impl Pool {
                     layout: wgpu::TexelCopyBufferLayout {
                         offset: 0,
                         bytes_per_row: Some(pitch),
-                        rows_per_image: Some(self.grid[1] * SLOT),
+                        rows_per_image: Some(self.texture.height()),
                     },
                 },
                 self.texture.as_image_copy(),

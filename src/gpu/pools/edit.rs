@@ -130,7 +130,7 @@ impl FieldPools {
         let keys: Vec<_> = bricks.iter().map(|&index| BrickKey { level: 0, index }).collect();
         let new: HashSet<_> = keys.iter().filter(|k| !pool.is_pinned(**k)).collect();
         let asked = pool.pinned().len() + new.len();
-        let room = (pool.most() * 3 / 4).max(1);
+        let room = if pool.is_in_place() { pool.most() } else { (pool.most() * 3 / 4).max(1) };
         if asked > room {
             return Err(GpuError::PoolFull { field: kind.name(), asked, room });
         }

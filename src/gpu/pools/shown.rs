@@ -108,6 +108,18 @@ impl FieldPools {
         if !pool.is_disturbed() && shown.is_settled() {
             return Ok((false, Vec::new(), 0));
         }
+        if pool.is_in_place() {
+            let uploaded = pool.hold(gpu, field, &[], false)?;
+            // Unless memory was short.
+            if pool.is_in_place() {
+                let marks = shown.stale.take(self.needed.len());
+                let pages: Vec<_> =
+                    marks.iter().filter_map(|&i| Some((i, pool.page(self.key_at(i))?))).collect();
+                (shown.recut, shown.pending) = (false, false);
+                pool.take_disturbed();
+                return Ok((uploaded, pool.set_pages(gpu, &pages)?, marks.len()));
+            }
+        }
         let mut marks = shown.stale.take(self.needed.len());
         let mut moved = false;
         for &i in &marks {
