@@ -129,13 +129,7 @@ impl FieldPools {
         Self::with_place(gpu, grid, density, budget_bytes, 0)
     }
 
-    fn with_place(
-        gpu: &Gpu,
-        grid: &Grid,
-        density: &Field,
-        budget_bytes: u64,
-        in_place: u64,
-    ) -> Result<Self, GpuError> {
+    fn with_place(gpu: &Gpu, grid: &Grid, density: &Field, budget_bytes: u64, in_place: u64) -> Result<Self, GpuError> {
         let bricks = density.brick_dims(0);
         let most = share(budget_bytes, FieldKind::Density);
         let pool = Pool::new(gpu, FieldKind::Density, density.format(), bricks, most, in_place)?;

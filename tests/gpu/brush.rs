@@ -104,6 +104,17 @@ impl Canvas {
         )
     }
 
+    /// New pools, with every brick of density in a slot of its own or in place.
+    fn lay(&mut self, gpu: &Gpu, apart: bool) {
+        let make = if apart { FieldPools::apart } else { FieldPools::new };
+        self.pools = make(gpu, &self.grid, &self.density, 64 << 20).unwrap();
+        assert_eq!(self.in_place(gpu, FieldKind::Density), !apart);
+    }
+
+    fn in_place(&self, gpu: &Gpu, kind: FieldKind) -> bool {
+        kind == FieldKind::Density && self.pools.defs(gpu).iter().any(|d| d.0 == "IN_PLACE")
+    }
+
     fn field(&self, kind: FieldKind) -> &Field {
         match kind {
             FieldKind::Density => &self.density,

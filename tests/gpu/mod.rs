@@ -7,6 +7,7 @@ mod cast_limits;
 mod cast_modes;
 mod cast_tiles;
 mod device;
+mod in_place;
 mod occupancy;
 mod pools;
 mod pools_work;

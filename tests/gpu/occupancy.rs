@@ -132,7 +132,7 @@ fn no_sample_that_shows_is_skipped_also_after_edits_and_at_coarser_levels() {
     };
     // All of it, then a pool of one slot, where everything is drawn from coarser levels.
     for budget in [64 << 20, 32] {
-        let mut pools = FieldPools::new(&gpu, &grid, &density, budget).unwrap();
+        let mut pools = FieldPools::apart(&gpu, &grid, &density, budget).unwrap();
         let fields = Fields { density: &density, colour: &colour, selection: &selection, labels: &labels };
         pools.make_resident(&gpu, &fields, &frame).unwrap();
         check_maps(&gpu, &pools, grid.dims, &shows, 11);

@@ -21,7 +21,7 @@ fn samples_through_pages_equal_the_dense_field() {
         [a, b, 0, 0]
     });
     let fields = Fields { density: &density, colour: &colour, selection: &selection, labels: &labels };
-    let mut pools = FieldPools::new(&gpu, &grid, &density, 256 << 20).unwrap();
+    let mut pools = FieldPools::apart(&gpu, &grid, &density, 256 << 20).unwrap();
     let frame = frame(&grid, ramp(-1.0, 60_000.0), DVec3::new(1.0, -2.0, 0.5), [64, 64]);
     assert!(pools.make_resident(&gpu, &fields, &frame).unwrap());
     let points = places(grid.dims, 4000);
@@ -85,7 +85,7 @@ fn with_an_eighth_of_the_bricks_nothing_is_missing_and_the_nearest_are_finest() 
     let mut density = noisy(grid);
     let none = blanks(&grid);
     // 5·5·5 bricks, all visible.
-    let mut pools = FieldPools::new(&gpu, &grid, &density, budget_of(125 / 8)).unwrap();
+    let mut pools = FieldPools::apart(&gpu, &grid, &density, budget_of(125 / 8)).unwrap();
     let near = frame(&grid, ramp(0.0, 4000.0), DVec3::new(1.0, -0.4, 0.3), [256, 256]);
     let points = places(grid.dims, 4000);
     assert!(pools.make_resident(&gpu, &fields(&density, &none), &near).unwrap());
@@ -143,7 +143,7 @@ fn a_pool_that_holds_what_shows_draws_it_at_the_finest_level_and_moves_for_slice
             grid,
             |v| if (34..62).contains(&v[2]) { 2000 + (v[0] * 31 % 900) as u16 } else { (v[1] % 90) as u16 },
         );
-    let mut pools = FieldPools::new(&gpu, &grid, &inner, budget_of(9)).unwrap();
+    let mut pools = FieldPools::apart(&gpu, &grid, &inner, budget_of(9)).unwrap();
     let frame = frame(&grid, ramp(500.0, 4000.0), DVec3::new(1.0, -0.4, 0.3), [64, 64]);
     pools.make_resident(&gpu, &fields(&inner, &none), &frame).unwrap();
     let points: Vec<[f32; 3]> = places(grid.dims, 3000).into_iter().filter(|p| (31.5..63.5).contains(&p[2])).collect();
@@ -165,7 +165,7 @@ fn a_body_moved_to_the_eye_is_finer_than_one_moved_away() {
     let grid = unit_grid([130, 130, 130]);
     let density = noisy(grid);
     let none = blanks(&grid);
-    let mut pools = FieldPools::new(&gpu, &grid, &density, budget_of(15)).unwrap();
+    let mut pools = FieldPools::apart(&gpu, &grid, &density, budget_of(15)).unwrap();
     let mut exploded = frame(&grid, ramp(0.0, 4000.0), DVec3::NEG_Y, [128, 128]);
     let middle = DVec3::new(65.0, 65.0, 65.0);
     let half = |normal: DVec3, shift: DVec3| Body {
@@ -193,7 +193,7 @@ fn an_axis_over_2048_draws() {
     let none = blanks(&grid);
     let frame = frame(&grid, ramp(-1.0, 60_000.0), DVec3::NEG_Y, [64, 64]);
     for (slots, finest) in [(400, true), (66 * 4 / 8, false)] {
-        let mut pools = FieldPools::new(&gpu, &grid, &density, budget_of(slots)).unwrap();
+        let mut pools = FieldPools::apart(&gpu, &grid, &density, budget_of(slots)).unwrap();
         pools.make_resident(&gpu, &fields(&density, &none), &frame).unwrap();
         let levels = check_density(&gpu, &pools, &density, &places(grid.dims, 3000), NOISE);
         assert_eq!(levels.iter().all(|&l| l == 0), finest);
@@ -208,7 +208,7 @@ fn nan_stays_where_it_is() {
     let hole = |v: [u32; 3]| [[0, 0, 0], [32, 5, 31], [63, 31, 0], [69, 39, 39]].contains(&v);
     let density = density_f32(grid, |v| if hole(v) { f32::NAN } else { (v[0] + 2 * v[1] + 3 * v[2]) as f32 });
     let none = blanks(&grid);
-    let mut pools = FieldPools::new(&gpu, &grid, &density, 64 << 20).unwrap();
+    let mut pools = FieldPools::apart(&gpu, &grid, &density, 64 << 20).unwrap();
     let frame = frame(&grid, ramp(-1.0, 300.0), DVec3::NEG_Y, [64, 64]);
     pools.make_resident(&gpu, &fields(&density, &none), &frame).unwrap();
     let mut points = places(grid.dims, 4000);
@@ -237,7 +237,7 @@ fn an_adapter_without_16_bit_textures_draws_the_same() {
     let none = blanks(&grid);
     let frame = frame(&grid, ramp(-1.0, 4000.0), DVec3::NEG_Y, [64, 64]);
     for slots in [64, 4] {
-        let mut pools = FieldPools::new(&gpu, &grid, &density, budget_of(slots)).unwrap();
+        let mut pools = FieldPools::apart(&gpu, &grid, &density, budget_of(slots)).unwrap();
         assert_eq!(pools.format(FieldKind::Density), Some(TexelFormat::R32Float));
         pools.make_resident(&gpu, &fields(&density, &none), &frame).unwrap();
         // Weights are whole floats here.
@@ -252,7 +252,7 @@ fn pinned_bricks_have_slots_of_their_own_until_they_are_let_go() {
     let density = noisy(grid);
     let none = blanks(&grid);
     let frame = frame(&grid, ramp(0.0, 4000.0), DVec3::NEG_Y, [64, 64]);
-    let mut pools = FieldPools::new(&gpu, &grid, &density, budget_of(24)).unwrap();
+    let mut pools = FieldPools::apart(&gpu, &grid, &density, budget_of(24)).unwrap();
     pools.make_resident(&gpu, &fields(&density, &none), &frame).unwrap();
     // A blank selection gets slots where it is painted.
     let bricks = [BrickIndex([0, 0, 0]), BrickIndex([2, 1, 1])];
@@ -286,7 +286,7 @@ fn pinned_bricks_have_slots_of_their_own_until_they_are_let_go() {
     pools.make_resident(&gpu, &fields(&density, &none), &frame).unwrap();
     assert_eq!(sample(&gpu, &pools, &at[..1])[0].selection, 0.0, "what the host does not have is gone");
     // Density: pinned and drawn at the finest level, the rest within what room is left.
-    let mut pools = FieldPools::new(&gpu, &grid, &density, budget_of(8)).unwrap();
+    let mut pools = FieldPools::apart(&gpu, &grid, &density, budget_of(8)).unwrap();
     pools.make_resident(&gpu, &fields(&density, &none), &frame).unwrap();
     pools.pin(&gpu, &density, &bricks).unwrap();
     pools.make_resident(&gpu, &fields(&density, &none), &frame).unwrap();

@@ -43,7 +43,7 @@ fn an_edit_costs_its_bricks_and_not_the_volume() {
     for slots in [2 * all, all / 8] {
         let mut density = noisy(grid);
         let none = blanks(&grid);
-        let mut pools = FieldPools::new(&gpu, &grid, &density, budget_of(slots)).unwrap();
+        let mut pools = FieldPools::apart(&gpu, &grid, &density, budget_of(slots)).unwrap();
         let frame = frame(&grid, ramp(0.0, 4000.0), DVec3::new(1.0, -0.4, 0.3), [64, 64]);
         pools.make_resident(&gpu, &fields(&density, &none), &frame).unwrap();
         let (first, _) = pools.work();
@@ -68,7 +68,7 @@ fn what_a_stroke_painted_is_not_uploaded_again_and_what_it_did_not_keep_is() {
     let grid = unit_grid([96, 96, 64]);
     let mut density = noisy(grid);
     let none = blanks(&grid);
-    let mut pools = FieldPools::new(&gpu, &grid, &density, budget_of(64)).unwrap();
+    let mut pools = FieldPools::apart(&gpu, &grid, &density, budget_of(64)).unwrap();
     let mut painter = Painter::new(&gpu).unwrap();
     let frame = frame(&grid, ramp(0.0, 4000.0), DVec3::NEG_Y, [64, 64]);
     let brush = Brush { target: Target::Density(3900.0), radius_mm: 6.0, falloff: Falloff::Hard, ..Brush::default() };
@@ -124,7 +124,7 @@ fn bricks_that_only_hidden_parts_cover_are_not_asked_for() {
     let grid = unit_grid([192, 64, 64]);
     let density = noisy(grid);
     let mut none = blanks(&grid);
-    let mut pools = FieldPools::new(&gpu, &grid, &density, budget_of(100)).unwrap();
+    let mut pools = FieldPools::apart(&gpu, &grid, &density, budget_of(100)).unwrap();
     let whole = frame(&grid, ramp(0.0, 4000.0), DVec3::NEG_Y, [64, 64]);
     let lower = halves(&whole, Some(Mask::None), None, false);
     pools.make_resident(&gpu, &fields(&density, &none), &lower).unwrap();
@@ -137,7 +137,7 @@ fn bricks_that_only_hidden_parts_cover_are_not_asked_for() {
     assert_eq!(pools.room(FieldKind::Density).0, 24);
     // The selection among hidden parts needs its own bricks only, and those that are being painted.
     none[1] = painted(FieldKind::Selection, &grid, |v| [if v[0] > 180 { 255 } else { 0 }, 0, 0, 0]);
-    let mut pools = FieldPools::new(&gpu, &grid, &density, budget_of(100)).unwrap();
+    let mut pools = FieldPools::apart(&gpu, &grid, &density, budget_of(100)).unwrap();
     let selection = halves(&whole, None, None, true);
     pools.make_resident(&gpu, &fields(&density, &none), &selection).unwrap();
     assert_eq!(pools.room(FieldKind::Density).0, 4);
@@ -145,7 +145,7 @@ fn bricks_that_only_hidden_parts_cover_are_not_asked_for() {
     pools.make_resident(&gpu, &fields(&density, &none), &selection).unwrap();
     assert_eq!(pools.room(FieldKind::Density).0, 5);
     // What is wholly selected is no background.
-    let mut pools = FieldPools::new(&gpu, &grid, &density, budget_of(100)).unwrap();
+    let mut pools = FieldPools::apart(&gpu, &grid, &density, budget_of(100)).unwrap();
     none[1] = painted(FieldKind::Selection, &grid, |_| [255, 0, 0, 0]);
     let background = halves(&whole, Some(Mask::Background), Some(Mask::Background), false);
     pools.make_resident(&gpu, &fields(&density, &none), &background).unwrap();
@@ -179,10 +179,10 @@ fn bounded_uploads_leave_no_hole_and_end_where_unbounded_ones_do() {
     for slots in [200, 15] {
         let near = frame(&grid, ramp(0.0, 4000.0), DVec3::new(1.0, -0.4, 0.3), [256, 256]);
         let far = frame(&grid, ramp(0.0, 4000.0), DVec3::new(-1.0, 0.2, 0.1), [256, 256]);
-        let mut at_once = FieldPools::new(&gpu, &grid, &density, budget_of(slots)).unwrap();
+        let mut at_once = FieldPools::apart(&gpu, &grid, &density, budget_of(slots)).unwrap();
         at_once.make_resident(&gpu, &fields(&density, &none), &far).unwrap();
         let rest = levels(&gpu, &at_once, &density, &points);
-        let mut pools = FieldPools::new(&gpu, &grid, &density, budget_of(slots)).unwrap();
+        let mut pools = FieldPools::apart(&gpu, &grid, &density, budget_of(slots)).unwrap();
         pools.bound_uploads(Some(4));
         for frame in [&near, &far] {
             for turn in 0.. {

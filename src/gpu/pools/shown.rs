@@ -113,8 +113,7 @@ impl FieldPools {
             // Unless memory was short.
             if pool.is_in_place() {
                 let marks = shown.stale.take(self.needed.len());
-                let pages: Vec<_> =
-                    marks.iter().filter_map(|&i| Some((i, pool.page(self.key_at(i))?))).collect();
+                let pages: Vec<_> = marks.iter().filter_map(|&i| Some((i, pool.page(self.key_at(i))?))).collect();
                 (shown.recut, shown.pending) = (false, false);
                 pool.take_disturbed();
                 return Ok((uploaded, pool.set_pages(gpu, &pages)?, marks.len()));
