@@ -10,6 +10,7 @@ mod event;
 mod gesture;
 mod keys;
 mod machine;
+pub mod preview;
 mod projection;
 pub mod readout;
 mod slices;

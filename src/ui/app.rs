@@ -34,7 +34,8 @@ pub struct App {
     pub(super) behind_since: Option<f64>,
     pub(super) probe: serde_json::Value,
     pub(super) transfer: TransferEditor,
-    pub(super) selected_part: Option<PartId>,
+    /// The part whose row in the list is under the pointer.
+    pub(super) pointed_part: Option<PartId>,
     pub(super) last_paint: BTreeMap<&'static str, crate::paint::Target>,
     /// The control whose drag is one step of history.
     group: Option<Id>,
@@ -87,7 +88,7 @@ impl App {
             behind_since: None,
             probe: serde_json::Value::Null,
             transfer: TransferEditor::default(),
-            selected_part: None,
+            pointed_part: None,
             last_paint: BTreeMap::new(),
             group: None,
             chosen: channel(),
@@ -216,7 +217,6 @@ impl App {
                         self.pictures.clear();
                         self.viewports.forget_sizes();
                         self.transfer = TransferEditor::default();
-                        self.selected_part = None;
                     }
                     if caught_up || opened_anew {
                         self.scene = snapshot.open.as_ref().map(|o| o.scene.as_ref().clone());

@@ -7,6 +7,7 @@ mod app;
 mod dialogs;
 mod echo;
 mod icons;
+mod outlines;
 mod overlay;
 mod panels;
 mod pictures;

@@ -31,6 +31,7 @@ impl App {
         } else {
             let (right, up) = views.camera.right_up();
             orientation_mark(painter, body, right, up);
+            self.outlines(painter, &to_screen, size);
             if let Projection::Orthographic { .. } = views.camera.projection {
                 scale_bar(painter, body, views.camera.mm_per_pixel(1.0, size[1]) * f64::from(scale));
             }
@@ -57,40 +58,28 @@ impl App {
         }
         let Some((_, px)) = self.viewports.hovered.filter(|(v, _)| *v == view) else { return };
         let at = to_screen(px);
-        match self.interaction.tool() {
-            Tool::Brush => {
-                let mm_per_px = match plane {
-                    Some(plane) => plane.mm_per_px,
-                    None => match self.pictures.hit(px, size, scene) {
-                        Some(hit) => scene.views.camera.mm_per_pixel(hit.depth_mm, size[1]),
-                        None => return,
-                    },
-                };
-                let rim = (scene.brush.radius_mm / mm_per_px) as f32 / scale;
-                let radius = rim * reach(&scene.brush) as f32;
-                let erase = scene.brush.erase || painter.ctx().input(|i| i.key_down(egui::Key::E));
-                let colour = if erase { theme::ERROR } else { paint_colour(scene.brush.target, scene) };
-                if radius < rim {
-                    painter.circle_stroke(at, rim, Stroke::new(1.0, colour.gamma_multiply(0.4)));
-                }
-                painter.circle_stroke(at, radius + 1.0, Stroke::new(1.0, Color32::from_black_alpha(170)));
-                painter.circle_stroke(at, radius.max(1.0), Stroke::new(1.4, colour));
-                painter.circle_filled(at, 1.2, colour);
-                if erase {
-                    painter.line_segment([at - vec2(4.0, 0.0), at + vec2(4.0, 0.0)], Stroke::new(1.4, colour));
-                }
-            }
-            Tool::AxisSplit if view == ViewName::ThreeD => {
-                let vertical = painter.ctx().input(|i| i.modifiers.shift);
-                let along = if vertical { vec2(0.0, 60.0) } else { vec2(60.0, 0.0) };
-                painter.line_segment([at - along, at + along], Stroke::new(3.0, Color32::from_black_alpha(160)));
-                painter.line_segment([at - along, at + along], Stroke::new(1.5, theme::ACCENT));
-            }
-            Tool::DepthSplit if view == ViewName::ThreeD => {
-                let square = Rect::from_center_size(at, vec2(36.0, 36.0));
-                painter.rect_stroke(square, 0.0, Stroke::new(1.5, theme::ACCENT), egui::StrokeKind::Middle);
-            }
-            _ => {}
+        if self.interaction.tool() != Tool::Brush {
+            return;
+        }
+        let mm_per_px = match plane {
+            Some(plane) => plane.mm_per_px,
+            None => match self.pictures.hit(px, size, scene) {
+                Some(hit) => scene.views.camera.mm_per_pixel(hit.depth_mm, size[1]),
+                None => return,
+            },
+        };
+        let rim = (scene.brush.radius_mm / mm_per_px) as f32 / scale;
+        let radius = rim * reach(&scene.brush) as f32;
+        let erase = scene.brush.erase || painter.ctx().input(|i| i.key_down(egui::Key::E));
+        let colour = if erase { theme::ERROR } else { paint_colour(scene.brush.target, scene) };
+        if radius < rim {
+            painter.circle_stroke(at, rim, Stroke::new(1.0, colour.gamma_multiply(0.4)));
+        }
+        painter.circle_stroke(at, radius + 1.0, Stroke::new(1.0, Color32::from_black_alpha(170)));
+        painter.circle_stroke(at, radius.max(1.0), Stroke::new(1.4, colour));
+        painter.circle_filled(at, 1.2, colour);
+        if erase {
+            painter.line_segment([at - vec2(4.0, 0.0), at + vec2(4.0, 0.0)], Stroke::new(1.4, colour));
         }
     }
 }

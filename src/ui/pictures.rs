@@ -57,6 +57,11 @@ impl Pictures {
         self.textures.get(&view)
     }
 
+    /// The camera that the 3D view was drawn by.
+    pub(super) fn camera(&self) -> Option<Camera> {
+        self.depth.as_ref().map(|d| d.camera)
+    }
+
     /// What lies under a pixel of the 3D view of the given size.
     pub(super) fn hit(&self, px: DVec2, size: [u32; 2], scene: &Scene) -> Option<Hit> {
         let depth = self.depth.as_ref()?;

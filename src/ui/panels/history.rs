@@ -11,7 +11,7 @@ impl App {
         let done = snapshot.undo.len();
         let rows = done + 1 + snapshot.redo.len();
         // Three and a half steps on a small screen: the half says that there are more.
-        let height = (ui.ctx().viewport_rect().height() * 0.15 - ROW * 1.5).max(ROW * 3.5);
+        let height = (ui.ctx().viewport_rect().height() * 0.2 - ROW * 4.0).max(ROW * 3.5);
         let mut jump = None;
         ScrollArea::vertical().id_salt("history").max_height(height).stick_to_bottom(true).show_rows(
             ui,

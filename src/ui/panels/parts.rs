@@ -12,6 +12,7 @@ impl App {
     pub(super) fn part_panel(&mut self, ui: &mut Ui) {
         let Some(scene) = &self.scene else { return };
         let parts = scene.explosion.parts.clone();
+        self.pointed_part = None;
         if parts.is_empty() {
             empty(ui, "One part: the whole volume.");
         }
@@ -38,7 +39,7 @@ impl App {
             Command::Part(PartCommand::Set { id, name, colour, own_colour, visible, pinned, importance: None })
         };
         ui.push_id(("part", id.0), |ui| {
-            ui.horizontal(|ui| {
+            let row = ui.horizontal(|ui| {
                 let hovered = self.hovered_part() == Some(id);
                 if hovered {
                     let full = egui::Rect::from_min_size(ui.cursor().min, egui::vec2(ui.available_width(), ROW - 4.0));
@@ -73,6 +74,9 @@ impl App {
                     }
                 });
             });
+            if ui.rect_contains_pointer(row.response.rect) {
+                self.pointed_part = Some(id);
+            }
         });
     }
 }

@@ -35,7 +35,7 @@ impl App {
     }
 
     /// The part under the pointer in the 3D view.
-    pub(super) fn hovered_part(&self) -> Option<PartId> {
+    pub(in crate::ui) fn hovered_part(&self) -> Option<PartId> {
         let (view, px) = self.viewports.hovered?;
         let size = *self.viewports.sizes.get(&view)?;
         (view == ViewName::ThreeD).then(|| self.pictures.hit(px, size, self.scene.as_ref()?)?.part)?

@@ -9,7 +9,8 @@ use crate::volume::{Histogram, TransferFunction};
 use egui::{Color32, DragValue, Mesh, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
 use std::sync::Arc;
 
-const HEIGHT: f32 = 132.0;
+/// As a share of the window: what stands below has to be in sight on a small screen too.
+const HEIGHT: f32 = 0.14;
 const STRIP: f32 = 14.0;
 const HANDLE: f32 = 9.0;
 
@@ -67,7 +68,8 @@ impl App {
         let mut new = old.clone();
 
         let width = ui.available_width();
-        let (outer, ground) = ui.allocate_exact_size(vec2(width, HEIGHT), Sense::click());
+        let height = (ui.ctx().viewport_rect().height() * HEIGHT).round();
+        let (outer, ground) = ui.allocate_exact_size(vec2(width, height), Sense::click());
         ground.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Transfer function over the histogram"));
         let painter = ui.painter_at(outer);
         painter.rect_filled(outer, 3.0, theme::DEEP);
