@@ -140,6 +140,33 @@ fn a_script_that_saves_nothing_leaves_what_a_crash_left() {
 }
 
 #[test]
+fn what_was_not_saved_before_another_was_opened_does_not_come_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let (states, project) = (folder.path().join("states"), folder.path().join("p"));
+    let mut document = open_volume(folder.path(), Some(&states));
+    let volume = json!({"volume":{"open":{"path":folder.path().join("v.nrrd")}}}).to_string();
+    let lost = |d: &mut Document| run(d, r#"{"project":{"lost":{}}}"#).unwrap()["lost"].as_array().unwrap().len();
+    select(&mut document, folder.path());
+    run(&mut document, &volume).unwrap();
+    assert_eq!(lost(&mut document), 0);
+    run(&mut document, &json!({"project":{"save":{"path":project}}}).to_string()).unwrap();
+    let saved = bytes(&document);
+    select(&mut document, folder.path());
+    run(&mut document, &volume).unwrap();
+    let (again, answer) = open(&project);
+    assert_eq!((bytes(&again), &answer["recovered"]), (saved, &Value::Null));
+    // What a crash had left is not for this program to throw away.
+    drop(again);
+    let (mut crashed, _) = open(&project);
+    select(&mut crashed, folder.path());
+    let left = bytes(&crashed);
+    drop(crashed);
+    run(&mut document, &json!({"project":{"open":{"path":project}}}).to_string()).unwrap();
+    run(&mut document, &volume).unwrap();
+    assert_eq!(bytes(&open(&project).0), left);
+}
+
+#[test]
 fn a_stroke_that_was_cut_off_is_painted_once() {
     let Some(gpu) = crate::common::gpu::gpu() else { return };
     let folder = tempfile::tempdir().unwrap();

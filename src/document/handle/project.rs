@@ -1,8 +1,8 @@
 //! Commands on the project on disk, and the journal that every other command is noted in.
 //!
 //! A document is kept where its keeper says: in its project, or before the first save in a recovery folder if one was named.
-//! Whoever closes a document in order says whether what was not saved is to be thrown away; whatever else ends it is a crash,
-//! and all of it comes back.
+//! Whoever closes a document in order, or opens another, throws away what was not saved; whatever else ends it is a crash, and
+//! all of it comes back.
 
 use super::open::Opened;
 use super::{Command, DensityKeeping, Document, DocumentError, Keeper, ProjectCommand, recovery};
@@ -121,11 +121,10 @@ impl Document {
         noted.err().map(|e| format!("this step is done but not safe from a crash yet: {e}"))
     }
 
-    /// Another document is about to be open. A recovery folder with nothing in it worth recovering goes; anything else stays to be
-    /// found.
+    /// Another document is open: this one is closed in order, as by [`leave_as_found`](Self::leave_as_found). Whoever opens says
+    /// before what becomes of unsaved work; what was not wanted must not come back as if it had been lost.
     pub(in crate::document) fn leave_place(&mut self) {
-        let keeper = self.keeper.take().filter(|k| !self.unsaved && k.project_dir().is_none());
-        if let Some(Err(error)) = keeper.map(Keeper::discard) {
+        if let Some(Err(error)) = self.keeper.take().map(Keeper::leave_as_found) {
             tracing::warn!("{error}");
         }
     }
