@@ -34,16 +34,16 @@ pub fn ago(seconds: u64) -> String {
 /// What the answer of an opened project says of work that was not saved when the program ended; `None` if there was none.
 pub fn recovered(answer: &Value) -> Option<String> {
     let steps = answer["steps"].as_u64()?;
-    let mut text = match steps {
-        0 => "Brought back".to_owned(),
-        1 => "Brought back 1 step that was not saved when the program ended".to_owned(),
-        n => format!("Brought back {n} steps that were not saved when the program ended"),
-    };
-    match (answer["stroke"].as_str(), steps) {
-        (Some("painted"), 0) => text += " the stroke that was running when the program ended, as far as it had come",
-        (Some("painted"), _) => text += ", and the stroke that was running as far as it had come",
+    let text = match (answer["stroke"].as_str(), steps) {
+        (Some("painted"), 0) => {
+            "The stroke that was running when the program ended was brought back as far as it had come"
+        }
+        (Some("painted"), _) => {
+            "What was not saved when the program ended was brought back, and the stroke that was running as far as it had \
+             come"
+        }
         (_, 0) => return None,
-        _ => {}
-    }
-    Some(text + ". Save to keep it.")
+        _ => "What was not saved when the program ended was brought back",
+    };
+    Some(format!("{text}. Save to keep it."))
 }

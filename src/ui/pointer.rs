@@ -19,7 +19,9 @@ impl App {
             let free = |key| i.key_down(key);
             (i.raw.events.clone(), i.pixels_per_point, i.time, free(egui::Key::Space), free(egui::Key::E))
         });
-        let typing = ctx.memory(|m| m.focused().is_some());
+        let typing = ctx.text_edit_focused();
+        // A control that was reached by Tab has Space for itself.
+        let space = space && ctx.memory(|m| m.focused().is_none());
         // Keys and the pointer's samples of a frame come in their order; what is held now is how it ended.
         let key_e = |event: &egui::Event| match event {
             egui::Event::Key { key: egui::Key::E, pressed, repeat: false, .. } => Some(*pressed),
@@ -33,7 +35,7 @@ impl App {
                 egui::Event::Touch { force: Some(force), .. } => self.viewports.pressure = force.clamp(0.0, 1.0),
                 egui::Event::PointerButton { pos, button, pressed, modifiers } => {
                     let Some(button) = button_of(button) else { continue };
-                    let modifiers = held(modifiers, space && !typing, erase && !typing);
+                    let modifiers = held(modifiers, space, erase && !typing);
                     if pressed {
                         let over = rects.iter().find(|(_, r)| r.contains(pos) && open);
                         let Some(&(view, rect)) = over else { continue };
@@ -119,9 +121,10 @@ impl App {
         PointerEvent { view, px, size, modifiers, pressure: self.viewports.pressure, time_s, hit }
     }
 
-    /// Shortcuts; typing into a field keeps its keys.
+    /// Shortcuts; typing into a field keeps its keys, and a control that was reached by Tab keeps those that move it.
     pub(super) fn take_keys(&mut self, ctx: &egui::Context) {
-        let typing = ctx.memory(|m| m.focused().is_some());
+        let typing = ctx.text_edit_focused();
+        let focused = ctx.memory(|m| m.focused().is_some());
         let pressed: Vec<_> = ctx.input(|i| {
             i.raw
                 .events
@@ -138,7 +141,11 @@ impl App {
             let Some(action) = action_of(key, modifiers) else { continue };
             let global = matches!(action, Action::Save | Action::SaveAs | Action::Open | Action::Keys | Action::Abort);
             let repeats = matches!(action, Action::BrushSize(_) | Action::Slice(_) | Action::Undo | Action::Redo);
-            if (typing && !global) || (repeat && !repeats) || (self.dialog.is_some() && action != Action::Abort) {
+            let moves = matches!(action, Action::Slice(_) | Action::Frame);
+            // A key hit by mistake must not take back the stroke under the hand.
+            let busy = self.dialog.is_some() || self.interaction.gesture().is_some();
+            let kept = (typing && !global) || (focused && moves) || (repeat && !repeats);
+            if kept || (busy && action != Action::Abort) {
                 continue;
             }
             self.act(action);

@@ -17,9 +17,12 @@ use serde_json::Value;
 use std::sync::Arc;
 use std::sync::mpsc::TryRecvError;
 use std::thread::JoinHandle;
+use std::time::Instant;
 
 /// Steps of 1/60 s that parts do between two pictures at most.
 const MOST_STEPS: u32 = 4;
+/// Milliseconds after which a picture is due: a step that measures what hides the selection draws a picture of its own.
+const STEPS_MS: u128 = 30;
 
 /// Starts it; the session is the window's end. The thread ends when the window drops it.
 ///
@@ -186,15 +189,20 @@ impl Worker {
 
     /// Lets the parts move on.
     fn step(&mut self) {
-        let step = Command::Explosion(ExplosionCommand::Step { steps: MOST_STEPS });
-        self.studio.note(&step);
-        match self.document.apply(step) {
-            Ok(answer) => {
-                self.moving = answer["moving"].as_bool() == Some(true);
+        let begun = Instant::now();
+        // The first alone, to see whether there is time for the rest.
+        for steps in [1, MOST_STEPS - 1] {
+            let step = Command::Explosion(ExplosionCommand::Step { steps });
+            self.studio.note(&step);
+            match self.document.apply(step) {
+                Ok(answer) => self.moving = answer["moving"].as_bool() == Some(true),
+                Err(error) => {
+                    self.moving = false;
+                    self.report(Report::Message(Gravity::Error, error.to_string()));
+                }
             }
-            Err(error) => {
-                self.moving = false;
-                self.report(Report::Message(Gravity::Error, error.to_string()));
+            if !self.moving || begun.elapsed().as_millis() > STEPS_MS {
+                return;
             }
         }
     }

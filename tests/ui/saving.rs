@@ -110,7 +110,7 @@ fn what_a_crash_left_is_said() {
     let open = Command::Project(ProjectCommand::Open { path: "/data/head.burin".into() });
     let answer = serde_json::json!({ "recovered": { "steps": 2, "last": null, "stroke": "painted" } });
     window.report(Report::Done(open, answer));
-    let said = "Brought back 2 steps that were not saved when the program ended, \
+    let said = "What was not saved when the program ended was brought back, \
         and the stroke that was running as far as it had come. Save to keep it.";
     assert!(window.harness.query_by_label(said).is_some());
 

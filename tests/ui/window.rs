@@ -106,6 +106,34 @@ fn a_key_typed_into_a_name_is_no_shortcut() {
 }
 
 #[test]
+fn a_control_reached_by_tab_takes_its_own_keys_and_no_others() {
+    let mut window = Window::open(SMALL);
+    window.harness.get_by_label("Brush strength").focus();
+    window.harness.run_steps(2);
+    let grown = window.key(Modifiers::NONE, egui::Key::CloseBracket);
+    assert!(matches!(grown[..], [Command::Brush(BrushCommand::Set { radius_mm: Some(_), .. })]), "{grown:?}");
+    window.harness.get_by_label("Axial slice").focus();
+    window.harness.run_steps(2);
+    let moved = window.key(Modifiers::NONE, egui::Key::ArrowDown);
+    assert!(moved.iter().all(|c| !matches!(c, Command::View(ViewCommand::Scroll { .. }))), "{moved:?}");
+}
+
+#[test]
+fn a_key_hit_in_mid_stroke_does_not_take_the_stroke_back() {
+    let mut window = Window::open(SMALL);
+    window.click("Brush");
+    let at = window.harness.get_by_label("Axial view").rect().center();
+    window.harness.drag_at(at);
+    window.harness.run_steps(2);
+    for key in [egui::Key::Num3, egui::Key::X, egui::Key::CloseBracket] {
+        window.key(Modifiers::NONE, key);
+    }
+    window.harness.drop_at(at + vec2(9.0, 0.0));
+    window.harness.run_steps(2);
+    assert_eq!(window.sent().last(), Some(&Command::Stroke(StrokeCommand::End {})));
+}
+
+#[test]
 fn the_degree_slider_is_one_step_of_history() {
     let mut window = Window::open(SMALL);
     let rail = window.harness.get_by_label("Degree of explosion").rect();
