@@ -10,7 +10,7 @@ use crate::gpu::{
 };
 use crate::math::DVec2;
 use crate::paint::{Brush, Dab};
-use crate::volume::{Brick, BrickIndex, FieldKind, Refresh};
+use crate::volume::{Brick, BrickIndex, FieldKind, LiveCells, Refresh};
 
 /// Memory for pools of bricks on the GPU, all fields together.
 const BUDGET_BYTES: u64 = 512 << 20;
@@ -87,7 +87,8 @@ impl Graphics {
 
     pub(super) fn image(&mut self, state: &State, frame: &Frame) -> Result<Image, DocumentError> {
         let bound = self.bound();
-        self.with(state, "a picture", |t, _| {
+        self.with(state, "a picture", |t, painter| {
+            painter.follow(&mut t.pools, &fields(state))?;
             t.pools.bound_uploads(bound);
             t.caster.image(&t.gpu, &mut t.pools, &fields(state), frame)
         })
@@ -100,7 +101,8 @@ impl Graphics {
         rows: std::ops::Range<u32>,
     ) -> Result<Image, DocumentError> {
         let bound = self.bound();
-        self.with(state, "a picture", |t, _| {
+        self.with(state, "a picture", |t, painter| {
+            painter.follow(&mut t.pools, &fields(state))?;
             t.pools.bound_uploads(bound);
             t.caster.rows(&t.gpu, &mut t.pools, &fields(state), frame, rows.clone())
         })
@@ -161,14 +163,17 @@ impl Graphics {
         }
     }
 
-    /// A brick as the running stroke shows it, if it shows there.
-    pub(super) fn live(&mut self, state: &State, brick: BrickIndex) -> Result<Option<Brick>, DocumentError> {
-        self.with(state, "painting", |t, painter| painter.live(&t.pools, &fields(state), brick))
+    /// Cells of the running stroke's bricks of which something is new, if it has come already.
+    pub(super) fn live(&mut self, state: &State) -> Result<Vec<(BrickIndex, LiveCells)>, DocumentError> {
+        self.with(state, "painting", |t, painter| {
+            painter.follow(&mut t.pools, &fields(state))?;
+            Ok(painter.take_live())
+        })
     }
 
-    /// Bricks that the running stroke shows in.
-    pub(super) fn touched(&self) -> Vec<BrickIndex> {
-        self.painter.as_ref().map(Painter::touched).unwrap_or_default()
+    /// Whether something of them is still to come.
+    pub(super) fn is_due(&self) -> bool {
+        self.painter.as_ref().is_some_and(Painter::is_due)
     }
 
     fn bound(&self) -> Option<usize> {

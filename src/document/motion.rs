@@ -10,7 +10,7 @@ use crate::explode::{
     Explosion, ExplosionPoint, MAX_ROUNDS, Measured, Octrees, Progress, Search, Settled, Simulation, settle_with_gain,
 };
 use crate::math::{Camera, Pose};
-use crate::volume::{Brick, BrickIndex, FieldKind, TransferFunction};
+use crate::volume::{BrickIndex, FieldKind, LiveCells, TransferFunction};
 
 /// Longest edge of the picture that visibility is measured in.
 const MEASURED_PX: f64 = 256.0;
@@ -87,20 +87,38 @@ impl Motion {
         }
     }
 
-    /// Follows a stroke on the selection that is still running.
-    pub(super) fn follow(&mut self, state: &State, live: &[(BrickIndex, Brick)]) {
-        let Some(octrees) = &mut self.octrees else { return };
-        live.iter().for_each(|(index, brick)| octrees.paint(&state.density, *index, brick));
-        self.points = if live.is_empty() { self.points.take() } else { None };
+    /// Follows a stroke on density or the selection that is still running.
+    pub(super) fn follow(
+        &mut self,
+        state: &State,
+        kind: FieldKind,
+        live: &[(BrickIndex, LiveCells)],
+    ) -> Result<(), DocumentError> {
+        if live.is_empty() {
+            return Ok(());
+        }
+        let octrees = self.octrees(state)?;
+        for (index, cells) in live {
+            match kind {
+                FieldKind::Selection => octrees.paint(&state.density, *index, &cells.selected),
+                _ => octrees.paint_density(&state.density, *index, &cells.ranges),
+            }
+        }
+        self.points = None;
+        Ok(())
+    }
+
+    fn octrees(&mut self, state: &State) -> Result<&mut Octrees, DocumentError> {
+        Ok(match self.octrees.take() {
+            Some(octrees) => self.octrees.insert(octrees),
+            None => self.octrees.insert(Octrees::new(state.grid(), &state.density, &state.selection)?),
+        })
     }
 
     fn points(&mut self, state: &State) -> Result<&[ExplosionPoint], DocumentError> {
         let (transfer, seed) = (&state.scene.transfer, state.scene.explosion.seed);
         if self.points.as_ref().is_none_or(|(t, s, _)| t != transfer || *s != seed) {
-            if self.octrees.is_none() {
-                self.octrees = Some(Octrees::new(state.grid(), &state.density, &state.selection)?);
-            }
-            let found = self.octrees.as_ref().map(|o| o.points(transfer, seed)).unwrap_or_default();
+            let found = self.octrees(state)?.points(transfer, seed);
             self.points = Some((transfer.clone(), seed, found));
         }
         Ok(self.points.as_ref().map_or(&[], |(.., points)| points))

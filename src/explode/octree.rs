@@ -6,7 +6,9 @@
 //! costs microseconds. Owns its minima and maxima; knows fields, not how they are painted.
 
 use crate::math::DVec3;
-use crate::volume::{BRICK, Brick, BrickIndex, BrickKey, CELL, Cells, Field, Grid, SourceError, TransferFunction};
+use crate::volume::{
+    BRICK, BrickIndex, BrickKey, CELL, Cells, Field, Grid, SelectedCell, SourceError, TransferFunction, selected_cells,
+};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -89,7 +91,8 @@ impl Octrees {
         let read = |&index: &BrickIndex| {
             let nothing = selection.summary(BrickKey { level: 0, index }).max <= 0.0;
             let brick = if nothing { None } else { Some(selection.brick(BrickKey { level: 0, index })?) };
-            Ok((index, brick.and_then(|b| leaves(density, index, &b))))
+            let cells = brick.map(|b| selected_cells(&b, selection.valid(0, index)));
+            Ok((index, cells.and_then(|c| leaves(density, index, &c))))
         };
         let read: Vec<_> = bricks.par_iter().map(read).collect::<Result<_, SourceError>>()?;
         for (index, leaves) in read {
@@ -98,9 +101,16 @@ impl Octrees {
         Ok(())
     }
 
-    /// Takes a brick of a selection that a running stroke has not yet handed over to its field.
-    pub fn paint(&mut self, density: &Field, index: BrickIndex, selection: &Brick) {
-        self.set(index, leaves(density, index, selection));
+    /// Takes a brick of a selection that a running stroke has not yet handed over to its field, by its 8³ cells.
+    pub fn paint(&mut self, density: &Field, index: BrickIndex, selected: &[SelectedCell]) {
+        self.set(index, leaves(density, index, selected));
+    }
+
+    /// The same for a brick of the density: minima and maxima of its cells.
+    pub fn paint_density(&mut self, density: &Field, index: BrickIndex, cells: &[[f32; 2]]) {
+        if let Some(leaves) = self.bricks.get_mut(&index) {
+            set_density(leaves, density.valid(0, index), &|cell| cells[cell]);
+        }
     }
 
     fn set(&mut self, index: BrickIndex, leaves: Option<Vec<Node>>) {
@@ -260,41 +270,40 @@ fn merge(mut points: Vec<Heap>) -> Vec<Heap> {
 
 /// The leaves of a brick, `None` if nothing of it is selected. Selection over a leaf's own voxels; density over all taps that
 /// a sample inside it can meet.
-fn leaves(density: &Field, index: BrickIndex, selection: &Brick) -> Option<Vec<Node>> {
+fn leaves(density: &Field, index: BrickIndex, selected: &[SelectedCell]) -> Option<Vec<Node>> {
     let mut leaves = vec![Node::NOTHING; (LEAVES * LEAVES * LEAVES) as usize];
     let valid = density.valid(0, index);
-    let leaf_of = |x: u32, y: u32, z: u32| (x / LEAF + LEAVES * (y / LEAF + LEAVES * (z / LEAF))) as usize;
-    for z in 0..valid[2] {
-        for y in 0..valid[1] {
-            for x in 0..valid[0] {
-                let code = match selection {
-                    Brick::Uniform(value) => value[0],
-                    Brick::Dense(texels) => texels[(x + BRICK * (y + BRICK * z)) as usize],
-                };
-                let leaf = &mut leaves[leaf_of(x, y, z)];
-                leaf.selection = [leaf.selection[0].min(code), leaf.selection[1].max(code)];
-                leaf.sum += u64::from(code);
-            }
-        }
+    for (cell, leaf) in cells_in(valid) {
+        let (leaf, cell) = (&mut leaves[leaf], selected[cell]);
+        leaf.selection = [leaf.selection[0].min(cell.min), leaf.selection[1].max(cell.max)];
+        leaf.sum += u64::from(cell.sum);
     }
     if leaves.iter().all(|l| l.sum == 0) {
         return None;
     }
-    let cells = density.cells(BrickKey { level: 0, index });
-    let n = BRICK / CELL;
-    for z in 0..valid[2].div_ceil(CELL) {
-        for y in 0..valid[1].div_ceil(CELL) {
-            for x in 0..valid[0].div_ceil(CELL) {
-                let [lo, hi] = match &cells {
-                    Cells::Uniform(range) => *range,
-                    Cells::Dense(cells) => cells[(x + n * (y + n * z)) as usize],
-                };
-                let leaf = &mut leaves[leaf_of(x * CELL, y * CELL, z * CELL)];
-                leaf.density = [leaf.density[0].min(lo), leaf.density[1].max(hi)];
-            }
-        }
+    match density.cells(BrickKey { level: 0, index }) {
+        Cells::Uniform(range) => set_density(&mut leaves, valid, &|_| range),
+        Cells::Dense(cells) => set_density(&mut leaves, valid, &|cell| cells[cell]),
     }
     Some(leaves)
+}
+
+fn set_density(leaves: &mut [Node], valid: [u32; 3], range: &dyn Fn(usize) -> [f32; 2]) {
+    leaves.iter_mut().for_each(|leaf| leaf.density = Node::NOTHING.density);
+    for (cell, leaf) in cells_in(valid) {
+        let ([lo, hi], leaf) = (range(cell), &mut leaves[leaf]);
+        leaf.density = [leaf.density[0].min(lo), leaf.density[1].max(hi)];
+    }
+}
+
+/// The cells of a brick that hold voxels of the volume, each with its leaf.
+fn cells_in(valid: [u32; 3]) -> impl Iterator<Item = (usize, usize)> {
+    let [nx, ny, nz] = valid.map(|v| v.div_ceil(CELL));
+    let (n, per) = (BRICK / CELL, LEAF / CELL);
+    (0..nz).flat_map(move |z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z]))).map(move |[x, y, z]| {
+        let leaf = x / per + LEAVES * (y / per + LEAVES * (z / per));
+        ((x + n * (y + n * z)) as usize, leaf as usize)
+    })
 }
 
 /// [`Octrees::points`] of freshly read octrees.

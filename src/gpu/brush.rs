@@ -4,14 +4,15 @@
 //! after a loss of the device. The pools' slots show it in the same frame; the host's fields stay as they are until
 //! [`Painter::finish`]. Knows no history. Direct Volume Editing (2008) section 3, equations 1 and 2.
 
-use super::brush_frame::{Plan, groups};
-use super::brush_kernel::{BrushStroke, DABS_BYTES, ITEMS_BYTES, Kernels, Variant};
-use super::brush_memory::{Chunk, at, rows};
+use super::brush_cells::{CellReader, LiveBricks};
+use super::brush_kernel::{BrushStroke, Kernels, Variant};
+use super::brush_memory::Chunk;
 use super::brush_stroke::{Stroke, locked_bits};
-use super::{FieldPools, Fields, Gpu, GpuError, brush_readback};
+use super::brush_submit::{buffer, met};
+use super::{FieldPools, Fields, Gpu, GpuError, brush_cells, brush_readback};
 use crate::paint::{Brush, Dab};
-use crate::volume::{Brick, BrickIndex, BrickKey, Grid, Refresh, Segments};
-use std::collections::{BTreeSet, HashMap};
+use crate::volume::{Brick, BrickIndex, BrickKey, Grid, LiveCells, Refresh, Segments};
+use std::collections::HashMap;
 
 /// Memory that one stroke may take unless [`Painter::set_budget`] says otherwise.
 const BUDGET: u64 = 512 << 20;
@@ -21,19 +22,22 @@ const KEPT: u64 = 64 << 20;
 /// Paints strokes, one at a time. Long-lived: it keeps pipelines and some buffers.
 #[derive(Debug)]
 pub struct Painter {
-    gpu: Gpu,
-    kernels: Kernels,
-    uniforms: wgpu::Buffer,
+    pub(super) gpu: Gpu,
+    pub(super) kernels: Kernels,
+    pub(super) uniforms: wgpu::Buffer,
     /// New words of a dispatch, on their way into the slots.
-    next: wgpu::Buffer,
+    pub(super) next: wgpu::Buffer,
     /// What each workgroup does.
-    jobs: wgpu::Buffer,
-    locked: wgpu::Buffer,
+    pub(super) jobs: wgpu::Buffer,
+    pub(super) locked: wgpu::Buffer,
     /// Bound where a stroke has no use for a buffer.
-    nothing: wgpu::Buffer,
+    pub(super) nothing: wgpu::Buffer,
+    pub(super) cells: CellReader,
     spare: Vec<Chunk>,
     budget_bytes: u64,
-    stroke: Option<Stroke>,
+    /// Submissions so far.
+    pub(super) submits: u64,
+    pub(super) stroke: Option<Stroke>,
 }
 
 impl Painter {
@@ -51,10 +55,12 @@ impl Painter {
                 jobs: buffer(gpu, "brush jobs", 1 << 14, Use::STORAGE | Use::COPY_DST),
                 locked: buffer(gpu, "brush locked", 65_536 / 8, Use::STORAGE | Use::COPY_DST),
                 nothing: buffer(gpu, "brush nothing", 16, Use::STORAGE),
+                cells: CellReader::new(gpu),
                 gpu: gpu.clone(),
                 kernels,
                 spare: Vec::new(),
                 budget_bytes: BUDGET,
+                submits: 0,
                 stroke: None,
             })
         })
@@ -64,6 +70,11 @@ impl Painter {
     /// top).
     pub fn set_budget(&mut self, bytes: u64) {
         self.budget_bytes = bytes;
+    }
+
+    /// How often dabs were submitted so far.
+    pub fn submits(&self) -> u64 {
+        self.submits
     }
 
     /// Whether a stroke is running.
@@ -107,6 +118,7 @@ impl Painter {
             dabs: Vec::new(),
             chunks: Vec::new(),
             homes: HashMap::new(),
+            live: LiveBricks::default(),
         });
         Ok(())
     }
@@ -125,73 +137,67 @@ impl Painter {
     ) -> Result<Vec<BrickIndex>, GpuError> {
         self.gpu.check()?;
         let Some(stroke) = &mut self.stroke else { return Err(NOT_RUNNING) };
-        let target = fields.get(stroke.kind());
-        let dims = stroke.grid.dims;
-        let footprints: Vec<_> = dabs.iter().filter_map(|d| d.footprint(&stroke.brush, &stroke.grid)).collect();
-        let groups = groups(&footprints, dims);
-        let bricks: BTreeSet<_> = groups.iter().flat_map(|(_, work)| work.keys().copied()).collect();
-        let bricks: Vec<_> = bricks.into_iter().collect();
+        let (kind, target) = (stroke.kind(), fields.get(stroke.kind()));
+        let met = met(dabs, stroke);
+        let bricks: Vec<_> = met.keys().copied().collect();
         if bricks.is_empty() {
             stroke.dabs.extend_from_slice(dabs);
             return Ok(bricks);
         }
         let new: Vec<_> = bricks.iter().copied().filter(|b| !stroke.homes.contains_key(b)).collect();
         let slots = if new.is_empty() { Vec::new() } else { pools.pin(&self.gpu, target, &new)? };
-        // Exact minima and maxima come with the stroke's end.
-        pools.mark_occupied(stroke.kind(), &new);
-        let (Some(texture), Some(format)) = (pools.texture(stroke.kind()), pools.format(stroke.kind())) else {
+        let (Some(texture), Some(format)) = (pools.texture(kind), pools.format(kind)) else {
             return Err(GpuError::Stroke("the pools hold no slots of the field"));
         };
         let variant = Variant::of(target.format(), format);
         let pipeline = self.kernels.pipeline(&self.gpu, variant)?;
+        if brush_cells::matters(kind) {
+            self.cells.prepare(&self.gpu, variant)?;
+            stroke.live.begin(target, new.iter().copied().zip(slots.iter().copied()))?;
+        }
         stroke.reserve(&self.gpu, variant, fields.density, new.len(), &mut self.spare, self.budget_bytes)?;
 
         let mut encoder =
             self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("dabs") });
         let begins = stroke.homes.is_empty();
         stroke.take(&self.gpu, fields, &new, &slots, &mut encoder, texture)?;
-
-        let plan = Plan::new(stroke, &groups, variant);
-        let Self { gpu, kernels, uniforms, next, jobs, locked, nothing, .. } = self;
-        let submitted = gpu.scoped("dabs", || {
-            use wgpu::BufferUsages as Use;
-            grow(gpu, uniforms, plan.uniforms.len() as u64, Use::UNIFORM | Use::COPY_DST);
-            grow(gpu, next, plan.next_bytes, Use::STORAGE | Use::COPY_SRC);
-            grow(gpu, jobs, plan.jobs.len() as u64 * 4, Use::STORAGE | Use::COPY_DST);
-            gpu.queue.write_buffer(uniforms, 0, &plan.uniforms);
-            gpu.queue.write_buffer(jobs, 0, bytemuck::cast_slice(&plan.jobs));
-            if begins {
-                gpu.queue.write_buffer(locked, 0, bytemuck::cast_slice(&stroke.locked));
-            }
-            let groups: Vec<_> = stroke
-                .chunks
-                .iter()
-                .map(|chunk| bind(gpu, &kernels.layout, chunk, [&*uniforms, next, jobs, locked, nothing]))
-                .collect();
-            for dispatch in &plan.dispatches {
-                let mut pass = encoder
-                    .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("dabs"), timestamp_writes: None });
-                pass.set_pipeline(&pipeline);
-                pass.set_bind_group(0, &groups[dispatch.chunk], &[dispatch.dabs_at, dispatch.items_at]);
-                pass.dispatch_workgroups(dispatch.workgroups, 1, 1);
-                drop(pass);
-                for copy in &dispatch.copies {
-                    encoder.copy_buffer_to_texture(
-                        rows(next, copy.offset, copy.rows),
-                        at(texture, copy.to),
-                        copy.extent,
-                    );
-                }
-            }
-            gpu.queue.submit([encoder.finish()]);
-            Ok(())
-        });
+        let submitted = self.submit(encoder, texture, &pipeline, variant, dabs, begins);
+        let Some(stroke) = &mut self.stroke else { return Err(NOT_RUNNING) };
         if let Err(error) = submitted {
             stroke.forget(&new);
             return Err(error);
         }
+        if brush_cells::matters(kind) {
+            stroke.live.paint(&met, stroke.grid.dims, kind, pools);
+        }
         stroke.dabs.extend_from_slice(dabs);
         Ok(bricks)
+    }
+
+    /// Takes what has come of the minima and maxima of the running stroke's cells, and asks for those of what was painted since:
+    /// `pools` skip by them. To be called once a frame. Never waits.
+    ///
+    /// # Errors
+    /// [`GpuError::Lost`] and others of the device.
+    pub fn follow(&mut self, pools: &mut FieldPools, fields: &Fields<'_>) -> Result<(), GpuError> {
+        let Some(stroke) = &mut self.stroke else { return Ok(()) };
+        let (kind, target) = (stroke.kind(), fields.get(stroke.kind()));
+        let Some(format) = pools.format(kind) else { return Ok(()) };
+        let variant = Variant::of(target.format(), format);
+        stroke.live.follow(&self.gpu, target, variant, &mut self.cells, pools)?;
+        let Some(texture) = pools.texture(kind) else { return Ok(()) };
+        stroke.live.ask(&self.gpu, variant, &mut self.cells, texture, stroke.grid.dims)
+    }
+
+    /// The cells of the running stroke's bricks, of those of which something came since this was last asked. Only strokes on
+    /// density and the selection have any.
+    pub fn take_live(&mut self) -> Vec<(BrickIndex, LiveCells)> {
+        self.stroke.as_mut().map(|s| s.live.take_news()).unwrap_or_default()
+    }
+
+    /// Whether something of the running stroke's cells is still to come, or to be taken.
+    pub fn is_due(&self) -> bool {
+        self.stroke.as_ref().is_some_and(|s| s.live.are_due())
     }
 
     /// Ends the stroke: waits for the GPU and answers the bricks whose own texels differ from those at its start, in order,
@@ -261,7 +267,13 @@ impl Painter {
         }
         let Some(stroke) = stroke else { return Ok(()) };
         let dabs = stroke.dabs;
-        self.stroke = Some(Stroke { dabs: Vec::new(), chunks: Vec::new(), homes: HashMap::new(), ..stroke });
+        self.stroke = Some(Stroke {
+            dabs: Vec::new(),
+            chunks: Vec::new(),
+            homes: HashMap::new(),
+            live: LiveBricks::default(),
+            ..stroke
+        });
         let painted = self.extend(pools, fields, &dabs).map(drop);
         if let (Err(_), Some(stroke)) = (&painted, &mut self.stroke) {
             stroke.dabs = dabs;
@@ -282,46 +294,4 @@ impl Painter {
     }
 }
 
-const NOT_RUNNING: GpuError = GpuError::Stroke("none is running; begin one first");
-
-fn bind(
-    gpu: &Gpu,
-    layout: &wgpu::BindGroupLayout,
-    chunk: &Chunk,
-    [uniforms, next, jobs, locked, nothing]: [&wgpu::Buffer; 5],
-) -> wgpu::BindGroup {
-    let part = |size: u64| {
-        wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-            buffer: uniforms,
-            offset: 0,
-            size: std::num::NonZero::new(size),
-        })
-    };
-    let resources = [
-        part(size_of::<BrushStroke>() as u64),
-        part(DABS_BYTES),
-        part(ITEMS_BYTES),
-        chunk.start.as_entire_binding(),
-        chunk.coverage.as_entire_binding(),
-        next.as_entire_binding(),
-        chunk.changed.as_entire_binding(),
-        chunk.base.as_ref().unwrap_or(nothing).as_entire_binding(),
-        chunk.density.as_ref().unwrap_or(nothing).as_entire_binding(),
-        locked.as_entire_binding(),
-        jobs.as_entire_binding(),
-    ];
-    let entries: Vec<_> =
-        (0_u32..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
-    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("brush"), layout, entries: &entries })
-}
-
-fn buffer(gpu: &Gpu, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
-    gpu.device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
-}
-
-/// A larger buffer in place of one that is too small; its content does not outlive a frame.
-fn grow(gpu: &Gpu, held: &mut wgpu::Buffer, bytes: u64, usage: wgpu::BufferUsages) {
-    if held.size() < bytes {
-        *held = buffer(gpu, "brush", bytes.next_power_of_two(), usage);
-    }
-}
+pub(super) const NOT_RUNNING: GpuError = GpuError::Stroke("none is running; begin one first");

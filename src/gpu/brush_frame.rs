@@ -5,17 +5,28 @@
 use super::brush_kernel::{BrushDab, BrushItem, DABS_BYTES, GROUP, ITEMS_BYTES, MOST_DABS, PITCH, Variant};
 use super::brush_stroke::Stroke;
 use crate::paint::{Footprint, IndexBox};
-use crate::volume::{BrickIndex, SLOT};
+use crate::volume::{BrickIndex, SLOT, SLOT_VOXELS};
 use std::collections::BTreeMap;
 
 /// Uniform offsets are multiples of this on every adapter.
 const ALIGNED: usize = 256;
 
-/// A slot's share of up to [`MOST_DABS`] dabs that follow each other.
+/// What one submission may cost, in texels times dabs, so that the queue is never held for long: some 25 ms on two cores without
+/// a graphics card.
+pub(super) const MOST_COST: u64 = 4 << 20;
+/// Dabs of a dispatch, so that a whole slot under all of them costs no more than that.
+pub(super) const GROUP_DABS: usize = 96;
+/// A texel's reading and writing costs as much as so many dabs.
+const TEXEL_DABS: u32 = 4;
+
+const _: () = assert!(GROUP_DABS <= MOST_DABS);
+const _: () = assert!(SLOT_VOXELS as u64 * (GROUP_DABS as u64 + TEXEL_DABS as u64) <= MOST_COST);
+
+/// A slot's share of up to [`GROUP_DABS`] dabs that follow each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Work {
     /// Voxels that change at most.
-    bounds: IndexBox,
+    pub(super) bounds: IndexBox,
     /// Numbers of the first and the last dab that meet the slot.
     dabs: [u32; 2],
 }
@@ -26,7 +37,7 @@ pub(super) type Group<'a> = (&'a [Footprint], BTreeMap<BrickIndex, Work>);
 /// Dabs in groups of what a dispatch can take, each with the slots it meets.
 pub(super) fn groups(footprints: &[Footprint], dims: [u32; 3]) -> Vec<Group<'_>> {
     footprints
-        .chunks(MOST_DABS)
+        .chunks(GROUP_DABS)
         .map(|group| {
             let mut work: BTreeMap<BrickIndex, Work> = BTreeMap::new();
             for (n, footprint) in (0_u32..).zip(group) {
@@ -85,13 +96,41 @@ pub(super) struct Plan {
     pub(super) next_bytes: u64,
 }
 
-/// The work of one group of dabs on the slots of one chunk.
+/// A dispatch that is being filled.
+#[derive(Default)]
+struct Begun {
+    items: Vec<BrushItem>,
+    copies: Vec<Copy>,
+    jobs: Vec<u32>,
+    words: u32,
+    cost: u64,
+}
+
+impl Begun {
+    fn add(&mut self, item: BrushItem, slot: [u32; 3], variant: Variant, cost: u64) {
+        self.copies.push(Copy::of(&item, slot, variant));
+        self.words += item.size[1] * item.size[2] * (PITCH / 4);
+        let number = (self.items.len() as u32) << 16;
+        self.jobs.extend((0..item.size.iter().product::<u32>().div_ceil(GROUP)).map(|group| number | group));
+        self.items.push(item);
+        self.cost += cost;
+    }
+}
+
+/// Texels times dabs, and what a texel costs without any.
+fn cost(item: &BrushItem, variant: Variant) -> u64 {
+    u64::from(item.size.iter().product::<u32>() * variant.per_word()) * u64::from(item.dab_count + TEXEL_DABS)
+}
+
+/// The work of one group of dabs on slots of one chunk, of [`MOST_COST`] or one slot's.
 pub(super) struct Dispatch {
     pub(super) chunk: usize,
     /// Offsets within the uniforms.
     pub(super) dabs_at: u32,
     pub(super) items_at: u32,
     pub(super) workgroups: u32,
+    /// See [`MOST_COST`].
+    pub(super) cost: u64,
     pub(super) copies: Vec<Copy>,
 }
 
@@ -111,29 +150,33 @@ impl Plan {
             let dabs: Vec<_> = dabs.iter().map(BrushDab::new).collect();
             let dabs_at = plan.append(bytemuck::cast_slice(&dabs), DABS_BYTES as usize);
             for chunk in 0..stroke.chunks.len() {
-                let (mut items, mut copies) = (Vec::new(), Vec::new());
-                let mut words = 0;
-                let first_job = plan.jobs.len();
+                let mut begun = Begun::default();
                 for (brick, work) in work {
                     let Some(home) = stroke.homes.get(brick).filter(|h| h.chunk == chunk) else { continue };
-                    let item = work.item(*brick, stroke.grid.dims, home.place, variant.per_word(), words);
-                    copies.push(Copy::of(&item, home.slot, variant));
-                    words += item.size[1] * item.size[2] * (PITCH / 4);
-                    let number = (items.len() as u32) << 16;
-                    plan.jobs
-                        .extend((0..item.size.iter().product::<u32>().div_ceil(GROUP)).map(|group| number | group));
-                    items.push(BrushItem { first_job: first_job as u32, ..item });
+                    let item = work.item(*brick, stroke.grid.dims, home.place, variant.per_word(), begun.words);
+                    let cost = cost(&item, variant);
+                    if begun.cost > 0 && begun.cost + cost > MOST_COST {
+                        plan.dispatch(chunk, dabs_at, std::mem::take(&mut begun));
+                    }
+                    begun.add(BrushItem { next: begun.words, ..item }, home.slot, variant, cost);
                 }
-                if items.is_empty() {
-                    continue;
-                }
-                let items_at = plan.append(bytemuck::cast_slice(&items), ITEMS_BYTES as usize);
-                plan.next_bytes = plan.next_bytes.max(u64::from(words) * 4);
-                let workgroups = (plan.jobs.len() - first_job) as u32;
-                plan.dispatches.push(Dispatch { chunk, dabs_at, items_at, workgroups, copies });
+                plan.dispatch(chunk, dabs_at, begun);
             }
         }
         plan
+    }
+
+    fn dispatch(&mut self, chunk: usize, dabs_at: u32, begun: Begun) {
+        if begun.items.is_empty() {
+            return;
+        }
+        let Begun { mut items, copies, jobs, words, cost } = begun;
+        items[0].first_job = self.jobs.len() as u32;
+        let items_at = self.append(bytemuck::cast_slice(&items), ITEMS_BYTES as usize);
+        self.next_bytes = self.next_bytes.max(u64::from(words) * 4);
+        let workgroups = jobs.len() as u32;
+        self.jobs.extend(jobs);
+        self.dispatches.push(Dispatch { chunk, dabs_at, items_at, workgroups, cost, copies });
     }
 
     /// Adds bytes, padded; answers where.

@@ -1,5 +1,6 @@
 //! A stroke while it runs: its constants, its dabs, and where each brick it touched is kept.
 
+use super::brush_cells::LiveBricks;
 use super::brush_kernel::{BrushStroke, Variant};
 use super::brush_memory::{Chunk, Extras, next_capacity, slot_bytes};
 use super::{FieldPools, Fields, Gpu, GpuError};
@@ -19,6 +20,7 @@ pub(super) struct Stroke {
     pub(super) chunks: Vec<Chunk>,
     /// By touched brick.
     pub(super) homes: HashMap<BrickIndex, Home>,
+    pub(super) live: LiveBricks,
 }
 
 /// Where a touched brick is kept.
@@ -105,6 +107,7 @@ impl Stroke {
 
     /// Takes places back that were given last.
     pub(super) fn forget(&mut self, new: &[BrickIndex]) {
+        self.live.forget(new);
         for brick in new {
             if let Some(home) = self.homes.remove(brick) {
                 let bricks = &mut self.chunks[home.chunk].bricks;

@@ -55,6 +55,7 @@ fn declared<T: Shared>() -> Declared {
 pub fn all() -> Vec<Declared> {
     vec![
         declared::<super::FieldInfo>(),
+        declared::<super::brush_cells::CellsJob>(),
         declared::<super::brush_kernel::BrushDab>(),
         declared::<super::brush_kernel::BrushItem>(),
         declared::<super::brush_kernel::BrushStroke>(),

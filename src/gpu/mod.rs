@@ -6,11 +6,13 @@
 mod bindings;
 mod body;
 mod brush;
+mod brush_cells;
 mod brush_frame;
 mod brush_kernel;
 mod brush_memory;
 mod brush_readback;
 mod brush_stroke;
+mod brush_submit;
 mod caster;
 mod device;
 mod drawn;

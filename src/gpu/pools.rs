@@ -10,11 +10,11 @@ use super::pool::Pool;
 use super::sight::Sight;
 use super::{Frame, Gpu, GpuError};
 use crate::volume::{
-    BRICK, BrickIndex, BrickKey, DensityMap, Field, FieldKind, Grid, Mode, TexelFormat, TransferFunction,
+    BRICK, BrickIndex, BrickKey, Cells, DensityMap, Field, FieldKind, Grid, Mode, TexelFormat, TransferFunction,
 };
 use marks::Marks;
 use shown::Shown;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::sync::OnceLock;
 
 mod cells;
@@ -80,8 +80,8 @@ pub struct FieldPools {
     extinction: OnceLock<Vec<f32>>,
     /// Bricks whose cells are to be renewed.
     stale_cells: Marks,
-    /// Bricks of a running stroke, of density and of the selection: they may show anything.
-    forced: [HashSet<usize>; 2],
+    /// What cells of a running stroke's bricks hold, of density and of the selection.
+    live: [HashMap<usize, Cells>; 2],
     /// Slots that hold what the next refresh of their field brings.
     painted: Option<(FieldKind, HashSet<BrickKey>)>,
     shown: [Shown; 4],
@@ -157,7 +157,7 @@ impl FieldPools {
                 unsure: Marks::all(),
                 extinction: OnceLock::new(),
                 stale_cells: Marks::all(),
-                forced: Default::default(),
+                live: Default::default(),
                 painted: None,
                 shown: Default::default(),
                 limit: None,

@@ -21,6 +21,7 @@ const LIBRARY: &[(&str, &str)] = files!["lib/field.wgsl", "lib/body.wgsl", "lib/
 /// Files with entry points.
 const KERNELS: &[(&str, &str)] = files![
     "brush.wgsl",
+    "brush_cells.wgsl",
     "cast_dvr.wgsl",
     "cast_iso.wgsl",
     "cast_mip.wgsl",

@@ -3,7 +3,7 @@
 //! A script moves parts when it says so; the window lets them follow whatever is done. Compares what the scene says before and
 //! after a command, and knows which commands change the voxels that explosion points stand on. Knows nothing of egui.
 
-use crate::document::{Command, Document, ExplosionCommand, HistoryCommand, StrokeCommand};
+use crate::document::{Command, Document, ExplosionCommand, HistoryCommand};
 use crate::explode::Explosion;
 use crate::math::{Camera, Pose};
 use crate::volume::{FieldKind, TransferFunction};
@@ -16,8 +16,8 @@ pub(super) struct Cause {
     /// `None` where it makes no difference.
     camera: Option<Camera>,
     transfer: TransferFunction,
-    /// The brush's field, if explosion points stand on it.
-    paints: Option<FieldKind>,
+    /// Whether explosion points stand on the brush's field.
+    paints: bool,
 }
 
 impl Cause {
@@ -26,8 +26,7 @@ impl Cause {
         let scene = &document.state()?.scene;
         let mut explosion = scene.explosion.clone();
         explosion.parts.iter_mut().filter(|p| !p.pinned).for_each(|p| p.pose = Pose::IDENTITY);
-        let paints =
-            Some(scene.brush.target.field()).filter(|f| matches!(f, FieldKind::Selection | FieldKind::Density));
+        let paints = matches!(scene.brush.target.field(), FieldKind::Selection | FieldKind::Density);
         let camera = explosion.forces.viewing.then_some(scene.views.camera);
         Some(Self { explosion, camera, transfer: scene.transfer.clone(), paints })
     }
@@ -39,12 +38,7 @@ impl Cause {
             // At degree 0 they go home.
             Command::Explosion(ExplosionCommand::Degree { .. } | ExplosionCommand::Forces { .. }) => true,
             _ if now.explosion.degree == 0.0 => false,
-            Command::Stroke(stroke) => match now.paints {
-                Some(FieldKind::Selection) => true,
-                // Of the other fields forces learn at the stroke's end.
-                Some(_) => matches!(stroke, StrokeCommand::End {} | StrokeCommand::Paint { .. }),
-                None => false,
-            },
+            Command::Stroke(_) => now.paints,
             Command::Selection(_) => true,
             Command::History(h) => !matches!(h, HistoryCommand::Begin {} | HistoryCommand::End {}),
             Command::View(_) | Command::Part(_) | Command::Transfer(_) | Command::Explosion(_) => {

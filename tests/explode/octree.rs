@@ -231,7 +231,8 @@ fn octrees_that_follow_strokes_equal_octrees_read_afresh() {
         let changes: Changes = bricks(&selection, |v| if dab(v) { if erase { 0 } else { 255 } } else { now(v) });
         // While the stroke runs only its bricks are known.
         for (index, brick) in &changes {
-            octrees.paint(&density, *index, brick.as_ref().unwrap());
+            let cells = selected_cells(brick.as_ref().unwrap(), selection.valid(0, *index));
+            octrees.paint(&density, *index, &cells);
         }
         let running = octrees.points(&transfer(), 4);
         let (_, refresh) = selection.swap(changes).unwrap();

@@ -141,7 +141,7 @@ fn bricks_that_only_hidden_parts_cover_are_not_asked_for() {
     let selection = halves(&whole, None, None, true);
     pools.make_resident(&gpu, &fields(&density, &none), &selection).unwrap();
     assert_eq!(pools.room(FieldKind::Density).0, 4);
-    pools.mark_occupied(FieldKind::Selection, &[BrickIndex([0, 1, 1])]);
+    pools.set_live(FieldKind::Selection, BrickIndex([0, 1, 1]), Cells::Uniform([0.0, 1.0]));
     pools.make_resident(&gpu, &fields(&density, &none), &selection).unwrap();
     assert_eq!(pools.room(FieldKind::Density).0, 5);
     // What is wholly selected is no background.

@@ -50,13 +50,12 @@ impl Document {
                 if steps > MOST_STEPS {
                     return Err(DocumentError::invalid("steps", steps, format!("at most {MOST_STEPS}")));
                 }
-                let live = self.live_selection()?;
+                let due = self.follow_stroke()?;
                 let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
-                self.motion.follow(state, &live);
                 let moved = self.motion.step(state, &mut self.graphics, steps)?;
                 self.open_mut()?.scene.explosion.set_poses(&moved.poses);
                 edit.follows();
-                Ok(json!({ "poses": self.poses()?, "moving": moved.moving, "visible": moved.visible }))
+                Ok(json!({ "poses": self.poses()?, "moving": moved.moving || due, "visible": moved.visible }))
             }
         }
     }

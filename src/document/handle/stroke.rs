@@ -7,7 +7,7 @@ use super::edit::Edit;
 use super::state::{map_over, unit};
 use super::{Command, Document, DocumentError, ExplosionCommand, Place, StrokeCommand, StrokePoint, warn};
 use crate::paint::{Brush, Sample, StrokePath, Target};
-use crate::volume::{BrickIndex, FieldKind};
+use crate::volume::FieldKind;
 use serde_json::{Value, json};
 
 /// A stroke that has begun.
@@ -186,19 +186,15 @@ impl Document {
         Ok(answer)
     }
 
-    /// Bricks of the selection as a running stroke shows them.
-    pub(in crate::document) fn live_selection(
-        &mut self,
-    ) -> Result<Vec<(BrickIndex, crate::volume::Brick)>, DocumentError> {
-        let (Some(running), Some(state)) = (&self.running, &self.state) else { return Ok(Vec::new()) };
-        if running.field() != FieldKind::Selection {
-            return Ok(Vec::new());
+    /// Lets explosion points follow a running stroke. Answers whether more of it is to come.
+    pub(in crate::document) fn follow_stroke(&mut self) -> Result<bool, DocumentError> {
+        let (Some(running), Some(state)) = (&self.running, &self.state) else { return Ok(false) };
+        let kind = running.field();
+        if matches!(kind, FieldKind::Density | FieldKind::Selection) {
+            let live = self.graphics.live(state)?;
+            self.motion.follow(state, kind, &live)?;
         }
-        let mut live = Vec::new();
-        for index in self.graphics.touched() {
-            live.extend(self.graphics.live(state, index)?.map(|brick| (index, brick)));
-        }
-        Ok(live)
+        Ok(self.graphics.is_due())
     }
 
     /// Resolves a command's points; those where the 3D view shows nothing are counted and left out.

@@ -18,20 +18,20 @@ impl FieldPools {
             return Ok(false);
         }
         let (row, slab) = (self.bricks[0] as usize, (self.bricks[0] * self.bricks[1]) as usize);
-        let forced = &self.forced;
+        let live = &self.live;
         let of = |b: [u32; 3]| {
             let i = b[0] as usize + row * b[1] as usize + slab * b[2] as usize;
-            let matter = CellsOf::new(fields.density, density.level_of(i), b);
-            let chosen = selection.as_ref().map(|pool| CellsOf::new(fields.selection, pool.level_of(i), b));
-            let (any, mixed) = (forced[0].contains(&i), forced[1].contains(&i));
+            let matter = CellsOf::new(fields.density, live[0].get(&i), density.level_of(i), b);
+            let chosen =
+                selection.as_ref().map(|pool| CellsOf::new(fields.selection, live[1].get(&i), pool.level_of(i), b));
             std::array::from_fn(|cell| {
                 let [lo, hi] = matter.range(cell);
-                if !(any || look.shows.any(lo, hi)) {
+                if !look.shows.any(lo, hi) {
                     return 0;
                 }
                 let [least, most] = chosen.as_ref().map_or([0.0, 0.0], |c| c.range(cell));
-                let selected = u8::from(most > 0.0 || mixed) << Map::Selection as u8;
-                let left = u8::from(least < 1.0 || mixed) << Map::Background as u8;
+                let selected = u8::from(most > 0.0) << Map::Selection as u8;
+                let left = u8::from(least < 1.0) << Map::Background as u8;
                 1 << Map::Matter as u8 | selected | left
             })
         };
@@ -49,7 +49,11 @@ struct CellsOf {
 }
 
 impl CellsOf {
-    fn new(field: &Field, level: u8, brick: [u32; 3]) -> Self {
+    /// `live`: a running stroke's, which are of level 0.
+    fn new(field: &Field, live: Option<&Cells>, level: u8, brick: [u32; 3]) -> Self {
+        if let Some(cells) = live {
+            return Self { cells: cells.clone(), level: 0, first: [0; 3] };
+        }
         let index = BrickIndex(brick.map(|b| b >> level));
         let first = std::array::from_fn(|a| (brick[a] - (index.0[a] << level)) * 8);
         Self { cells: field.cells(BrickKey { level, index }), level, first }

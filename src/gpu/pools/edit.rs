@@ -4,7 +4,7 @@ use super::shown::InCut;
 use super::{FieldPools, place};
 use crate::gpu::pool::Pool;
 use crate::gpu::{Gpu, GpuError, sight};
-use crate::volume::{BrickIndex, BrickKey, Field, FieldKind, Refresh};
+use crate::volume::{BrickIndex, BrickKey, Cells, Field, FieldKind, Refresh};
 use std::collections::HashSet;
 
 impl FieldPools {
@@ -77,7 +77,7 @@ impl FieldPools {
                 extinction[i] = sight::extinction(field, &self.grid, &look.transfer, index);
             }
         }
-        self.forced[map].remove(&i);
+        self.live[map].remove(&i);
         self.unsure.insert(i);
         self.stale_cells.insert(i);
     }
@@ -99,18 +99,15 @@ impl FieldPools {
         }
     }
 
-    /// While a stroke runs: these bricks' cells may show anything, until [`refresh`](Self::refresh) or
-    /// [`unpin`](Self::unpin). `bricks` are all whose slots the stroke writes, aprons included.
-    pub fn mark_occupied(&mut self, kind: FieldKind, bricks: &[BrickIndex]) {
+    /// While a stroke runs: what the cells of a brick hold whose slot it writes, until [`refresh`](Self::refresh) or
+    /// [`unpin`](Self::unpin).
+    pub fn set_live(&mut self, kind: FieldKind, brick: BrickIndex, cells: Cells) {
         let Some(map) = map_of(kind) else { return };
-        for &brick in bricks {
-            let i = self.brick_at(brick);
-            if self.forced[map].insert(i) {
-                self.stale = true;
-                self.stale_cells.insert(i);
-                self.unsure.insert(i);
-            }
-        }
+        let i = self.brick_at(brick);
+        self.live[map].insert(i, cells);
+        self.stale = true;
+        self.stale_cells.insert(i);
+        self.unsure.insert(i);
     }
 
     /// For painting: these bricks of level 0 get slots of their own, also where they are of one value, and keep them until
@@ -146,7 +143,7 @@ impl FieldPools {
         Ok(origins)
     }
 
-    /// Ends the keep of pinned bricks and of cells marked as occupied. What was written to them is put back by the caller.
+    /// Ends the keep of pinned bricks and of what was said of their cells. What was written to them is put back by the caller.
     pub fn unpin(&mut self, kind: FieldKind) {
         self.let_go(kind);
     }
@@ -165,9 +162,9 @@ impl FieldPools {
         self.shown[place(kind)].reconsider();
         self.stale = true;
         if let Some(map) = map_of(kind) {
-            let forced = std::mem::take(&mut self.forced[map]);
-            self.stale_cells.extend(forced.iter().copied());
-            self.unsure.extend(forced);
+            let live = std::mem::take(&mut self.live[map]);
+            self.stale_cells.extend(live.keys().copied());
+            self.unsure.extend(live.into_keys());
         }
         keys
     }

@@ -5,12 +5,19 @@
 
 use super::{FieldPools, Fields};
 use crate::gpu::{Body, Mask, sight};
-use crate::volume::{BrickIndex, BrickKey, Field};
+use crate::volume::{BrickIndex, BrickKey, Cells, Field};
 use rayon::prelude::*;
 
 /// Whether two lists of bodies draw the same matter, wherever it is moved to.
 pub(super) fn same_matter(a: &[Body], b: &[Body]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.mask == b.mask && a.region == b.region)
+}
+
+fn any(cells: &Cells, of: impl Fn([f32; 2]) -> bool) -> bool {
+    match cells {
+        Cells::Uniform(range) => of(*range),
+        Cells::Dense(cells) => cells.iter().any(|&range| of(range)),
+    }
 }
 
 impl FieldPools {
@@ -39,9 +46,9 @@ impl FieldPools {
     }
 
     fn is_needed(&self, fields: &Fields<'_>, i: usize) -> bool {
-        self.sliced(self.key_at(i).index)
-            || self.forced[0].contains(&i)
-            || self.visible[i] && self.is_drawn(fields.selection, i)
+        let shows = |cells: &Cells| self.look.as_ref().is_some_and(|l| any(cells, |[lo, hi]| l.shows.any(lo, hi)));
+        let visible = self.live[0].get(&i).map_or(self.visible[i], shows);
+        self.sliced(self.key_at(i).index) || visible && self.is_drawn(fields.selection, i)
     }
 
     /// Whether a body draws any of a brick: hidden parts need nothing.
@@ -51,13 +58,15 @@ impl FieldPools {
             return true;
         }
         let key = self.key_at(i);
-        let (about, mixed) = (selection.summary(key), self.forced[1].contains(&i));
+        let about = selection.summary(key);
+        let live = self.live[1].get(&i);
+        let holds = |of: &dyn Fn([f32; 2]) -> bool| live.map_or(of([about.min, about.max]), |cells| any(cells, of));
         let corners = sight::corners(&self.grid, key.index);
         sight.bodies.iter().any(|body| {
             let shares = match body.mask {
                 Mask::None => true,
-                Mask::Selection => about.max > 0.0 || mixed,
-                Mask::Background => about.min < 1.0 || mixed,
+                Mask::Selection => holds(&|[_, most]| most > 0.0),
+                Mask::Background => holds(&|[least, _]| least < 1.0),
             };
             shares && !sight::outside(&body.region, &corners)
         })

@@ -1,0 +1,124 @@
+//! What is known of cells while a stroke runs, and how a long stroke is submitted.
+
+use super::*;
+use crate::common::gpu::sample;
+
+/// Two frames: asks, waits for the GPU as time would, takes what has come.
+fn follow(gpu: &Gpu, canvas: &mut Canvas) -> Vec<(BrickIndex, LiveCells)> {
+    let Canvas { density, colour, selection, labels, painter, pools, .. } = canvas;
+    let fields = Fields { density, colour, selection, labels };
+    painter.follow(pools, &fields).unwrap();
+    gpu.wait().unwrap();
+    painter.follow(pools, &fields).unwrap();
+    painter.take_live()
+}
+
+/// The field as the running stroke shows it, from read-back texels.
+fn shown(canvas: &Canvas, kind: FieldKind) -> Field {
+    let Canvas { density, colour, selection, labels, painter, pools, .. } = canvas;
+    let fields = Fields { density, colour, selection, labels };
+    let live = |b: BrickIndex| Some((b, Some(painter.live(pools, &fields, b).unwrap()?)));
+    let bricks = painter.touched().into_iter().filter_map(live).collect();
+    let mut field = canvas.field(kind).clone();
+    field.swap(bricks).unwrap();
+    field
+}
+
+#[test]
+fn the_cells_of_a_running_stroke_are_those_of_its_texels() {
+    let Some(gpu) = gpu() else { return };
+    let plain = Gpu::headless_with(wgpu::Features::empty()).unwrap();
+    let grid = grids()[1];
+    let targets = [Target::Selection(0.7), Target::Density(31_000.3)];
+    let erase = [false, true];
+    for (device, floats) in [(&gpu, false), (&gpu, true), (&plain, false)] {
+        for target in targets {
+            // The selection is the same on all.
+            if target.field() == FieldKind::Selection && (floats || !device.has_unorm16()) {
+                continue;
+            }
+            for erase in erase {
+                let mut canvas = if floats { Canvas::floats(device, grid) } else { Canvas::codes(device, grid) };
+                let brush = Brush { target, erase, radius_mm: 5.0, strength: 0.8, ..Brush::default() };
+                let kind = target.field();
+                canvas.begin(&brush);
+                let mut known = std::collections::BTreeMap::new();
+                for at in [[30.0, 30.0, 30.0], [34.0, 31.0, 33.0], [5.0, 20.0, 16.0]] {
+                    canvas.extend(&[dab_at(&grid, DVec3::from_array(at), 5.0)]);
+                    known.extend(follow(device, &mut canvas));
+                }
+                assert!(!canvas.painter.is_due(), "all has come");
+                assert!(follow(device, &mut canvas).is_empty(), "nothing is told twice");
+                assert_eq!(known.keys().copied().collect::<Vec<_>>(), canvas.painter.touched());
+                let after = shown(&canvas, kind);
+                let before = |index| LiveCells::of(canvas.field(kind), index).unwrap();
+                // Where nothing was painted, taking density's paint away changes nothing.
+                let changes = known.iter().any(|(index, cells)| *cells != before(*index));
+                assert_eq!(changes, !erase || kind == FieldKind::Selection, "{target:?}");
+                for (index, cells) in &known {
+                    let expected = LiveCells::of(&after, *index).unwrap();
+                    assert!(*cells == expected, "{target:?} erase {erase} floats {floats} {index:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn cells_in_doubt_may_show_anything_and_then_what_they_hold() {
+    let Some(gpu) = gpu() else { return };
+    let grid = unit_grid([64, 64, 64]);
+    let mut canvas = Canvas::blank(&gpu, grid);
+    let frame = frame(&grid, ramp(1000.0, 4000.0), DVec3::NEG_Y, [32, 32]);
+    let skips = |canvas: &mut Canvas| {
+        let Canvas { density, colour, selection, labels, pools, .. } = canvas;
+        pools.make_resident(&gpu, &Fields { density, colour, selection, labels }, &frame).unwrap();
+        // In the ball; in its block but not in it; in its brick but in another block.
+        let at = [[6.0, 6.0, 6.0], [14.0, 14.0, 14.0], [28.0, 28.0, 28.0]];
+        sample(&gpu, &canvas.pools, &at).iter().map(|s| s.skip[0]).collect::<Vec<_>>()
+    };
+    assert_eq!(skips(&mut canvas), [15; 3]);
+    let brush = Brush { target: Target::Density(3000.0), radius_mm: 4.0, falloff: Falloff::Hard, ..Brush::default() };
+    canvas.begin(&brush);
+    canvas.extend(&[dab_at(&grid, DVec3::splat(6.0), 4.0)]);
+    let [ball, block, brick] = skips(&mut canvas)[..] else { panic!() };
+    assert!(ball == 0 && block == 0 && brick == 4, "{ball} {block} {brick}: a block in doubt is 16 voxels wide");
+    follow(&gpu, &mut canvas);
+    let [ball, block, brick] = skips(&mut canvas)[..] else { panic!() };
+    // The ball ends at 10, within the cell from 8 to 12, which also is the last tap's.
+    assert!(ball == 0 && block == 1 && brick == 5, "{ball} {block} {brick}");
+    // Painted away again within the same stroke's brick.
+    canvas.finish();
+    assert_eq!(skips(&mut canvas), [15; 3], "what was not kept leaves nothing");
+}
+
+#[test]
+fn a_long_stroke_is_submitted_in_parts_and_paints_the_same() {
+    let Some(gpu) = gpu() else { return };
+    let grid = unit_grid([40, 34, 20]);
+    let brush = Brush { radius_mm: 9.0, tip: Tip::BuildUp, strength: 0.02, ..Brush::default() };
+    let mut rng = StdRng::seed_from_u64(4);
+    let mut place =
+        || DVec3::new(rng.random_range(0.0..40.0), rng.random_range(0.0..34.0), rng.random_range(0.0..20.0));
+    let dabs: Vec<Dab> = (0..1000).map(|_| dab_at(&grid, place(), 9.0)).collect();
+    let mut at_once = Canvas::blank(&gpu, grid);
+    at_once.begin(&brush);
+    at_once.extend(&dabs);
+    // Eleven groups of dabs on four bricks, of which one submission takes 2²² texels times dabs: all of 34³ in one brick,
+    // parts of it in the others.
+    let submits = at_once.painter.submits();
+    assert!((6..=44).contains(&submits), "{submits} submissions");
+    let mut in_turn = Canvas::blank(&gpu, grid);
+    in_turn.begin(&brush);
+    for dabs in dabs.chunks(60) {
+        let before = in_turn.painter.submits();
+        in_turn.extend(dabs);
+        assert!(in_turn.painter.submits() > before);
+    }
+    assert!(at_once.finish() == in_turn.finish());
+    // A frame's few dabs are one submission.
+    let before = at_once.painter.submits();
+    at_once.begin(&brush);
+    at_once.extend(&dabs[..3]);
+    assert_eq!(at_once.painter.submits(), before + 1);
+}
