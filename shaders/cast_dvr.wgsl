@@ -100,12 +100,13 @@ fn march(r: BodyRay, k0: f32, k1: f32) {
             }
         }
 #else
+        // Asked at the end: software Vulkan runs what follows a break once more for nothing.
         loop {
-            if (k >= end || clear < THRESHOLD) {
-                break;
-            }
             add(table_at(density_texel(page, q + dq * k)), k);
             k += 1.0;
+            continuing {
+                break if k >= end || clear < THRESHOLD;
+            }
         }
 #endif
     }

@@ -109,8 +109,9 @@ fn ray_of(b: u32, sight: Sight) -> BodyRay {
 
 // Where the ray is inside the body, in steps: from x to y; x ≥ y where it is not.
 fn interval(r: BodyRay, sight: Sight) -> vec2<f32> {
-    let a = (bodies[r.body].lo - r.o) / r.d;
-    let b = (bodies[r.body].hi - r.o) / r.d;
+    let inverse = r.cell_i / f32(info.cell);
+    let a = (bodies[r.body].lo - r.o) * inverse;
+    let b = (bodies[r.body].hi - r.o) * inverse;
     let near = min(a, b);
     let far = max(a, b);
     var t0 = max(max(near.x, near.y), max(near.z, 0.0));
@@ -179,6 +180,6 @@ fn run_end(r: BodyRay, brick: vec3<i32>, k: f32, most: f32) -> f32 {
 // The first sample at or after which the ray has left a brick of level 0.
 fn brick_end(r: BodyRay, brick: vec3<i32>) -> f32 {
     let corner = 32.0 * (vec3<f32>(brick) + select(vec3<f32>(0.0), vec3<f32>(1.0), r.d > vec3<f32>(0.0))) - 0.5;
-    let leave = (corner - r.o) / r.d;
+    let leave = (corner - r.o) * r.cell_i / f32(info.cell);
     return ceil(min(leave.x, min(leave.y, leave.z)));
 }

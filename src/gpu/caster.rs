@@ -228,8 +228,11 @@ impl Caster {
     ) {
         let view = |t: &wgpu::Texture| t.create_view(&wgpu::TextureViewDescriptor::default());
         let views = [view(&targets.colour), view(&targets.depth), view(&targets.object)];
+        // A band leaves the others as they are.
+        let whole = rows == (0..targets.size[1]);
+        let load = if whole { wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT) } else { wgpu::LoadOp::Load };
         let attachment = |view| {
-            let ops = wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store };
+            let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
             Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
         };
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("cast") });

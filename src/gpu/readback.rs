@@ -34,20 +34,26 @@ pub(super) fn image(gpu: &Gpu, targets: &Targets) -> Result<Image, GpuError> {
     }
     gpu.queue.submit([encoder.finish()]);
     let bytes = gpu.read_buffer(&buffer, "a picture")?;
-    let words = |part: usize, size: u32| -> Vec<u32> {
-        let mut words = Vec::with_capacity((width * height * size / 4) as usize);
-        for row in bytes[offsets[part]..].chunks_exact(pitch(size) as usize).take(height as usize) {
-            let row = row[..(width * size) as usize].chunks_exact(4);
-            words.extend(row.map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]])));
-        }
-        words
+    let rows = |part: usize, size: u32| {
+        let rows = bytes[offsets[part]..].chunks_exact(pitch(size) as usize).take(height as usize);
+        rows.map(move |row| &row[..(width * size) as usize])
     };
-    let colour = words(0, 16).chunks_exact(4).map(|c| std::array::from_fn(|i| f32::from_bits(c[i]))).collect();
-    let depth = |bits: u32| Some(f32::from_bits(bits)).filter(|d| *d < FAR).unwrap_or(f32::INFINITY);
-    Ok(Image {
+    let count = (width * height) as usize;
+    let mut image = Image {
         size: targets.size,
-        colour,
-        depth_mm: words(1, 4).into_iter().map(depth).collect(),
-        object: words(2, 4),
-    })
+        colour: Vec::with_capacity(count),
+        depth_mm: Vec::with_capacity(count),
+        object: Vec::with_capacity(count),
+    };
+    for row in rows(0, 16) {
+        image.colour.extend(row.chunks_exact(16).map(bytemuck::pod_read_unaligned::<[f32; 4]>));
+    }
+    for row in rows(1, 4) {
+        let depth = row.chunks_exact(4).map(bytemuck::pod_read_unaligned::<f32>);
+        image.depth_mm.extend(depth.map(|d| if d < FAR { d } else { f32::INFINITY }));
+    }
+    for row in rows(2, 4) {
+        image.object.extend(row.chunks_exact(4).map(bytemuck::pod_read_unaligned::<u32>));
+    }
+    Ok(image)
 }
