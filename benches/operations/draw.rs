@@ -87,37 +87,37 @@ pub fn unexploded(report: &mut Report) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Bricks beside one dense texture, and beside marching every sample, unshaded and shaded.
+/// Bricks in place and apart beside one dense texture, and beside marching every sample, unshaded and shaded.
 pub fn plain(report: &mut Report) -> Result<(), Failure> {
     let mut stage = Stage::new(ALL)?;
     let dense = Dense::new(&stage.gpu, &stage.volume, [512; 2])?;
+    let mut apart = Stage::new(ALL)?;
+    apart.pools = FieldPools::apart(&apart.gpu, &apart.volume.grid, &apart.volume.density, ALL)?;
     for (words, shaded) in [("unshaded", false), ("shaded", true)] {
         let make = turning(Mode::Dvr, shaded);
-        let paged = stage.time(&make)?;
         let mut last = Vec::new();
         let plain = measure(2, 11, |i| -> Result<(), Failure> {
             last = dense.image(&stage.gpu, &make(i))?;
             Ok(())
         })?;
-        let image = stage.caster.image(&stage.gpu, &mut stage.pools, &stage.volume.fields(), &make(12))?;
-        let apart: Vec<f32> = (last.iter().zip(&image.colour))
-            .map(|(a, b)| (0..4).map(|i| (a[i] - b[i]).abs()).fold(0.0, f32::max) * 255.0)
-            .collect();
-        let (most, mean) = (apart.iter().copied().fold(0.0, f32::max), apart.iter().sum::<f32>() / apart.len() as f32);
-        stage.caster.shortcuts = false;
-        let marched = stage.time(&make)?;
-        stage.caster.shortcuts = true;
         report.row(&format!("head, {words}, one dense texture"), plain, "");
-        report.row(&format!("head, {words}, bricks"), paged, &format!("{:.2} of dense (CPU)", paged.cpu / plain.cpu));
-        report.row(
-            &format!("head, {words}, bricks, every sample"),
-            marched,
-            &format!("{:.2} of dense (CPU)", marched.cpu / plain.cpu),
-        );
-        report.note(&format!("    pictures of dense and bricks: at most {most:.2}/255 apart, {mean:.4} on average"));
-        if mean > 0.2 {
-            return Err("the dense picture is another one".into());
-        }
+        let mut beside = |name: &str, stage: &mut Stage| -> Result<(), Failure> {
+            let time = stage.time(&make)?;
+            let image = stage.caster.image(&stage.gpu, &mut stage.pools, &stage.volume.fields(), &make(12))?;
+            let far = |(a, b): (&[f32; 4], &[f32; 4])| (0..4).map(|i| (a[i] - b[i]).abs()).fold(0.0, f32::max) * 255.0;
+            let mean = last.iter().zip(&image.colour).map(far).sum::<f32>() / last.len() as f32;
+            if mean > 0.2 {
+                return Err(format!("{name}: {mean}/255 from the dense picture on average").into());
+            }
+            let ratio = format!("{:.2} of dense (CPU), pictures {mean:.4}/255 apart", time.cpu / plain.cpu);
+            report.row(&format!("head, {words}, {name}"), time, &ratio);
+            Ok(())
+        };
+        beside("bricks in place", &mut stage)?;
+        beside("bricks apart", &mut apart)?;
+        stage.caster.shortcuts = false;
+        beside("every sample", &mut stage)?;
+        stage.caster.shortcuts = true;
     }
     Ok(())
 }
