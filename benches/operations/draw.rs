@@ -101,7 +101,7 @@ pub fn plain(report: &mut Report) -> Result<(), Failure> {
             Ok(())
         })?;
         report.row(&format!("head, {words}, one dense texture"), plain, "");
-        let mut beside = |name: &str, stage: &mut Stage| -> Result<(), Failure> {
+        let beside = |name: &str, stage: &mut Stage| -> Result<(), Failure> {
             let time = stage.time(&make)?;
             let image = stage.caster.image(&stage.gpu, &mut stage.pools, &stage.volume.fields(), &make(12))?;
             let far = |(a, b): (&[f32; 4], &[f32; 4])| (0..4).map(|i| (a[i] - b[i]).abs()).fold(0.0, f32::max) * 255.0;
