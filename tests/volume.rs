@@ -189,3 +189,29 @@ fn opacity_is_corrected_for_the_step() {
     assert_eq!(tf.max_opacity_in(-5.0, 5.0), 0.25);
     assert_eq!(tf.max_opacity_in(5.0, -5.0), 0.0);
 }
+
+#[test]
+fn extremes_follow_edits_that_raise_lower_and_remove_them() {
+    let dims = [70, 33, 40];
+    let (source, _) = ramp(dims);
+    let mut field =
+        Field::from_source(source, DensityMap::codes(0.0, 65_535.0, Some(1.0)), &|_| true).unwrap().unwrap();
+    let every = |field: &Field| {
+        let codes = field.read(0, [0; 3], dims).unwrap();
+        let all = codes.chunks_exact(2).map(|t| f32::from(u16::from_le_bytes([t[0], t[1]])));
+        all.fold([f32::INFINITY, f32::NEG_INFINITY], |[lo, hi], v| [lo.min(v), hi.max(v)])
+    };
+    assert_eq!(field.extremes(), every(&field));
+    let uniform = |value: u16| Some(Brick::Uniform([value as u8, (value >> 8) as u8, 0, 0]));
+    let bricks = [[2, 1, 1], [0, 0, 0], [1, 0, 0]].map(BrickIndex);
+    let mut undo = Vec::new();
+    for values in [[60_000, 5, 9], [3, 3, 3], [0, 65_535, 40], [500, 600, 700]] {
+        let changes = bricks.into_iter().zip(values).map(|(b, v)| (b, uniform(v))).collect();
+        undo.push(field.swap(changes).unwrap().0);
+        assert_eq!(field.extremes(), every(&field), "{values:?}");
+    }
+    for before in undo.into_iter().rev() {
+        field.swap(before).unwrap();
+        assert_eq!(field.extremes(), every(&field));
+    }
+}

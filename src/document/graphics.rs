@@ -69,7 +69,8 @@ impl Graphics {
     /// Hands changed voxels on. What fails here is made again when it is next needed.
     pub(super) fn mirror(&mut self, state: &State, refreshed: &Refreshed) {
         if refreshed.remapped {
-            self.tools = None;
+            self.remap(state);
+            return;
         }
         let Some(tools) = &mut self.tools else { return };
         let refresh = |tools: &mut Tools| {
@@ -82,6 +83,18 @@ impl Graphics {
         if let Err(error) = refresh(tools) {
             tracing::warn!("{error}");
             self.tools = None;
+        }
+    }
+
+    /// Density has other texels: its pool is made anew, what was compiled stays.
+    pub(super) fn remap(&mut self, state: &State) {
+        let Some(mut tools) = self.tools.take() else { return };
+        match FieldPools::new(&tools.gpu, state.grid(), &state.density, BUDGET_BYTES) {
+            Ok(pools) => {
+                tools.pools = pools;
+                self.tools = Some(tools);
+            }
+            Err(error) => tracing::warn!("{error}"),
         }
     }
 

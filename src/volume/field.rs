@@ -12,7 +12,7 @@ use super::{
 };
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// What a field holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, schemars::JsonSchema)]
@@ -91,6 +91,8 @@ pub struct Field {
     pub(super) edits: HashMap<BrickIndex, Brick>,
     pub(super) coarse: HashMap<BrickKey, Brick>,
     pub(super) about: HashMap<BrickKey, (BrickSummary, Cells)>,
+    /// Of level 0, once asked for; followed by edits.
+    pub(super) extremes: OnceLock<[f32; 2]>,
 }
 
 const EMPTY: (BrickSummary, Cells) =
@@ -115,6 +117,7 @@ impl Field {
             edits: HashMap::new(),
             coarse: HashMap::new(),
             about: HashMap::new(),
+            extremes: OnceLock::new(),
         }
     }
 
@@ -187,12 +190,15 @@ impl Field {
         self.about.get(&key).unwrap_or(&EMPTY).0
     }
 
-    /// Smallest and largest value of the whole field, in one pass over the summaries of level 0; min > max if all is NaN.
+    /// Smallest and largest value of the whole field; min > max if all is NaN. One pass over the summaries of level 0, and
+    /// another only once an edit took an extreme away.
     pub fn extremes(&self) -> [f32; 2] {
-        self.brick_indices(0)
-            .into_iter()
-            .map(|index| self.summary(BrickKey { level: 0, index }))
-            .fold([f32::INFINITY, f32::NEG_INFINITY], |[lo, hi], s| [lo.min(s.min), hi.max(s.max)])
+        *self.extremes.get_or_init(|| {
+            let bricks = self.brick_indices(0).into_iter();
+            bricks
+                .map(|index| self.summary(BrickKey { level: 0, index }))
+                .fold([f32::INFINITY, f32::NEG_INFINITY], |[lo, hi], s| [lo.min(s.min), hi.max(s.max)])
+        })
     }
 
     /// Minima and maxima of the cells of a brick of any level.

@@ -154,9 +154,26 @@ impl Field {
                 })
                 .collect::<Result<Vec<_>, SourceError>>()?;
             slots.extend(about.iter().map(|(key, _)| *key));
+            if level == 0 {
+                self.follow_extremes(&about);
+            }
             self.about.extend(about);
         }
         Ok(Refresh { slots })
+    }
+
+    /// Widens the known extremes by new summaries; forgets them if one may have gone.
+    fn follow_extremes(&mut self, about: &[(BrickKey, About)]) {
+        let Some(&[lo, hi]) = self.extremes.get() else { return };
+        let gone = about.iter().any(|(key, (new, _))| {
+            let old = self.summary(*key);
+            old.min <= lo && new.min > lo || old.max >= hi && new.max < hi
+        });
+        self.extremes.take();
+        if !gone {
+            let wider = about.iter().fold([lo, hi], |[lo, hi], (_, (s, _))| [lo.min(s.min), hi.max(s.max)]);
+            self.extremes.get_or_init(|| wider);
+        }
     }
 
     /// A coarser brick with what covers the given regions of its children renewed.

@@ -98,7 +98,8 @@ impl Document {
         }
         running.edit.motion_is_not_mine(&state.scene);
         let (step, mut refreshed) = running.edit.finish(state);
-        refreshed.painted = true;
+        // The GPU took a wider map over at the stroke's beginning.
+        (refreshed.painted, refreshed.remapped) = (true, false);
         let mut answer = json!({
             "step": step.as_ref().map(|s| s.name.clone()),
             "dabs": running.dabs,
@@ -152,7 +153,7 @@ impl Document {
         if let Some([lo, hi]) = brush.range_needed(&state.density) {
             let map = map_over(lo, hi, unit(state.source.as_ref()), None);
             begun = edit.remap(state, map).map_err(DocumentError::from);
-            self.graphics.forget();
+            self.graphics.remap(state);
         }
         let begun = begun.and_then(|()| self.graphics.begin(state, &brush));
         self.running = Some(Running { brush, path, edit, samples: Vec::new(), dabs: 0, missed });
