@@ -228,3 +228,28 @@ fn a_stroke_that_turns_into_an_erasing_one_is_two_steps() {
     run(&mut document, r#"{"history":{"undo":{}}}"#).unwrap();
     assert_eq!([15, 24, 40].map(|x| selected(&mut document, x)), [1.0; 3], "one step back the painted stroke is whole");
 }
+
+#[test]
+fn pictures_follow_a_wider_map_and_its_undo() {
+    let picture = |d: &mut Document| d.picture(ViewName::ThreeD, [48, 48], None).unwrap().colour;
+    let widen = |d: &mut Document| {
+        run(d, r#"{"brush":{"set":{"falloff":"hard"}}}"#).unwrap();
+        paint(d, json!({"density": 50.0}), [20.0, 20.0, 30.0]);
+        paint(d, json!({"density": 70_000.0}), [45.0, 30.0, 33.0]);
+    };
+    let Some(mut document) = block() else { return };
+    let first = picture(&mut document);
+    widen(&mut document);
+    let wide = picture(&mut document);
+    assert_ne!(first, wide);
+    // One that drew nothing before.
+    let Some(mut other) = block() else { return };
+    widen(&mut other);
+    let back = |d: &mut Document| run(d, r#"{"history":{"undo":{}}}"#).unwrap();
+    assert_eq!(picture(&mut other), wide);
+    back(&mut document);
+    back(&mut other);
+    assert_eq!(picture(&mut document), picture(&mut other));
+    back(&mut document);
+    assert_eq!(picture(&mut document), first);
+}
