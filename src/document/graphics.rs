@@ -70,7 +70,6 @@ impl Graphics {
     pub(super) fn mirror(&mut self, state: &State, refreshed: &Refreshed) {
         if refreshed.remapped {
             self.remap(state);
-            return;
         }
         let Some(tools) = &mut self.tools else { return };
         let refresh = |tools: &mut Tools| {
@@ -86,15 +85,10 @@ impl Graphics {
         }
     }
 
-    /// Density has other texels: its pool is made anew, what was compiled stays.
+    /// Density has another map.
     pub(super) fn remap(&mut self, state: &State) {
-        let Some(mut tools) = self.tools.take() else { return };
-        match FieldPools::new(&tools.gpu, state.grid(), &state.density, BUDGET_BYTES) {
-            Ok(pools) => {
-                tools.pools = pools;
-                self.tools = Some(tools);
-            }
-            Err(error) => tracing::warn!("{error}"),
+        if let Some(tools) = &mut self.tools {
+            tools.pools.remap(&state.density);
         }
     }
 

@@ -254,12 +254,7 @@ impl FieldPools {
     fn settle(&mut self, gpu: &Gpu, fields: &Fields<'_>) -> Result<bool, GpuError> {
         gpu.check()?;
         if self.map != *fields.density.map() {
-            self.map = *fields.density.map();
-            self.pools[0] = None;
-            self.visible.clear();
-            self.extinction.take();
-            self.stale_cells = Marks::all();
-            self.stale = true;
+            self.remap(fields.density);
         }
         if !self.stale {
             return Ok(false);

@@ -1,7 +1,7 @@
 //! What editing asks of the pools: new texels after a swap, slots for a running stroke.
 
 use super::shown::InCut;
-use super::{FieldPools, place};
+use super::{FieldPools, Marks, place};
 use crate::gpu::pool::Pool;
 use crate::gpu::{Gpu, GpuError, sight};
 use crate::volume::{BrickIndex, BrickKey, Cells, Field, FieldKind, Refresh};
@@ -45,6 +45,16 @@ impl FieldPools {
         }
         self.follow(kind, field, refresh);
         Ok(())
+    }
+
+    /// Density has another map, so that all its texels are others. The other fields keep their slots.
+    pub fn remap(&mut self, density: &Field) {
+        self.map = *density.map();
+        self.pools[0] = None;
+        self.visible.clear();
+        self.extinction.take();
+        self.stale_cells = Marks::all();
+        self.stale = true;
     }
 
     /// Marks what a changed field may change.
