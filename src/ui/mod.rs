@@ -4,6 +4,7 @@
 //! a control or a tool wants done goes through `Document::apply`, as a script's line does.
 
 mod app;
+mod colour;
 mod dialogs;
 mod echo;
 mod icons;

@@ -208,19 +208,6 @@ pub(super) fn icon_button(ui: &mut Ui, face: Face<'_>) -> Response {
     if face.tip.is_empty() { response } else { response.on_hover_text(face.tip) }
 }
 
-/// A square of colour that opens a picker; answers a change.
-pub(super) fn colour_button(ui: &mut Ui, name: &str, colour: &mut [f32; 3]) -> Response {
-    let mut bytes = theme::rgb(*colour).to_array();
-    let mut three = [bytes[0], bytes[1], bytes[2]];
-    ui.spacing_mut().interact_size = vec2(22.0, 18.0);
-    let response = ui.color_edit_button_srgb(&mut three).accessible_name(name);
-    bytes[..3].copy_from_slice(&three);
-    if response.changed() {
-        *colour = three.map(|b| f32::from(b) / 255.0);
-    }
-    response.on_hover_text(name)
-}
-
 /// A name that is edited in place; answers the new one when it was entered.
 pub(super) fn name_field(ui: &mut Ui, name: &str, text: &str, width: f32) -> Option<String> {
     let id = ui.make_persistent_id(("name", name));

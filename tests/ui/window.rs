@@ -396,3 +396,27 @@ fn nothing_open_says_what_to_do() {
     assert!(window.harness.query_by_label("Open a volume to begin").is_some());
     assert!(window.harness.get_by_label("Save").accesskit_node().is_disabled());
 }
+
+#[test]
+fn a_part_is_coloured_by_hand_and_given_its_own_colours_back() {
+    let mut window = Window::open(SMALL);
+    assert_eq!(window.click("Colour of Right half"), []);
+    let picked = window.click("Pick red");
+    let Some(Command::Part(PartCommand::Set { id: PartId(2), colour: Some([r, g, b]), .. })) = picked.first() else {
+        panic!("{picked:?}")
+    };
+    assert!(*r > 0.7 && *g < 0.5 && *b < 0.5, "{picked:?}");
+    let rail = window.harness.get_all_by_label("Brightness").next().unwrap().rect();
+    window.harness.drag_at(rail.center());
+    window.harness.run_steps(2);
+    window.harness.hover_at(rail.left_center() + vec2(3.0, 0.0));
+    window.harness.run_steps(2);
+    window.harness.drop_at(rail.left_center() + vec2(3.0, 0.0));
+    window.harness.run_steps(2);
+    let sent = window.sent();
+    assert_eq!(sent.first(), Some(&Command::History(HistoryCommand::Begin {})), "{sent:?}");
+    assert_eq!(sent.last(), Some(&Command::History(HistoryCommand::End {})), "one step: {sent:?}");
+    let own = window.click("The volume's own colours");
+    assert!(matches!(own[..], [Command::Part(PartCommand::Set { id: PartId(2), own_colour: true, .. })]), "{own:?}");
+    assert!(window.harness.query_by_label("Pick red").is_none(), "the picker is closed");
+}

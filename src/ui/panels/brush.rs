@@ -4,8 +4,9 @@ use crate::document::Scene;
 use crate::interact::{Tool, brush_change};
 use crate::paint::{Brush, Falloff, Operation, Shape, Target, Tip};
 use crate::ui::app::App;
+use crate::ui::colour::colour_button;
 use crate::ui::theme;
-use crate::ui::widgets::{Scale, choice, colour_button, row, slider};
+use crate::ui::widgets::{Scale, choice, row, slider};
 use egui::{Checkbox, ComboBox, DragValue, Response, RichText, Ui, vec2};
 
 const TARGETS: [(&str, &str, &str); 4] = [

@@ -12,6 +12,8 @@ impl App {
             .open(&mut open)
             .collapsible(false)
             .resizable(false)
+            // As wide as it becomes: a window that does not know its width yet cuts its text off until the next frame.
+            .default_width(860.0)
             .anchor(Align2::CENTER_CENTER, [0.0, 0.0])
             .show(ctx, |ui| {
                 ui.horizontal_top(|ui| {

@@ -2,7 +2,8 @@
 
 use crate::document::{Command, ViewCommand};
 use crate::ui::app::App;
-use crate::ui::widgets::{Scale, choice, colour_button, row, slider};
+use crate::ui::colour::colour_button;
+use crate::ui::widgets::{Scale, choice, row, slider};
 use crate::volume::{Lighting, Mode};
 use egui::Ui;
 

@@ -3,10 +3,11 @@
 use crate::document::{Command, PartCommand};
 use crate::explode::Part;
 use crate::ui::app::App;
+use crate::ui::colour::{colour_button_with, strike_out};
 use crate::ui::icons::Icon;
 use crate::ui::theme::{self, ROW};
-use crate::ui::widgets::{Face, colour_button, empty, from_right, icon_button, name_field};
-use egui::{ScrollArea, Ui};
+use crate::ui::widgets::{Face, empty, from_right, icon_button, name_field};
+use egui::{Button, ScrollArea, Ui};
 
 impl App {
     pub(super) fn part_panel(&mut self, ui: &mut Ui) {
@@ -46,15 +47,22 @@ impl App {
                     ui.painter().rect_filled(full, 3.0, theme::CONTROL);
                 }
                 let mut colour = part.colour.unwrap_or([0.55, 0.55, 0.57]);
-                let response = colour_button(ui, &format!("Colour of {}", part.name), &mut colour);
-                if response.changed() {
-                    self.edit(&response, set(None, Some(colour), false, None, None));
-                }
-                response.context_menu(|ui| {
-                    if ui.button("The volume's own colours").clicked() {
-                        self.send(set(None, None, true, None, None));
+                let mut own = false;
+                let response = colour_button_with(ui, &format!("Colour of {}", part.name), &mut colour, |ui| {
+                    ui.separator();
+                    if ui.add_enabled(part.colour.is_some(), Button::new("The volume's own colours")).clicked() {
+                        own = true;
+                        ui.close();
                     }
                 });
+                if part.colour.is_none() {
+                    strike_out(ui, response.rect);
+                }
+                if own {
+                    self.send(set(None, None, true, None, None));
+                } else if response.changed() {
+                    self.edit(&response, set(None, Some(colour), false, None, None));
+                }
                 let width = ui.available_width() - 2.0 * 26.0;
                 if let Some(name) = name_field(ui, &format!("Name of part {}", id.0), &part.name, width) {
                     self.send(set(Some(name), None, false, None, None));

@@ -3,9 +3,10 @@
 use crate::document::{Command, SegmentCommand};
 use crate::paint::Target;
 use crate::ui::app::App;
+use crate::ui::colour::colour_button;
 use crate::ui::icons::Icon;
 use crate::ui::theme::{self, ROW};
-use crate::ui::widgets::{Face, colour_button, empty, from_right, icon_button, name_field};
+use crate::ui::widgets::{Face, empty, from_right, icon_button, name_field};
 use crate::volume::Segment;
 use egui::{ScrollArea, Sense, Ui, vec2};
 

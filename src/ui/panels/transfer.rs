@@ -3,8 +3,9 @@
 use crate::document::{Command, TransferCommand};
 use crate::interact::curve;
 use crate::ui::app::App;
+use crate::ui::colour::colour_button;
 use crate::ui::theme::{self, ROW};
-use crate::ui::widgets::{colour_button, row};
+use crate::ui::widgets::row;
 use crate::volume::{Histogram, TransferFunction};
 use egui::{Color32, DragValue, Mesh, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
 use std::sync::Arc;
