@@ -44,11 +44,14 @@ impl Scene {
     ///
     /// # Errors
     /// The first field that is wrong.
-    pub fn check(&self) -> Result<(), DocumentError> {
+    pub fn check(&self, grid: &Grid) -> Result<(), DocumentError> {
         self.transfer.check().map_err(|found| DocumentError::NotNow(format!("transfer function: {found}")))?;
-        super::handle::view::checked(self.views.camera)?;
+        let bounds = grid.world_bounds();
+        super::handle::view::checked(self.views.camera, &bounds)?;
+        super::handle::view::near("views.crosshair", self.views.crosshair, &bounds)?;
         for slice in &self.views.slices {
             super::handle::view::positive("views.slices.height_mm", slice.height_mm)?;
+            super::handle::view::near("views.slices.centre", slice.centre, &bounds)?;
             super::place::check_size(slice.size)?;
         }
         super::place::check_size(self.views.size)?;

@@ -102,7 +102,7 @@ impl Opened {
         let recovered = kept.recovered.clone();
         let linked = |origin: &Origin| Ok(io::open(&origin.path)?.source(origin.component, origin.frame, &|_| true)?);
         let state = kept.into_state(linked, progress)?;
-        state.scene.check()?;
+        state.scene.check(state.grid())?;
         let mut warnings = Vec::new();
         if let Some((path, reason)) = &recovered.set_aside {
             warnings.push(format!("the journal was damaged and put aside as {}: {reason}", path.display()));

@@ -32,6 +32,7 @@ impl Document {
             Place::Index(at) => {
                 finite("index", &at)?;
                 let world = state.grid().world_from_index.transform_point3(DVec3::from_array(at));
+                finite("index", &world.to_array())?;
                 Ok(sample(world, normal(ViewName::Axial)))
             }
             Place::Pixel { view, px, size } => {
@@ -41,7 +42,11 @@ impl Document {
                     views.slices[i].size = check_size(size)?;
                 }
                 match SlicePlane::new(state.grid(), &views, view) {
-                    Some(plane) => Ok(sample(plane.world(DVec2::from_array(px)), plane.towards_viewer)),
+                    Some(plane) => {
+                        let world = plane.world(DVec2::from_array(px));
+                        finite("px", &world.to_array())?;
+                        Ok(sample(world, plane.towards_viewer))
+                    }
                     None => {
                         let normal = normal(ViewName::Axial);
                         let hit = self.pick(DVec2::from_array(px), size)?;

@@ -128,10 +128,21 @@ impl Explosion {
     /// If there is no such part, or the pose is not a rigid motion.
     pub fn place(&mut self, id: PartId, pose: Pose) -> Result<(), ExplodeError> {
         check_pose(&pose, "pose")?;
+        self.check_reach(self.part(id)?, &pose)?;
         let part = self.part_mut(id)?;
         part.pose = Pose { rotation: pose.rotation.normalize(), ..pose };
         part.pinned = true;
         Ok(())
+    }
+
+    /// A part that is out of sight from anywhere else costs every picture the way to it.
+    fn check_reach(&self, part: &Part, pose: &Pose) -> Result<(), ExplodeError> {
+        let centre = part.centre();
+        let away = pose.apply(centre).distance(centre);
+        if away <= REACH * self.diagonal_mm() {
+            return Ok(());
+        }
+        Err(invalid("pose", format!("a part moved by {away:e} mm"), "at most 100 diagonals of the volume"))
     }
 
     /// Gives every part the simulation's answer, in order of parts.
@@ -164,7 +175,7 @@ impl Explosion {
                 return Err(invalid(&at("id"), part.id.0, expected));
             }
             last = Some(part.id);
-            part.check().map_err(|e| match e {
+            part.check().and_then(|()| self.check_reach(part, &part.pose)).map_err(|e| match e {
                 ExplodeError::Invalid { field, found, expected } => {
                     ExplodeError::Invalid { field: at(&field), found, expected }
                 }
@@ -174,6 +185,9 @@ impl Explosion {
         Ok(())
     }
 }
+
+/// Diagonals of the volume that a part may be moved.
+const REACH: f64 = 100.0;
 
 /// Largest degree of explosion: forces grow with it, and ten times the published strength leaves every picture.
 const MAX_DEGREE: f64 = 10.0;

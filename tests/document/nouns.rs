@@ -105,3 +105,37 @@ fn the_view_goes_back_by_its_own_past_and_undo_leaves_it_alone() {
     run(&mut document, r#"{"view":{"forward":{}}}"#).unwrap();
     assert_eq!(camera(&document), turned);
 }
+
+#[test]
+fn nothing_gets_lost_in_space() {
+    let mut document = labelled();
+    let scene = |d: &Document| d.state().unwrap().scene.clone();
+    let before = scene(&document);
+    let camera = |eye: &str, target: &str| {
+        format!(
+            r#"{{"view":{{"camera":{{"camera":{{"eye":{eye},"target":{target},"up":[0,0,1],"projection":{{"orthographic":{{"height_mm":9}}}}}}}}}}}}"#
+        )
+    };
+    for (line, field) in [
+        (camera("[1,2,1e30]", "[0,0,0]"), "camera.eye"),
+        (camera("[1,2,3]", "[1e9,0,0]"), "camera.target"),
+        (r#"{"view":{"pan":{"view":"3d","px":[1e308,0]}}}"#.into(), "camera.eye"),
+        (r#"{"view":{"pan":{"view":"coronal","px":[1e30,0]}}}"#.into(), "px"),
+        (r#"{"view":{"crosshair":{"at":{"index":[1e308,1e308,-1e308]}}}}"#.into(), "index"),
+        (r#"{"view":{"crosshair":{"at":{"mm":[1.7e308,-1.7e308,1.7e308]}}}}"#.into(), "at"),
+        (
+            r#"{"part":{"move":{"id":1,"pose":{"rotation":[0,0,0,1],"translation":[100000,0,0]}}}}"#.into(),
+            "pose: a part moved by 1e5 mm",
+        ),
+    ] {
+        let text = run(&mut document, &line).unwrap_err().to_string();
+        assert!(text.contains(field) && text.contains("expected"), "{line}: {text}");
+        assert_eq!(scene(&document), before, "{line}");
+    }
+    // Away, but in sight of itself: as far as it goes.
+    let mut zoomed = 0;
+    while run(&mut document, r#"{"view":{"zoom":{"view":"3d","factor":10}}}"#).is_ok() {
+        zoomed += 1;
+    }
+    assert!((3..6).contains(&zoomed), "{zoomed}");
+}

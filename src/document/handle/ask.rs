@@ -50,7 +50,7 @@ impl Document {
             Question::Visibility { camera, size } => {
                 let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
                 let views = &state.scene.views;
-                let camera = checked(camera.unwrap_or(views.camera))?;
+                let camera = checked(camera.unwrap_or(views.camera), &state.grid().world_bounds())?;
                 let size = check_size(size.unwrap_or(views.size))?;
                 let frame = state.parted_frame(&state.scene.explosion, &camera, size);
                 let seen = self.graphics.visibility(state, &frame)?;

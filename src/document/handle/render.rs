@@ -35,7 +35,7 @@ impl Document {
         match state.slice_frame(view, check_size(size)?) {
             Some(frame) => self.graphics.slice(state, &frame),
             None => {
-                let camera = checked(camera.unwrap_or(state.scene.views.camera))?;
+                let camera = checked(camera.unwrap_or(state.scene.views.camera), &state.grid().world_bounds())?;
                 self.graphics.image(state, &state.frame(&camera, size))
             }
         }
@@ -47,7 +47,7 @@ impl Document {
     /// As [`picture`](Self::picture).
     pub fn picture_rows(&mut self, size: [u32; 2], rows: std::ops::Range<u32>) -> Result<Image, DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
-        let camera = checked(state.scene.views.camera)?;
+        let camera = checked(state.scene.views.camera, &state.grid().world_bounds())?;
         self.graphics.rows(state, &state.frame(&camera, check_size(size)?), rows)
     }
 

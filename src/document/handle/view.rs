@@ -2,7 +2,7 @@
 
 use super::edit::Edit;
 use super::{Document, DocumentError, Layer, SlicePlane, State, ViewCommand, ViewName, Views, Window};
-use crate::math::{Camera, DVec2, DVec3, Projection};
+use crate::math::{Aabb, Camera, DVec2, DVec3, Projection};
 use crate::volume::{FieldKind, Lighting, Mode};
 use serde_json::{Value, json};
 
@@ -27,7 +27,15 @@ impl Document {
         if let ViewCommand::Crosshair { at } = command {
             let world = self.resolve(at)?.ok_or_else(|| nothing_there("at", at))?.position;
             let state = self.open_mut()?;
-            state.scene.views.crosshair = clamp_to_volume(state, world);
+            let inside = clamp_to_volume(state, world);
+            if !inside.is_finite() {
+                return Err(DocumentError::invalid(
+                    "at",
+                    format!("{world:?}"),
+                    "a place that has a voxel nearest to it",
+                ));
+            }
+            state.scene.views.crosshair = inside;
             return Ok(crosshair(state));
         }
         if let ViewCommand::Back {} | ViewCommand::Forward {} = command {
@@ -41,7 +49,7 @@ impl Document {
         let views = &mut state.scene.views;
         match command {
             ViewCommand::Camera { camera } => {
-                views.camera = checked(camera)?;
+                views.camera = checked(camera, &bounds)?;
                 Ok(json!({ "camera": views.camera }))
             }
             ViewCommand::Frame { from, up, zoom } => {
@@ -49,23 +57,24 @@ impl Document {
                 let from = direction("from", from)?;
                 let up = up.map_or(Ok(up_for(from)), |up| direction("up", up))?;
                 let framed = Camera::framing_in(&bounds, from, up, views.camera.projection);
-                views.camera = checked(framed.zoomed(zoom))?;
+                views.camera = checked(framed.zoomed(zoom), &bounds)?;
                 Ok(json!({ "camera": views.camera }))
             }
             ViewCommand::Orbit { azimuth_deg, elevation_deg } => {
-                views.camera =
-                    views.camera.orbited(finite("azimuth_deg", azimuth_deg)?, finite("elevation_deg", elevation_deg)?);
+                let (azimuth, elevation) =
+                    (finite("azimuth_deg", azimuth_deg)?, finite("elevation_deg", elevation_deg)?);
+                views.camera = checked(views.camera.orbited(azimuth, elevation), &bounds)?;
                 Ok(json!({ "camera": views.camera }))
             }
             ViewCommand::Pan { view, px } => {
                 let px = DVec2::new(finite("px", px[0])?, finite("px", px[1])?);
-                pan(state, view, px);
+                pan(state, view, px)?;
                 Ok(view_answer(&state.scene.views, view))
             }
             ViewCommand::Zoom { view, factor } => {
                 let factor = positive("factor", factor)?;
                 match view.slice() {
-                    None => views.camera = views.camera.zoomed(factor),
+                    None => views.camera = checked(views.camera.zoomed(factor), &bounds)?,
                     Some(i) => {
                         let height = &mut views.slices[i].height_mm;
                         *height = (*height * factor).clamp(1e-6, 1e9);
@@ -169,15 +178,33 @@ fn set_layer(state: &mut State, layer: Layer) -> Result<(), DocumentError> {
     Ok(())
 }
 
-fn pan(state: &mut State, view: ViewName, px: DVec2) {
+fn pan(state: &mut State, view: ViewName, px: DVec2) -> Result<(), DocumentError> {
     let grid = *state.grid();
+    let bounds = grid.world_bounds();
     let views = &mut state.scene.views;
     match (view.slice(), SlicePlane::new(&grid, views, view)) {
         (Some(i), Some(plane)) => {
-            views.slices[i].centre -= (plane.right * px.x - plane.up * px.y) * plane.mm_per_px;
+            let shift = (plane.right * px.x - plane.up * px.y) * plane.mm_per_px;
+            views.slices[i].centre = near("px", views.slices[i].centre - shift, &bounds)?;
         }
-        _ => views.camera = views.camera.panned(px, views.size[1]),
+        _ => views.camera = checked(views.camera.panned(px, views.size[1]), &bounds)?,
     }
+    Ok(())
+}
+
+/// Diagonals of the volume from its centre within which there is something to see: further out, samples along a ray can no
+/// longer be told apart.
+const REACH: f64 = 1e4;
+
+/// A point that is not lost in space.
+pub(in crate::document) fn near(field: &str, point: DVec3, bounds: &Aabb) -> Result<DVec3, DocumentError> {
+    let reach = REACH * 2.0 * bounds.half_diagonal();
+    let away = point.distance(bounds.centre());
+    // Whoever is as far from zero as numbers go has no distance.
+    if away <= reach {
+        return Ok(point);
+    }
+    Err(DocumentError::invalid(field, format!("a point {away:e} mm from the volume"), format!("at most {reach:e} mm")))
 }
 
 /// Upward in the picture when nobody says: superior, or anterior when looking along the body's axis.
@@ -204,13 +231,15 @@ fn view_answer(views: &Views, view: ViewName) -> Value {
     }
 }
 
-pub(in crate::document) fn checked(camera: Camera) -> Result<Camera, DocumentError> {
+pub(in crate::document) fn checked(camera: Camera, bounds: &Aabb) -> Result<Camera, DocumentError> {
     let invalid = |field: &str, found: String, expected: &str| Err(DocumentError::invalid(field, found, expected));
     for (name, v) in [("camera.eye", camera.eye), ("camera.target", camera.target), ("camera.up", camera.up)] {
         if !v.is_finite() {
             return invalid(name, format!("{v}"), "three finite numbers");
         }
     }
+    near("camera.eye", camera.eye, bounds)?;
+    near("camera.target", camera.target, bounds)?;
     if camera.eye == camera.target {
         return invalid("camera.target", format!("{} as the eye", camera.target), "another point than the eye");
     }
