@@ -11,7 +11,7 @@ use crate::volume::{FieldKind, TransferFunction};
 /// What forces act by, as far as the scene says it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Cause {
-    /// Poses that forces decide are the identity here.
+    /// Poses that forces decide are the identity here; nobody has a name or a colour.
     explosion: Explosion,
     /// `None` where it makes no difference.
     camera: Option<Camera>,
@@ -25,7 +25,13 @@ impl Cause {
     pub(super) fn of(document: &Document) -> Option<Self> {
         let scene = &document.state()?.scene;
         let mut explosion = scene.explosion.clone();
-        explosion.parts.iter_mut().filter(|p| !p.pinned).for_each(|p| p.pose = Pose::IDENTITY);
+        for part in &mut explosion.parts {
+            part.name.clear();
+            part.colour = None;
+            if !part.pinned {
+                part.pose = Pose::IDENTITY;
+            }
+        }
         let paints = matches!(scene.brush.target.field(), FieldKind::Selection | FieldKind::Density);
         let camera = explosion.forces.viewing.then_some(scene.views.camera);
         Some(Self { explosion, camera, transfer: scene.transfer.clone(), paints })

@@ -93,6 +93,8 @@ impl Worker {
             }
             self.document.set_motion(self.held || self.moving);
             if self.moving {
+                // A step may have to measure what hides the selection; what was done is told before.
+                self.tell();
                 self.step();
             }
             self.tell();

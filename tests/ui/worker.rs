@@ -21,12 +21,14 @@ struct Desk {
     thread: std::thread::JoinHandle<()>,
     /// Pictures since the last look.
     pictures: Vec<ViewName>,
+    /// Whether parts ever moved.
+    moved: bool,
 }
 
 impl Desk {
     fn new(document: Document) -> Self {
         let (session, thread) = spawn(document, egui::Context::default()).unwrap();
-        Self { session, now: Arc::default(), thread, pictures: Vec::new() }
+        Self { session, now: Arc::default(), thread, pictures: Vec::new(), moved: false }
     }
 
     fn apply(&mut self, line: &str) {
@@ -40,7 +42,10 @@ impl Desk {
         while !so(self) {
             for report in self.session.reports() {
                 match report {
-                    Report::Snapshot(snapshot) => self.now = snapshot,
+                    Report::Snapshot(snapshot) => {
+                        self.moved |= snapshot.moving;
+                        self.now = snapshot;
+                    }
                     Report::Picture(picture) => self.pictures.push(picture.view),
                     Report::Message(Gravity::Error, text) => panic!("{text}"),
                     _ => {}
@@ -107,6 +112,23 @@ fn a_view_that_turns_leaves_parts_alone_without_a_viewing_force() {
     let before = desk.rest(0);
     desk.apply(r#"{"view":{"orbit":{"azimuth_deg":70,"elevation_deg":20}}}"#);
     assert_eq!(desk.rest(1), before);
+    desk.close();
+}
+
+#[test]
+fn a_name_or_a_colour_sets_nothing_in_motion_and_a_part_that_is_hidden_does() {
+    let Some(document) = exploded("") else { return };
+    let part = document.state().unwrap().scene.explosion.parts[0].id.0;
+    let mut desk = Desk::new(document);
+    desk.rest(0);
+    desk.moved = false;
+    desk.apply(&json!({"part":{"set":{"id":part,"name":"lobe"}}}).to_string());
+    desk.apply(&json!({"part":{"set":{"id":part,"colour":[1,0,0]}}}).to_string());
+    desk.rest(2);
+    assert!(!desk.moved);
+    desk.apply(&json!({"part":{"set":{"id":part,"visible":false}}}).to_string());
+    desk.rest(3);
+    assert!(desk.moved);
     desk.close();
 }
 

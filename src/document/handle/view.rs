@@ -103,7 +103,15 @@ impl Document {
                 Ok(crosshair(state))
             }
             ViewCommand::Look { mode, shaded, lighting, step_voxels, background } => {
-                edit.name("Look");
+                edit.name(match (&mode, shaded, background) {
+                    (Some(Mode::Dvr), ..) => "Look: volume",
+                    (Some(Mode::Iso(_)), ..) => "Look: surface",
+                    (Some(Mode::Mip), ..) => "Look: maximum",
+                    (None, Some(true), _) => "Headlight on",
+                    (None, Some(false), _) => "Headlight off",
+                    (None, None, Some(_)) => "Background",
+                    _ => "Look",
+                });
                 let mut look = state.scene.look;
                 if let Some(mode) = mode {
                     if let Mode::Iso(value) = mode {
