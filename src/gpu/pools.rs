@@ -191,7 +191,7 @@ impl FieldPools {
             self.reconsider();
         }
         let sight = Sight { camera: frame.camera, size: frame.size, bodies: frame.bodies.clone() };
-        if self.sight.as_ref() != Some(&sight) {
+        if !self.sight.as_ref().is_some_and(|s| s.sees_like(&sight)) {
             if self.sight.as_ref().is_none_or(|s| !needs::same_matter(&s.bodies, &sight.bodies)) {
                 self.unsure = Marks::all();
             }

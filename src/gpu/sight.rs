@@ -12,12 +12,23 @@ const OUTSIDE: f32 = 0.02;
 /// What remains where it is wholly hidden: estimates err.
 const HIDDEN: f32 = 0.05;
 
+/// Sides of pictures whose ratios differ by no more than this share have the same shape.
+const SAME_SHAPE: f64 = 0.02;
+
 /// Camera, picture and bodies of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Sight {
     pub(super) camera: Camera,
     pub(super) size: [u32; 2],
     pub(super) bodies: Vec<Body>,
+}
+
+impl Sight {
+    /// Whether bricks matter alike to both: a picture in fewer pixels, but for the rounding of its sides, is the same picture.
+    pub(super) fn sees_like(&self, other: &Self) -> bool {
+        let ([w, h], [v, g]) = (self.size.map(f64::from), other.size.map(f64::from));
+        self.camera == other.camera && self.bodies == other.bodies && (w * g - v * h).abs() <= SAME_SHAPE * w * g
+    }
 }
 
 /// Extinction of every brick of level 0 along its edge.

@@ -206,3 +206,24 @@ fn bounded_uploads_leave_no_hole_and_end_where_unbounded_ones_do() {
         assert_eq!(levels(&gpu, &pools, &density, &points), rest, "{slots} slots, at rest");
     }
 }
+
+#[test]
+fn the_same_view_in_fewer_pixels_is_not_chosen_anew() {
+    let Some(gpu) = gpu() else { return };
+    let grid = unit_grid([150, 140, 130]);
+    let density = noisy(grid);
+    let none = blanks(&grid);
+    let mut pools = FieldPools::apart(&gpu, &grid, &density, budget_of(15)).unwrap();
+    let full = frame(&grid, ramp(0.0, 4000.0), DVec3::new(1.0, -0.4, 0.3), [1000, 701]);
+    pools.make_resident(&gpu, &fields(&density, &none), &full).unwrap();
+    let before = pools.work();
+    for size in [[500, 351], [250, 175], [1000, 701]] {
+        let smaller = Frame { size, ..full.clone() };
+        assert!(!pools.make_resident(&gpu, &fields(&density, &none), &smaller).unwrap());
+        assert_eq!(pools.work(), before, "{size:?}");
+    }
+    // Another shape shows other bricks.
+    let wide = Frame { size: [1000, 300], ..full.clone() };
+    pools.make_resident(&gpu, &fields(&density, &none), &wide).unwrap();
+    assert!(pools.work().0 > before.0);
+}
