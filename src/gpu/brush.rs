@@ -19,6 +19,9 @@ const BUDGET: u64 = 512 << 20;
 /// Memory kept from stroke to stroke, so that a click does not wait for buffers.
 const KEPT: u64 = 64 << 20;
 
+/// Slots whose texels one submission copies.
+pub(super) const TAKEN: usize = 128;
+
 /// Paints strokes, one at a time. Long-lived: it keeps pipelines and some buffers.
 #[derive(Debug)]
 pub struct Painter {
@@ -160,7 +163,14 @@ impl Painter {
         let mut encoder =
             self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("dabs") });
         let begins = stroke.homes.is_empty();
-        stroke.take(&self.gpu, fields, &new, &slots, &mut encoder, texture)?;
+        for (i, (new, slots)) in new.chunks(TAKEN).zip(slots.chunks(TAKEN)).enumerate() {
+            if i > 0 {
+                let other =
+                    self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("dabs") });
+                self.gpu.queue.submit([std::mem::replace(&mut encoder, other).finish()]);
+            }
+            stroke.take(&self.gpu, fields, new, slots, &mut encoder, texture)?;
+        }
         let submitted = self.submit(encoder, texture, &pipeline, variant, dabs, begins);
         let Some(stroke) = &mut self.stroke else { return Err(NOT_RUNNING) };
         if let Err(error) = submitted {

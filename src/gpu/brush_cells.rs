@@ -16,6 +16,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 const BLOCK: u32 = 16;
 /// Cells in a block.
 const CELLS: usize = 64;
+/// Blocks of a submission, so that it does not hold the queue for long.
+const MOST_BLOCKS: usize = 512;
 /// Buffers for answers that are kept.
 const MOST_IDLE: usize = 4;
 /// Words of a block's answer.
@@ -140,14 +142,9 @@ impl CellReader {
     }
 
     /// Submits the question for blocks of slots.
-    fn ask(
-        &mut self,
-        gpu: &Gpu,
-        pool: &wgpu::Texture,
-        variant: Variant,
-        (jobs, blocks): (Vec<CellsJob>, Vec<Block>),
-    ) -> Flight {
+    fn ask(&mut self, gpu: &Gpu, pool: &wgpu::Texture, variant: Variant, asked: &[(CellsJob, Block)]) -> Flight {
         use wgpu::BufferUsages as Use;
+        let (jobs, blocks): (Vec<_>, Vec<_>) = asked.iter().copied().unzip();
         let bytes = (blocks.len() * WORDS * 4) as u64;
         if self.jobs.size() < size_of_val(&jobs[..]) as u64 {
             self.jobs = buffer(gpu, size_of_val(&jobs[..]) as u64, Use::STORAGE | Use::COPY_DST);
@@ -242,20 +239,19 @@ impl LiveBricks {
         pool: &wgpu::Texture,
         dims: [u32; 3],
     ) -> Result<(), GpuError> {
-        let (mut jobs, mut blocks) = (Vec::new(), Vec::new());
+        let mut asked = Vec::new();
         for brick in std::mem::take(&mut self.painted) {
             let Some(live) = self.bricks.get_mut(&brick) else { continue };
             for block in (0..8_u8).filter(|b| std::mem::take(&mut live.painted[usize::from(*b)])) {
                 let first = corner(block);
                 let own = |a: usize| dims[a].saturating_sub(brick.origin()[a] + first[a]).min(BLOCK);
                 let at = std::array::from_fn(|a| live.slot[a] + first[a]);
-                jobs.push(CellsJob { at, own: own(0) | own(1) << 5 | own(2) << 10 });
-                blocks.push((brick, block));
+                asked.push((CellsJob { at, own: own(0) | own(1) << 5 | own(2) << 10 }, (brick, block)));
                 live.due[usize::from(block)] += 1;
             }
         }
-        if !blocks.is_empty() {
-            self.flights.push_back(gpu.scoped("painted cells", || Ok(reader.ask(gpu, pool, variant, (jobs, blocks))))?);
+        for part in asked.chunks(MOST_BLOCKS) {
+            self.flights.push_back(gpu.scoped("painted cells", || Ok(reader.ask(gpu, pool, variant, part)))?);
         }
         Ok(())
     }

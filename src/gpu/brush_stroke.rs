@@ -1,5 +1,6 @@
 //! A stroke while it runs: its constants, its dabs, and where each brick it touched is kept.
 
+use super::brush::TAKEN;
 use super::brush_cells::LiveBricks;
 use super::brush_kernel::{BrushStroke, Variant};
 use super::brush_memory::{Chunk, Extras, next_capacity, slot_bytes};
@@ -119,13 +120,16 @@ impl Stroke {
     /// Puts all slots back.
     pub(super) fn restore(&self, gpu: &Gpu, pools: &FieldPools) -> Result<(), GpuError> {
         let Some(texture) = pools.texture(self.kind()) else { return Ok(()) };
+        let homes: Vec<_> = self.homes.values().collect();
         gpu.scoped("a cancelled stroke", || {
-            let mut encoder =
-                gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("cancel") });
-            for home in self.homes.values() {
-                self.chunks[home.chunk].restore(&mut encoder, home.place, texture, home.slot);
+            for part in homes.chunks(TAKEN) {
+                let mut encoder =
+                    gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("cancel") });
+                for home in part {
+                    self.chunks[home.chunk].restore(&mut encoder, home.place, texture, home.slot);
+                }
+                gpu.queue.submit([encoder.finish()]);
             }
-            gpu.queue.submit([encoder.finish()]);
             Ok(())
         })
     }

@@ -122,3 +122,38 @@ fn a_long_stroke_is_submitted_in_parts_and_paints_the_same() {
     at_once.extend(&dabs[..3]);
     assert_eq!(at_once.painter.submits(), before + 1);
 }
+
+#[test]
+fn a_stroke_over_many_bricks_is_followed_and_taken_back_as_a_whole() {
+    let Some(gpu) = gpu() else { return };
+    // 150 bricks: more than one submission takes of their cells and of their texels.
+    let grid = unit_grid([1600, 96, 4]);
+    let mut canvas = Canvas::blank(&gpu, grid);
+    canvas.selection = painted(FieldKind::Selection, &grid, |v| [(v[0] ^ v[1]) as u8 | 1, 0, 0, 0]);
+    canvas.pools = FieldPools::new(&gpu, &grid, &canvas.density, 256 << 20).unwrap();
+    let brush = Brush { target: Target::Selection(1.0), falloff: Falloff::Hard, radius_mm: 900.0, ..Brush::default() };
+    canvas.begin(&brush);
+    assert_eq!(canvas.extend(&[dab_at(&grid, DVec3::new(800.0, 48.0, 2.0), 900.0)]).len(), 150);
+    let known = follow(&gpu, &mut canvas);
+    assert_eq!(known.len(), 150);
+    for (index, cells) in known {
+        assert!(cells.ranges.iter().all(|r| *r == [1.0; 2]), "{index:?}");
+        for (i, cell) in cells.selected.iter().enumerate() {
+            // Only the first layer of cells is in the volume.
+            let full = SelectedCell { min: 255, max: 255, sum: 255 * 64 };
+            assert_eq!(*cell, if i < 64 { full } else { SelectedCell::NOTHING }, "{index:?} {i}");
+        }
+    }
+    let Canvas { density, colour, selection, labels, painter, pools, .. } = &mut canvas;
+    let (fields, uploaded) = (Fields { density, colour, selection, labels }, pools.work().1);
+    let refresh = painter.cancel(pools).unwrap();
+    pools.refresh_painted(&gpu, FieldKind::Selection, fields.selection, &refresh).unwrap();
+    assert_eq!(pools.work().1, uploaded, "what was put back is not uploaded");
+    let frame = frame(&grid, ramp(-1.0, 10.0), DVec3::NEG_Y, [16, 16]);
+    pools.make_resident(&gpu, &fields, &frame).unwrap();
+    let voxels: Vec<[u32; 3]> = fields.selection.brick_indices(0).iter().map(|b| b.origin().map(|v| v + 1)).collect();
+    let at: Vec<[f32; 3]> = voxels.iter().map(|v| v.map(|v| v as f32)).collect();
+    for (voxel, s) in voxels.iter().zip(sample(&gpu, pools, &at)) {
+        assert!((s.selection - fields.selection.value(*voxel).unwrap()).abs() < 0.5 / 255.0, "{voxel:?}");
+    }
+}
