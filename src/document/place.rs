@@ -71,11 +71,16 @@ impl Document {
     }
 }
 
+/// Most pixels of a picture: with depth and object each takes 24 bytes on the host alone.
+const MAX_PIXELS: u64 = 1 << 26;
+
 /// A picture's size that can be drawn.
 pub(super) fn check_size(size: [u32; 2]) -> Result<[u32; 2], DocumentError> {
-    if size.iter().all(|s| (1..=16_384).contains(s)) {
+    let pixels = u64::from(size[0]) * u64::from(size[1]);
+    if size.iter().all(|s| (1..=16_384).contains(s)) && pixels <= MAX_PIXELS {
         Ok(size)
     } else {
-        Err(DocumentError::invalid("size", format!("{size:?}"), "1 to 16384 pixels either way"))
+        let expected = "1 to 16384 pixels either way, 67108864 in all";
+        Err(DocumentError::invalid("size", format!("{size:?}"), expected))
     }
 }

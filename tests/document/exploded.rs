@@ -172,5 +172,5 @@ fn pictures_go_to_files_by_extension() {
     let error = render(&mut document, "d.jpg", json!({})).unwrap_err().to_string();
     assert!(error.contains(".png or .exr expected"), "{error}");
     let error = render(&mut document, "e.png", json!({ "size": [0, 3] })).unwrap_err().to_string();
-    assert_eq!(error, "size: [0, 3] found, 1 to 16384 pixels either way expected");
+    assert_eq!(error, "size: [0, 3] found, 1 to 16384 pixels either way, 67108864 in all expected");
 }

@@ -131,6 +131,11 @@ fn nothing_gets_lost_in_space() {
         assert!(text.contains(field) && text.contains("expected"), "{line}: {text}");
         assert_eq!(scene(&document), before, "{line}");
     }
+    for size in ["[0,9]", "[16385,1]", "[16384,16384]"] {
+        let line = format!(r#"{{"view":{{"size":{{"view":"3d","size":{size}}}}}}}"#);
+        let text = run(&mut document, &line).unwrap_err().to_string();
+        assert!(text.contains("size: ") && text.contains("67108864 in all"), "{text}");
+    }
     // Away, but in sight of itself: as far as it goes.
     let mut zoomed = 0;
     while run(&mut document, r#"{"view":{"zoom":{"view":"3d","factor":10}}}"#).is_ok() {

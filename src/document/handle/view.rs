@@ -1,6 +1,7 @@
 //! Commands on cameras, slices, looks and layers.
 
 use super::edit::Edit;
+use super::place::check_size;
 use super::{Document, DocumentError, Layer, SlicePlane, State, ViewCommand, ViewName, Views, Window};
 use crate::math::{Aabb, Camera, DVec2, DVec3, Projection};
 use crate::volume::{FieldKind, Lighting, Mode};
@@ -83,9 +84,7 @@ impl Document {
                 Ok(view_answer(views, view))
             }
             ViewCommand::Size { view, size } => {
-                if size.iter().any(|s| !(1..=16_384).contains(s)) {
-                    return Err(DocumentError::invalid("size", format!("{size:?}"), "1 to 16384 pixels either way"));
-                }
+                check_size(size)?;
                 match view.slice() {
                     None => views.size = size,
                     Some(i) => views.slices[i].size = size,
