@@ -3,7 +3,7 @@
 //! Owns the pipelines, specialised by mode, light, painted fields and merging instead of branching, and group 0. Frames become
 //! numbers in `scene`; what a pixel costs is in `shaders/cast_*.wgsl` (after Bruckner and Gröller 2006, section 4).
 
-use super::drawn::{Drawn, drawn};
+use super::drawn::{Drawn, drawn, resolve};
 use super::pass::{COLOUR, DEPTH, LIST_WIDTH, OBJECT, Targets, data, full_screen, layout, write};
 use super::scene::{MOST_BODIES, MOST_PLANES, Scene, View, table};
 use super::shader::{self, Def};
@@ -378,25 +378,5 @@ impl Caster {
             layout: &self.layout,
             entries: &entries,
         })
-    }
-}
-
-/// Turns the shaders' object codes into ids.
-fn resolve(image: &mut Image, drawn: &[Drawn], frame: &Frame, window: &Window) {
-    let mut hint = 0;
-    let width = image.size[0] as usize;
-    for (i, object) in image.object.iter_mut().enumerate() {
-        if *object == 0 {
-            continue;
-        }
-        let depth = image.depth_mm[i];
-        let Some(d) = drawn.get((*object / 2) as usize - 1) else { continue };
-        if let ([(id, _)], None) = (d.members.as_slice(), d.selected) {
-            *object = id + 1;
-            continue;
-        }
-        let px = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5) + window.origin;
-        let world = frame.camera.ray(px, window.picture).at(f64::from(depth));
-        *object = d.owner(world, *object & 1 == 1, &mut hint) + 1;
     }
 }

@@ -5,8 +5,9 @@
 //! picture exactly. Which of the united bodies a pixel belongs to is found afterwards, on the host.
 
 use super::solid::Solid;
-use super::{Body, Fields, Mask};
-use crate::math::{Aabb, DVec3, Plane, Pose};
+use super::tiles::Window;
+use super::{Body, Fields, Frame, Image, Mask};
+use crate::math::{Aabb, DVec2, DVec3, Plane, Pose};
 use crate::volume::{BRICK, BrickIndex, BrickKey, CELL, Cells, Field, Grid};
 use std::sync::Arc;
 
@@ -176,4 +177,24 @@ fn selected_bounds(selection: &Field, grid: &Grid, running: &[BrickIndex]) -> Op
     let bounds = Aabb::around(corners)?;
     let whole = grid.index_bounds();
     Some(Aabb { min: (bounds.min - 1.0).max(whole.min), max: (bounds.max + 1.0).min(whole.max) })
+}
+
+/// Turns the shaders' object codes into ids.
+pub(super) fn resolve(image: &mut Image, drawn: &[Drawn], frame: &Frame, window: &Window) {
+    let mut hint = 0;
+    let width = image.size[0] as usize;
+    for (i, object) in image.object.iter_mut().enumerate() {
+        if *object == 0 {
+            continue;
+        }
+        let depth = image.depth_mm[i];
+        let Some(d) = drawn.get((*object / 2) as usize - 1) else { continue };
+        if let ([(id, _)], None) = (d.members.as_slice(), d.selected) {
+            *object = id + 1;
+            continue;
+        }
+        let px = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5) + window.origin;
+        let world = frame.camera.ray(px, window.picture).at(f64::from(depth));
+        *object = d.owner(world, *object & 1 == 1, &mut hint) + 1;
+    }
 }

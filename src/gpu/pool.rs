@@ -5,19 +5,16 @@
 //! share their aprons, so that the texture is the volume and a ray need not know where bricks end.
 
 use super::{Gpu, GpuError};
-use crate::volume::{BRICK, BrickIndex, BrickKey, Field, FieldKind, SLOT, SLOT_VOXELS, TexelFormat};
+use crate::volume::{BRICK, BrickIndex, BrickKey, Field, FieldKind, SLOT, TexelFormat};
 use std::collections::{HashMap, HashSet};
 
 mod pages;
+mod slots;
 mod upload;
 
 use pages::UNWRITTEN;
 pub(super) use pages::{Page, uniform_page};
-
-/// Slots along an axis: a slot's place is a byte of a page, and textures end at 2048 texels on many adapters.
-const MOST_ALONG: u32 = 60;
-/// Larger textures fail on common drivers.
-const MOST_BYTES: u64 = (2 << 30) - 1;
+use slots::{grow_grid, limit, places, slots_texture, texels};
 
 #[derive(Clone, Copy, Debug)]
 struct Held {
@@ -59,16 +56,6 @@ pub(super) struct Pool {
     pub(super) replaced: bool,
 }
 
-fn wgpu_format(format: TexelFormat) -> wgpu::TextureFormat {
-    match format {
-        TexelFormat::R16Unorm => wgpu::TextureFormat::R16Unorm,
-        TexelFormat::R32Float => wgpu::TextureFormat::R32Float,
-        TexelFormat::Rgba8Unorm => wgpu::TextureFormat::Rgba8Unorm,
-        TexelFormat::R8Unorm => wgpu::TextureFormat::R8Unorm,
-        TexelFormat::R16Uint => wgpu::TextureFormat::R16Uint,
-    }
-}
-
 impl Pool {
     /// An empty pool of at most `budget_bytes`; its texture is one slot until something is held. Bricks lie in place if all
     /// of level 0 then takes at most `in_place_bytes`.
@@ -87,7 +74,8 @@ impl Pool {
         let longest = gpu.device.limits().max_texture_dimension_3d;
         let whole = texels(bricks, true);
         let bytes = whole.iter().map(|&n| u64::from(n)).product::<u64>() * format.bytes() as u64;
-        let in_place = bytes <= in_place_bytes.min(budget_bytes).min(MOST_BYTES) && whole.iter().all(|&n| n <= longest);
+        let in_place =
+            bytes <= in_place_bytes.min(budget_bytes).min(slots::MOST_BYTES) && whole.iter().all(|&n| n <= longest);
         let limit = if in_place { bricks } else { limit(gpu, format, budget_bytes) };
         let (texture, page_texture) = gpu.scoped(&format!("the {} pool", kind.name()), || {
             let pages = gpu.device.create_texture(&wgpu::TextureDescriptor {
@@ -347,58 +335,4 @@ impl Pool {
 
 pub(super) fn extent([width, height, depth]: [u32; 3]) -> wgpu::Extent3d {
     wgpu::Extent3d { width, height, depth_or_array_layers: depth }
-}
-
-fn places([nx, ny, nz]: [u32; 3]) -> impl Iterator<Item = [u32; 3]> {
-    (0..nz).flat_map(move |z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])))
-}
-
-/// The grid of the most slots that are at most `slots`, of those the nearest to a cube.
-fn largest_grid(slots: u64, along: u32) -> [u32; 3] {
-    let mut best = (0, 0, [1; 3]);
-    for a in 1..=along {
-        for b in a..=along {
-            let c = (slots / (u64::from(a) * u64::from(b))).min(u64::from(along)) as u32;
-            if c >= b {
-                best = best.max((a * b * c, u32::MAX - (c - a), [a, b, c]));
-            }
-        }
-    }
-    // Fewer slots than any such box: a row.
-    if best.0 == 0 { [1, 1, slots.clamp(1, u64::from(along)) as u32] } else { best.2 }
-}
-
-/// A grid of at least `slots` places, if `limit` has as many, that contains `old`; the shortest axis grows first.
-fn grow_grid(old: [u32; 3], slots: usize, limit: [u32; 3]) -> [u32; 3] {
-    let mut grid = old;
-    while grid.iter().map(|&n| n as usize).product::<usize>() < slots {
-        let Some(axis) = (0..3).filter(|&a| grid[a] < limit[a]).min_by_key(|&a| grid[a]) else { break };
-        grid[axis] += 1;
-    }
-    grid
-}
-
-/// The grid of slots that lie apart within a budget.
-fn limit(gpu: &Gpu, format: TexelFormat, budget_bytes: u64) -> [u32; 3] {
-    let slot_bytes = (SLOT_VOXELS * format.bytes()) as u64;
-    let along = (gpu.device.limits().max_texture_dimension_3d / SLOT).min(MOST_ALONG);
-    largest_grid((budget_bytes.min(MOST_BYTES) / slot_bytes).max(1), along)
-}
-
-/// Texels along each axis of a grid of slots.
-fn texels(grid: [u32; 3], in_place: bool) -> [u32; 3] {
-    grid.map(|n| if in_place { n * BRICK + SLOT - BRICK } else { n * SLOT })
-}
-
-fn slots_texture(gpu: &Gpu, kind: FieldKind, format: TexelFormat, size: [u32; 3]) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(&format!("{} pool", kind.name())),
-        size: extent(size),
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D3,
-        format: wgpu_format(format),
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    })
 }

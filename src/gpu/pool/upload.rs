@@ -3,7 +3,8 @@
 //! Owns the two ways: slot by slot, and all of a new texture at once, since a device clears a texture before its first
 //! partial write. Staging memory is bounded in both.
 
-use super::{Pool, extent, texels};
+use super::slots::texels;
+use super::{Pool, extent};
 use crate::gpu::{Gpu, GpuError};
 use crate::volume::{BrickKey, Field, SLOT, SLOT_VOXELS, TexelFormat};
 use rayon::prelude::*;
