@@ -95,8 +95,9 @@ impl TransferFunction {
             .collect()
     }
 
-    /// A start from the data: everything up to the background's peak is clear, then opacity rises gently to the last
-    /// hundredth of the values. Colours go from dark red through skin to white.
+    /// A start from the data: everything up to the background's peak is clear, then opacity rises to the last hundredth of the
+    /// values, steeply enough that a brush paints near what is seen: the surface is where half of the light has gone. Colours go
+    /// from dark red through skin to white.
     pub fn from_histogram(histogram: &Histogram, unit_mm: f64) -> Self {
         let (min, max) = (histogram.min, histogram.max);
         let width = (max - min) / histogram.bins.len().max(1) as f64;
@@ -121,7 +122,7 @@ impl TransferFunction {
                 (at(0.7), [0.93, 0.80, 0.66]),
                 (at(1.0), [1.0, 1.0, 1.0]),
             ],
-            opacity: vec![(at(0.0), 0.0), (at(0.7), 0.12), (at(1.0), 0.3)],
+            opacity: vec![(at(0.0), 0.0), (at(0.35), 0.08), (at(0.7), 0.35), (at(1.0), 0.6)],
             unit_mm,
         }
     }

@@ -1,9 +1,10 @@
 //! Framing and layers by command: what a picture shows and what of it stays.
 
-use super::maker::{run, state};
+use super::maker::{run, state, write_nrrd};
 use super::maker_gpu::{block, select};
 use burin::document::{Document, ViewName};
 use burin::math::{Camera, DVec3, Projection};
+use burin::volume::Grid;
 
 fn camera(document: &Document) -> Camera {
     document.state().unwrap().scene.views.camera
@@ -82,4 +83,34 @@ fn density_has_a_layer_without_an_opacity_of_its_own() {
     old.layers.retain(|l| l.field != burin::volume::FieldKind::Density);
     assert!(old.layer(burin::volume::FieldKind::Density).visible);
     assert_eq!(old.layers.len(), 3);
+}
+
+#[test]
+fn paint_on_a_volume_just_opened_is_seen_where_the_brush_was() {
+    if block().is_none() {
+        return;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("ball.nrrd");
+    // Soft matter with a bright core, as a head is.
+    let grid = Grid::aligned([64; 3], DVec3::ONE, DVec3::ZERO);
+    write_nrrd(&path, &grid, |[i, j, k]| {
+        let r = (DVec3::new(f64::from(i), f64::from(j), f64::from(k)) - 31.5).length();
+        if r < 8.0 {
+            200.0
+        } else if r < 28.0 {
+            110.0
+        } else {
+            0.0
+        }
+    });
+    let mut document = Document::new();
+    run(&mut document, &serde_json::json!({"volume": {"open": {"path": path}}}).to_string()).unwrap();
+    let paint = r#"{"brush":{"set":{"radius_mm":3,"falloff":"hard","target":{"colour":[0,1,0,1]}}}}"#;
+    run(&mut document, paint).unwrap();
+    let stroke = r#"{"stroke":{"paint":{"points":[{"at":{"pixel":{"view":"3d","px":[32,32],"size":[64,64]}}}]}}}"#;
+    run(&mut document, stroke).unwrap();
+    let rgba = document.picture(ViewName::ThreeD, [64, 64], None).unwrap().to_rgba8(Some([0.0; 3]));
+    let [r, g, b] = [0, 1, 2].map(|c| u32::from(rgba[(32 * 64 + 32) * 4 + c]));
+    assert!(g > 2 * r && g > 2 * b, "green under the brush, not {r} {g} {b}");
 }
