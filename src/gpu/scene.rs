@@ -219,7 +219,9 @@ fn passes(drawn: &[Drawn], sight: Sight, eye: DVec3, step_mm: f64, tiles: &Tiles
         Sight::Eye(_) => p.distance(eye),
         Sight::Along(direction) => (*p - eye).dot(direction),
     };
-    let last = (corners().map(far).fold(0.0, f64::max) / step_mm).ceil() + 1.0;
+    // Beyond that a sample's number is no whole number in 32-bit float, and a step of 1 leads nowhere.
+    const LAST: f64 = 16_777_216.0;
+    let last = ((corners().map(far).fold(0.0, f64::max) / step_mm).ceil() + 1.0).min(LAST);
     // Nothing lies nearer than the plane through the nearest corner, perpendicular to the mean direction.
     let mean = (corners().sum::<DVec3>() / corners().count().max(1) as f64 - eye).normalize_or_zero();
     let first = (corners().map(|p| (*p - eye).dot(mean)).fold(f64::INFINITY, f64::min) / step_mm).floor().max(0.0);

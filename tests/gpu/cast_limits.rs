@@ -364,3 +364,36 @@ fn nothing_and_too_much_are_answers() {
     let reference = picture(&Dense::of(&fields, &grid), &odd);
     assert!(difference(&stage.image(&odd), &reference, 1.0).largest <= 1.0);
 }
+
+#[test]
+fn an_eye_out_of_all_measure_sees_nothing_and_ends() {
+    let Some(gpu) = gpu() else { return };
+    let (grid, density) = slab(7);
+    let mut stage = Stage::new(gpu, grid, density);
+    let mut view = down(&grid, flat(0.5), 1.0);
+    let middle = grid.world_bounds().centre();
+    // 2²⁴ steps and more: their numbers are no whole numbers in 32-bit float.
+    for far in [1e8, 1e30] {
+        view.camera.eye = middle + DVec3::Z * far;
+        assert!(stage.image(&view).colour.iter().all(|c| c[3] == 0.0), "{far}");
+    }
+}
+
+#[test]
+fn an_axis_over_2048_is_drawn_whole() {
+    let Some(gpu) = gpu() else { return };
+    let grid = unit_grid([2100, 12, 12]);
+    let density = density_u16(grid, |v| (20_000.0 + 15_000.0 * (f64::from(v[0]) * 0.02).sin()) as u16);
+    let mut stage = Stage::new(gpu, grid, density);
+    let mut view = frame(&grid, tissue(), DVec3::new(0.3, -1.0, 0.5), [300, 40]);
+    view.camera = view.camera.zoomed(0.06);
+    for mode in [Mode::Dvr, Mode::Mip] {
+        view.mode = mode;
+        let d = stage.compare(&view);
+        assert!(d.largest <= 1.0, "{mode:?}: {d:?}");
+    }
+    // Its far end too.
+    let image = stage.image(&view);
+    let shown: Vec<usize> = (0..300).filter(|&x| (0..40).any(|y| image.colour[y * 300 + x][3] > 0.1)).collect();
+    assert!(shown.len() > 150, "{}", shown.len());
+}
