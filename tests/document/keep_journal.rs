@@ -377,6 +377,27 @@ fn a_document_with_no_step_leaves_nothing_to_recover() {
 }
 
 #[test]
+fn looking_about_is_nothing_to_recover_until_something_is_done() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(SMALL, dir.path());
+    let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
+    state.scene.views.crosshair = DVec3::new(3.0, 2.0, 1.0);
+    keeper.record(&other_command(), &state, &[], true).unwrap();
+    drop(keeper);
+    assert_eq!(recovery::list(dir.path()).unwrap(), []);
+    let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
+    state.scene.views.size = [77, 55];
+    keeper.record(&other_command(), &state, &[], true).unwrap();
+    state.scene.segments.ensure(9);
+    keeper.record(&other_command(), &state, &[], true).unwrap();
+    drop(keeper);
+    let lost = recovery::list(dir.path()).unwrap();
+    let (_keeper, kept) = Keeper::recover(dir.path(), &lost[0].id).unwrap();
+    assert_eq!(kept.scene.views.size, [77, 55], "what was looked at comes along");
+    assert!(kept.scene.segments.get(9).is_some());
+}
+
+#[test]
 fn saving_elsewhere_takes_unsaved_steps_along() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());

@@ -132,6 +132,12 @@ impl Journal {
         }
         let map = Some(*state.density.map()).filter(|map| *map != self.now.map);
         let ends_stroke = matches!(command, Command::Stroke(_));
+        // Looking about in what was opened is nothing to lose; the first step takes it along.
+        let looks_about = changed.keys().all(|part| ["views", "brush"].contains(&part.as_str()));
+        let blank = self.generation == 0 && self.end == HEADER;
+        if blank && looks_about && !ends_stroke && map.is_none() && touched.is_empty() {
+            return Ok(());
+        }
         let command = serde_json::to_value(command).map_err(|e| KeepError::Scene { reason: e.to_string() })?;
         let head = StepHead { command, steps: 1, scene: changed, map };
         let bytes = head_bytes(&head)?;
