@@ -28,7 +28,7 @@ impl Easel {
             }
         }
         let volume = Volume::new([n; 3], u8::wrap(voxels), 2.0)?;
-        let pools = FieldPools::new(&gpu, &volume.grid, &volume.density, 1 << 31)?;
+        let pools = FieldPools::new(&gpu, &volume.grid, &volume.density, 512 << 20)?;
         let painter = Painter::new(&gpu)?;
         Ok(Self { gpu, volume, pools, painter })
     }
