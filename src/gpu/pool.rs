@@ -197,6 +197,7 @@ impl Pool {
             Err(GpuError::OutOfMemory { .. }) => {
                 self.in_place = false;
                 self.limit = limit(gpu, self.format, self.budget);
+                (self.grid, self.free, self.written) = ([1; 3], vec![[0; 3]], false);
                 self.texture = gpu.scoped(&format!("the {} pool", self.kind.name()), || {
                     Ok(slots_texture(gpu, self.kind, self.format, texels(self.grid, false)))
                 })?;

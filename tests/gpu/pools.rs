@@ -59,19 +59,19 @@ fn check_density(gpu: &Gpu, pools: &FieldPools, density: &Field, points: &[[f32;
 }
 
 /// Budget, five eighths of it for density, whose density pool has exactly this many slots of 16 bits.
-fn budget_of(slots: usize) -> u64 {
+pub(super) fn budget_of(slots: usize) -> u64 {
     ((slots * SLOT_VOXELS * 2) as u64).div_ceil(20) * 32
 }
 
-fn noisy(grid: Grid) -> Field {
+pub(super) fn noisy(grid: Grid) -> Field {
     density_u16(grid, |v| (1000 + (v[0] * 631 + v[1] * 409 + v[2] * 211 + v[0] * v[1] * 7) % 3000) as u16)
 }
 
-fn blanks(grid: &Grid) -> [Field; 3] {
+pub(super) fn blanks(grid: &Grid) -> [Field; 3] {
     [FieldKind::Colour, FieldKind::Selection, FieldKind::Labels].map(|kind| Field::blank(kind, grid))
 }
 
-fn fields<'a>(density: &'a Field, [colour, selection, labels]: &'a [Field; 3]) -> Fields<'a> {
+pub(super) fn fields<'a>(density: &'a Field, [colour, selection, labels]: &'a [Field; 3]) -> Fields<'a> {
     Fields { density, colour, selection, labels }
 }
 

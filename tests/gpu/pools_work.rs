@@ -1,29 +1,13 @@
 //! What residency costs: an edit its bricks, a stroke's end nothing twice, hidden parts nothing, a picture in motion no more
 //! than it may.
 
+use super::pools::{blanks, budget_of, fields, noisy};
 use crate::common::gpu::{gpu, sample};
 use crate::common::volumes::*;
-use burin::gpu::{Body, FieldPools, Fields, Frame, Gpu, Mask, Painter};
+use burin::gpu::{Body, FieldPools, Frame, Gpu, Mask, Painter};
 use burin::math::{DVec3, Plane};
 use burin::paint::{Brush, Dab, Falloff, Target};
 use burin::volume::*;
-
-fn noisy(grid: Grid) -> Field {
-    density_u16(grid, |v| (1000 + (v[0] * 631 + v[1] * 409 + v[2] * 211 + v[0] * v[1] * 7) % 3000) as u16)
-}
-
-fn blanks(grid: &Grid) -> [Field; 3] {
-    [FieldKind::Colour, FieldKind::Selection, FieldKind::Labels].map(|kind| Field::blank(kind, grid))
-}
-
-fn fields<'a>(density: &'a Field, [colour, selection, labels]: &'a [Field; 3]) -> Fields<'a> {
-    Fields { density, colour, selection, labels }
-}
-
-/// Budget, five eighths of it for density, whose density pool has exactly this many slots of 16 bits.
-fn budget_of(slots: usize) -> u64 {
-    ((slots * SLOT_VOXELS * 2) as u64).div_ceil(20) * 32
-}
 
 /// One voxel in the middle of a brick becomes another: no other slot of its level shows it.
 fn touch(field: &mut Field, brick: [u32; 3]) -> Refresh {
