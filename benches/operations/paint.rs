@@ -50,7 +50,7 @@ impl Easel {
             burin::volume::FieldKind::Labels => &mut volume.labels,
         };
         let (_, refresh) = field.swap(changed.into_iter().map(|(i, b)| (i, Some(b))).collect())?;
-        self.pools.refresh(&self.gpu, kind, field, &refresh)?;
+        self.pools.refresh_painted(&self.gpu, kind, field, &refresh)?;
         Ok(bricks)
     }
 }

@@ -74,8 +74,7 @@ impl Motion {
     pub(super) fn mirror(&mut self, state: &State, refreshed: &Refreshed) {
         let slots =
             refreshed.slots.iter().filter(|(kind, _)| matches!(kind, FieldKind::Density | FieldKind::Selection));
-        let bricks: Vec<BrickIndex> =
-            slots.flat_map(|(_, r)| r.slots.iter().filter(|k| k.level == 0).map(|k| k.index)).collect();
+        let bricks: Vec<BrickIndex> = slots.flat_map(|(_, r)| r.finest()).collect();
         if bricks.is_empty() && !refreshed.remapped {
             return;
         }

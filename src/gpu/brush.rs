@@ -247,7 +247,7 @@ impl Painter {
         }
         self.end();
         restored?;
-        Ok(Refresh { slots: touched.into_iter().map(|index| BrickKey { level: 0, index }).collect() })
+        Ok(Refresh::whole(touched.into_iter().map(|index| BrickKey { level: 0, index })))
     }
 
     /// A brick as the running stroke shows it. Waits for the GPU.

@@ -15,6 +15,7 @@ mod upload;
 use pages::UNWRITTEN;
 pub(super) use pages::{Page, uniform_page};
 use slots::{grow_grid, limit, places, slots_texture, texels};
+use upload::Upload;
 
 #[derive(Clone, Copy, Debug)]
 struct Held {
@@ -173,11 +174,12 @@ impl Pool {
             let Some(left) = self.free.len().checked_sub(missing.len()) else {
                 return Err(GpuError::PoolFull { field: self.kind.name(), asked: keys.len(), room: self.most() });
             };
-            let uploads: Vec<_> = missing.iter().copied().zip(self.free[left..].iter().rev().copied()).collect();
+            let places = self.free[left..].iter().rev();
+            let uploads: Vec<_> = missing.iter().zip(places).map(|(&key, &slot)| Upload::whole(key, slot)).collect();
             self.upload(gpu, field, &uploads)?;
             self.free.truncate(left);
             let fresh = |slot| Held { slot, used: self.clock, wanted: false, pinned: false };
-            self.held.extend(uploads.into_iter().map(|(key, slot)| (key, fresh(slot))));
+            self.held.extend(uploads.into_iter().map(|u| (u.key, fresh(u.slot))));
         }
         for key in keys {
             if let Some(held) = self.held.get_mut(key) {
@@ -207,10 +209,11 @@ impl Pool {
             other => other?,
         }
         self.free.clear();
-        let all: Vec<_> = places(self.bricks).map(|at| (BrickKey { level: 0, index: BrickIndex(at) }, at)).collect();
+        let whole = |at| Upload::whole(BrickKey { level: 0, index: BrickIndex(at) }, at);
+        let all: Vec<_> = places(self.bricks).map(whole).collect();
         self.upload(gpu, field, &all)?;
         let held = |slot| Held { slot, used: 0, wanted: true, pinned: false };
-        self.held = all.into_iter().map(|(key, slot)| (key, held(slot))).collect();
+        self.held = all.into_iter().map(|u| (u.key, held(u.slot))).collect();
         Ok(true)
     }
 

@@ -10,7 +10,8 @@ use super::pool::Pool;
 use super::sight::Sight;
 use super::{Frame, Gpu, GpuError};
 use crate::volume::{
-    BRICK, BrickIndex, BrickKey, Cells, DensityMap, Field, FieldKind, Grid, Mode, TexelFormat, TransferFunction,
+    BRICK, BrickIndex, BrickKey, Cells, DensityMap, Field, FieldKind, Grid, Mode, Refresh, TexelFormat,
+    TransferFunction,
 };
 use marks::Marks;
 use shown::Shown;
@@ -263,7 +264,7 @@ impl FieldPools {
             && let Some(pool) = &mut self.pools[place(kind)]
         {
             // No refresh came: the field is not what the slots hold.
-            pool.renew(gpu, fields.get(kind), &keys.into_iter().collect::<Vec<_>>())?;
+            pool.renew(gpu, fields.get(kind), &Refresh::whole(keys).slots)?;
         }
         self.judge(fields);
         let mut changed = false;

@@ -2,15 +2,32 @@
 
 use super::{BRICK, BRICK_VOXELS, Brick, BrickIndex, SLOT};
 
-/// A box of voxels, not empty: from `lo` to before `end`.
+/// A box of voxels of a level, not empty: from `lo` to before `end`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Region {
-    pub(super) lo: [u32; 3],
-    pub(super) end: [u32; 3],
+pub struct Region {
+    /// Its first voxel.
+    pub lo: [u32; 3],
+    /// One beyond its last.
+    pub end: [u32; 3],
 }
 
 impl Region {
-    pub(super) fn size(&self) -> [u32; 3] {
+    /// The texels of a brick's slot, counted from the apron on, that show any of it; `dims` are the level's voxels. Slots
+    /// repeat the volume's border.
+    #[must_use]
+    pub fn in_slot(&self, brick: BrickIndex, dims: [u32; 3]) -> Self {
+        let before = brick.origin();
+        Self {
+            lo: std::array::from_fn(|a| if self.lo[a] == 0 { 0 } else { (self.lo[a] + 1).saturating_sub(before[a]) }),
+            end: std::array::from_fn(|a| match self.end[a] >= dims[a] {
+                true => SLOT,
+                false => (self.end[a] + 1 - before[a]).min(SLOT),
+            }),
+        }
+    }
+
+    /// Voxels along i, j, k.
+    pub fn size(&self) -> [u32; 3] {
         std::array::from_fn(|a| self.end[a] - self.lo[a])
     }
 

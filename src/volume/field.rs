@@ -66,8 +66,29 @@ pub enum Cells {
 /// What a swap changed: the slots (changed bricks, and neighbours through their apron) whose texels are new.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Refresh {
-    /// At every level, in order.
-    pub slots: Vec<BrickKey>,
+    /// At every level, in order, with a box around the voxels of the level that are new.
+    pub slots: Vec<(BrickKey, Region)>,
+}
+
+impl Refresh {
+    /// These slots, all of them new.
+    pub fn whole(keys: impl IntoIterator<Item = BrickKey>) -> Self {
+        let all = |key: BrickKey| Region {
+            lo: key.index.origin().map(|o| o.saturating_sub(1)),
+            end: key.index.origin().map(|o| o + BRICK + 1),
+        };
+        Self { slots: keys.into_iter().map(|key| (key, all(key))).collect() }
+    }
+
+    /// The slots at every level, in order.
+    pub fn keys(&self) -> impl Iterator<Item = BrickKey> {
+        self.slots.iter().map(|(key, _)| *key)
+    }
+
+    /// The slots of level 0, in order.
+    pub fn finest(&self) -> impl Iterator<Item = BrickIndex> {
+        self.keys().filter(|key| key.level == 0).map(|key| key.index)
+    }
 }
 
 /// Bricks of level 0 for [`Field::swap`]: `Some` is an edit, `None` none.

@@ -131,10 +131,9 @@ impl Field {
                 for (child, region) in changed {
                     families.entry(child.parent()).or_default().push((child, region));
                 }
-                let refined = families
-                    .par_iter()
-                    .map(|(&index, children)| Ok((BrickKey { level, index }, self.refined(level, index, children)?)))
-                    .collect::<Result<Vec<_>, SourceError>>()?;
+                let refined = each(&families, |&index, children| {
+                    Ok((BrickKey { level, index }, self.refined(level, index, children)?))
+                })?;
                 self.coarse.extend(refined);
                 changed = families.into_iter().filter_map(|(parent, c)| Some((parent, covered(&c)?))).collect();
             }
@@ -146,14 +145,11 @@ impl Field {
                     around.entry(slot).and_modify(|r| *r = r.union(&region)).or_insert(region);
                 }
             }
-            let about = around
-                .par_iter()
-                .map(|(&index, region)| {
-                    let key = BrickKey { level, index };
-                    Ok((key, self.renewed(key, region)?))
-                })
-                .collect::<Result<Vec<_>, SourceError>>()?;
-            slots.extend(about.iter().map(|(key, _)| *key));
+            let about = each(&around, |&index, region| {
+                let key = BrickKey { level, index };
+                Ok((key, self.renewed(key, region)?))
+            })?;
+            slots.extend(around.iter().map(|(&index, region)| (BrickKey { level, index }, *region)));
             if level == 0 {
                 self.follow_extremes(&about);
             }
@@ -243,6 +239,18 @@ impl Field {
         copy_box(&brick.to_texels(bytes), [BRICK; 3], [0; 3], &mut texels, [BRICK; 3], [0; 3], valid, bytes);
         Brick::from_texels(texels, bytes)
     }
+}
+
+/// What `work` makes of each. A few are done at once: threads would cost more than they save.
+fn each<V: Sync, R: Send>(
+    items: &BTreeMap<BrickIndex, V>,
+    work: impl Fn(&BrickIndex, &V) -> Result<R, SourceError> + Sync,
+) -> Result<Vec<R>, SourceError> {
+    const FEW: usize = 16;
+    if items.len() <= FEW {
+        return items.iter().map(|(index, value)| work(index, value)).collect();
+    }
+    items.par_iter().map(|(index, value)| work(index, value)).collect()
 }
 
 fn octant(child: BrickIndex) -> [u32; 3] {

@@ -18,6 +18,7 @@ mod texel;
 mod transfer;
 mod voxels;
 
+pub use blocks::Region;
 pub use brick::{BRICK, BRICK_VOXELS, Brick, BrickIndex, BrickKey, CELL, CELLS_PER_BRICK, SLOT, SLOT_VOXELS};
 pub use field::{BrickSummary, Cells, Changes, Field, FieldKind, Refresh};
 pub use grid::Grid;

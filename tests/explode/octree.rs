@@ -236,7 +236,7 @@ fn octrees_that_follow_strokes_equal_octrees_read_afresh() {
         }
         let running = octrees.points(&transfer(), 4);
         let (_, refresh) = selection.swap(changes).unwrap();
-        let touched = refresh.slots.iter().filter(|k| k.level == 0).map(|k| k.index);
+        let touched = refresh.finest();
         octrees.update(&density, &selection, touched).unwrap();
         let fresh = explosion_points(&density, &selection, &grid, &transfer(), 4).unwrap();
         assert_eq!(octrees.points(&transfer(), 4), fresh);
@@ -246,6 +246,6 @@ fn octrees_that_follow_strokes_equal_octrees_read_afresh() {
     let clear =
         density.brick_indices(0).into_iter().map(|b| (b, Some(Brick::Uniform(1.0_f32.to_le_bytes())))).collect();
     let (_, refresh) = density.swap(clear).unwrap();
-    octrees.update(&density, &selection, refresh.slots.iter().filter(|k| k.level == 0).map(|k| k.index)).unwrap();
+    octrees.update(&density, &selection, refresh.finest()).unwrap();
     assert_eq!(octrees.points(&transfer(), 4), []);
 }

@@ -6,7 +6,7 @@
 use super::slots::texels;
 use super::{Pool, extent};
 use crate::gpu::{Gpu, GpuError};
-use crate::volume::{BrickKey, Field, SLOT, SLOT_VOXELS, TexelFormat};
+use crate::volume::{BrickKey, Field, Region, SLOT, SLOT_VOXELS, TexelFormat};
 use rayon::prelude::*;
 
 /// Bytes handed to the queue before it is told to start.
@@ -14,13 +14,35 @@ const BATCH_BYTES: usize = 32 << 20;
 /// A new texture up to this size is written at once; a larger one would need as much memory again for its staging.
 const WHOLE_BYTES: u64 = 128 << 20;
 
-/// A brick and the slot it goes to.
-pub(super) type Upload = (BrickKey, [u32; 3]);
+/// Texels of a brick and the slot they go to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Upload {
+    pub(super) key: BrickKey,
+    pub(super) slot: [u32; 3],
+    /// Those of the slot, counted from the apron on.
+    pub(super) part: Region,
+}
+
+impl Upload {
+    /// All of a slot.
+    pub(super) fn whole(key: BrickKey, slot: [u32; 3]) -> Self {
+        Self { key, slot, part: Region { lo: [0; 3], end: [SLOT; 3] } }
+    }
+}
 
 impl Pool {
-    /// New texels for those of `keys` that are held.
-    pub(in crate::gpu) fn renew(&mut self, gpu: &Gpu, field: &Field, keys: &[BrickKey]) -> Result<(), GpuError> {
-        let uploads: Vec<_> = keys.iter().filter_map(|k| self.held.get(k).map(|h| (*k, h.slot))).collect();
+    /// New texels for those of `slots` that are held.
+    pub(in crate::gpu) fn renew(
+        &mut self,
+        gpu: &Gpu,
+        field: &Field,
+        slots: &[(BrickKey, Region)],
+    ) -> Result<(), GpuError> {
+        let held = |(key, region): &(BrickKey, Region)| {
+            let part = region.in_slot(key.index, field.dims(key.level));
+            self.held.get(key).map(|h| Upload { key: *key, slot: h.slot, part })
+        };
+        let uploads: Vec<_> = slots.iter().filter_map(held).collect();
         self.upload(gpu, field, &uploads)
     }
 
@@ -46,8 +68,10 @@ impl Pool {
         let widen = field.format() == TexelFormat::R16Unorm && self.format == TexelFormat::R32Float;
         uploads
             .par_iter()
-            .map(|(key, _)| {
-                let texels = field.slot(*key)?;
+            .map(|Upload { key, part, .. }| {
+                let origin = key.index.origin();
+                let lo = std::array::from_fn(|a| i64::from(origin[a]) + i64::from(part.lo[a]) - 1);
+                let texels = field.read(key.level, lo, part.size())?;
                 Ok(if widen { widened(&texels) } else { texels })
             })
             .collect()
@@ -63,8 +87,10 @@ impl Pool {
                 gpu.wait()?;
             }
             gpu.scoped(&format!("bricks of {}", self.kind.name()), || {
-                for ((_, slot), texels) in part.iter().zip(&texels) {
-                    let [x, y, z] = self.origin(*slot);
+                for (Upload { slot, part, .. }, texels) in part.iter().zip(&texels) {
+                    let origin = self.origin(*slot);
+                    let [x, y, z] = std::array::from_fn(|a| origin[a] + part.lo[a]);
+                    let size = part.size();
                     gpu.queue.write_texture(
                         wgpu::TexelCopyTextureInfo {
                             origin: wgpu::Origin3d { x, y, z },
@@ -73,10 +99,10 @@ impl Pool {
                         texels,
                         wgpu::TexelCopyBufferLayout {
                             offset: 0,
-                            bytes_per_row: Some(SLOT * bytes as u32),
-                            rows_per_image: Some(SLOT),
+                            bytes_per_row: Some(size[0] * bytes as u32),
+                            rows_per_image: Some(size[1]),
                         },
-                        extent([SLOT; 3]),
+                        extent(size),
                     );
                 }
                 gpu.queue.submit([]);
@@ -110,7 +136,7 @@ impl Pool {
             let [_, height, _] = texels(self.grid, self.in_place);
             let row_bytes = SLOT as usize * bytes;
             for part in uploads.chunks((BATCH_BYTES / (SLOT_VOXELS * bytes)).max(1)) {
-                for ((_, slot), texels) in part.iter().zip(self.texels(field, part)?) {
+                for (Upload { slot, .. }, texels) in part.iter().zip(self.texels(field, part)?) {
                     let [x, y, z] = self.origin(*slot).map(|t| t as usize);
                     let rows = height as usize;
                     for (i, row) in texels.chunks_exact(row_bytes).enumerate() {

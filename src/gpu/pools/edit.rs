@@ -19,7 +19,7 @@ impl FieldPools {
         if let Some((of, keys)) = &mut self.painted
             && *of == kind
         {
-            let new: HashSet<_> = refresh.slots.iter().collect();
+            let new: HashSet<_> = refresh.keys().collect();
             keys.retain(|key| !new.contains(key));
         }
         self.follow(kind, field, refresh);
@@ -40,7 +40,7 @@ impl FieldPools {
     ) -> Result<(), GpuError> {
         let right = self.painted.take_if(|(of, _)| *of == kind).map(|(_, keys)| keys).unwrap_or_default();
         if let Some(pool) = &mut self.pools[place(kind)] {
-            let other: Vec<_> = refresh.slots.iter().copied().filter(|key| !right.contains(key)).collect();
+            let other: Vec<_> = refresh.slots.iter().copied().filter(|(key, _)| !right.contains(key)).collect();
             pool.renew(gpu, field, &other)?;
         }
         self.follow(kind, field, refresh);
@@ -61,7 +61,7 @@ impl FieldPools {
     fn follow(&mut self, kind: FieldKind, field: &Field, refresh: &Refresh) {
         self.stale = true;
         let coarsest = self.pools[place(kind)].as_ref().map_or(0, Pool::coarsest);
-        for &key in refresh.slots.iter().filter(|k| k.level <= coarsest) {
+        for key in refresh.keys().filter(|k| k.level <= coarsest) {
             if key.level == 0 {
                 self.renew_brick(field, key.index);
                 continue;

@@ -240,7 +240,7 @@ fn cancel_leaves_no_trace() {
         let touched = canvas.painter.touched();
         let Canvas { painter, pools, .. } = &mut canvas;
         let refresh = painter.cancel(pools).unwrap();
-        assert_eq!(refresh.slots.iter().map(|k| k.index).collect::<Vec<_>>(), touched);
+        assert_eq!(refresh.finest().collect::<Vec<_>>(), touched);
         assert!(!painter.is_painting());
         assert!(pool(&gpu, &canvas, kind).0 == before, "{kind:?}");
         // And the next stroke starts clean, in the buffers of the one before.
@@ -331,7 +331,7 @@ fn a_stroke_beyond_its_budget_keeps_what_it_has() {
     assert_eq!(bricks, [(BrickIndex([0; 3]), live)]);
     // Nothing of it is kept on the host, so the slots go back too.
     let slots = vec![BrickKey { level: 0, index: BrickIndex([0; 3]) }];
-    pools.refresh(&gpu, FieldKind::Selection, selection, &Refresh { slots }).unwrap();
+    pools.refresh(&gpu, FieldKind::Selection, selection, &Refresh::whole(slots)).unwrap();
     // A stroke may grow over many chunks.
     painter.set_budget(1 << 30);
     canvas.begin(&brush);
