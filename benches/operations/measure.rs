@@ -37,16 +37,27 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 /// Runs `operation` `warm + count` times, numbered from 0, and times the last `count`.
 pub fn measure<E>(warm: usize, count: usize, mut operation: impl FnMut(usize) -> Result<(), E>) -> Result<Time, E> {
-    let (mut wall, mut cpu) = (Vec::new(), Vec::new());
+    let [time] = measure_by_turns(warm, count, |_, i| operation(i))?;
+    Ok(time)
+}
+
+/// The same for `N` operations that take turns, so that what slows the machine for a while slows them all.
+pub fn measure_by_turns<const N: usize, E>(
+    warm: usize,
+    count: usize,
+    mut operation: impl FnMut(usize, usize) -> Result<(), E>,
+) -> Result<[Time; N], E> {
+    let mut times = [const { Vec::new() }; N];
     for i in 0..warm + count {
-        let (start, cpu_start) = (Instant::now(), cpu_ms());
-        operation(i)?;
-        if i >= warm {
-            wall.push(start.elapsed().as_secs_f64() * 1e3);
-            cpu.push(cpu_ms() - cpu_start);
+        for (which, times) in times.iter_mut().enumerate() {
+            let (start, cpu_start) = (Instant::now(), cpu_ms());
+            operation(which, i)?;
+            if i >= warm {
+                times.push(Time { wall: start.elapsed().as_secs_f64() * 1e3, cpu: cpu_ms() - cpu_start });
+            }
         }
     }
-    Ok(Time { wall: median(wall), cpu: median(cpu) })
+    Ok(times.map(Time::median))
 }
 
 impl Report {

@@ -1,7 +1,7 @@
 //! Dabs and what follows: the brush alone by the volume's size, and a stamp with the picture after it.
 
 use super::head::{Failure, Volume};
-use super::measure::{Report, Time, measure};
+use super::measure::{Report, measure, measure_by_turns};
 use burin::gpu::{Body, Caster, FieldPools, Frame, Gpu, Overlay, Painter};
 use burin::math::{Camera, DQuat, DVec3};
 use burin::paint::{Brush, Falloff, Sample, StrokePath, Target};
@@ -65,18 +65,14 @@ fn path(n: f64, i: usize, diameter: f64) -> DVec3 {
 
 pub fn dab(report: &mut Report) -> Result<(), Failure> {
     for (name, target) in [("density", Target::Density(2.0)), ("selection", Target::Selection(1.0))] {
-        let mut times: Vec<Time> = Vec::new();
-        for n in [128, 512] {
-            let mut easel = Easel::new(n)?;
-            let brush = Brush { radius_mm: 32.0, falloff: Falloff::Smooth, target, ..Brush::default() };
+        let brush = Brush { radius_mm: 32.0, falloff: Falloff::Smooth, target, ..Brush::default() };
+        let mut easels = [Easel::new(128)?, Easel::new(512)?];
+        let [small, large] = measure_by_turns(5, 60, |which, i| -> Result<(), Failure> {
             // The same places relative to bricks, in the middle of either volume.
-            let shift = f64::from(n) / 2.0 - 64.0;
-            times.push(measure(3, 15, |i| -> Result<(), Failure> {
-                let at = DVec3::splat(64.0 + shift) + path(24.0, i, 4.0) - 12.0;
-                easel.click(&brush, at).map(|_| ())
-            })?);
-        }
-        let [small, large] = times[..] else { return Err("two sizes".into()) };
+            let middle = f64::from(easels[which].volume.grid.dims[0]) / 2.0;
+            let at = DVec3::splat(middle) + path(24.0, i, 4.0) - 12.0;
+            easels[which].click(&brush, at).map(|_| ())
+        })?;
         report.row(&format!("dab of 64 voxels on {name}, 128³"), small, "");
         let ratio = large.cpu / small.cpu;
         report.row(&format!("dab of 64 voxels on {name}, 512³"), large, &format!("{ratio:.2} of 128³ (CPU)"));
