@@ -33,6 +33,7 @@ mod sight;
 mod slice;
 pub mod solid;
 pub mod tiles;
+mod underlay;
 mod visibility;
 
 pub use bindings::FieldInfo;
@@ -46,4 +47,5 @@ pub use occupancy::{Shows, distances};
 pub use pools::{FieldPools, Fields};
 pub use screen::Wanted;
 pub use slice::{SliceCaster, SliceFrame};
+pub use underlay::{Fill, Sheet, Shown, Underlay};
 pub use visibility::Visibility;

@@ -28,6 +28,7 @@ const KERNELS: &[(&str, &str)] = files![
     "cast_visibility.wgsl",
     "screen.wgsl",
     "slice.wgsl",
+    "underlay.wgsl",
 ];
 
 /// Kernels of which exactly one of these conditions is set.

@@ -1,15 +1,15 @@
 //! The window's state, and how commands leave it and reports reach it.
 
-use super::dialogs::{Dialog, Lost};
+use super::dialogs::Dialog;
 use super::echo::echo;
 use super::panels::transfer::TransferEditor;
 use super::saving::AfterSave;
-use super::session::{Gravity, Opened, Report, Request, Session, Snapshot};
-use super::viewport::Viewports;
+use super::session::{Gravity, Opened, Request, Session, Snapshot};
+use super::viewport::{Canvas, Grounds, Viewports};
 use super::{pictures::Pictures, theme};
 use crate::document::{Command, HistoryCommand, ProjectCommand, Scene, ViewCommand, ViewName, VolumeCommand};
 use crate::explode::PartId;
-use crate::interact::{Context, Event, Interaction, readout};
+use crate::interact::{Context, Event, Interaction};
 use egui::{Id, Response, Ui};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -25,6 +25,7 @@ pub struct App {
     pub(super) interaction: Interaction,
     pub(super) viewports: Viewports,
     pub(super) pictures: Pictures,
+    pub(super) grounds: Grounds,
     pub(super) messages: Vec<(Gravity, String)>,
     pub(super) messages_open: bool,
     pub(super) keys_open: bool,
@@ -80,6 +81,7 @@ impl App {
             interaction: Interaction::default(),
             viewports: Viewports::default(),
             pictures: Pictures::default(),
+            grounds: Grounds::default(),
             messages: Vec::new(),
             messages_open: false,
             keys_open: false,
@@ -97,6 +99,11 @@ impl App {
             title: String::new(),
             zoom: 0.0,
         }
+    }
+
+    /// The same with something to draw pictures on; without it the window has controls only.
+    pub fn with_canvas(self, canvas: Canvas) -> Self {
+        Self { grounds: Grounds::on(canvas), ..self }
     }
 
     /// The open volume, if any.
@@ -204,65 +211,6 @@ impl App {
         }
     }
 
-    fn take_reports(&mut self, ctx: &egui::Context) {
-        for report in self.session.reports() {
-            match report {
-                Report::Snapshot(snapshot) => {
-                    let caught_up = snapshot.serial >= self.session.serial();
-                    let opened_anew = match (&snapshot.open, &self.snapshot.open) {
-                        (Some(new), Some(old)) => !Arc::ptr_eq(&new.histogram, &old.histogram),
-                        (new, old) => new.is_some() != old.is_some(),
-                    };
-                    if opened_anew {
-                        self.pictures.clear();
-                        self.viewports.forget_sizes();
-                        self.transfer = TransferEditor::default();
-                    }
-                    if caught_up || opened_anew {
-                        self.scene = snapshot.open.as_ref().map(|o| o.scene.as_ref().clone());
-                    } else if let (Some(scene), Some(open)) = (&mut self.scene, &snapshot.open) {
-                        // Views are never echoed in full: take the document's, so that the pointer is where the picture is.
-                        scene.views = open.scene.views.clone();
-                    }
-                    self.snapshot = snapshot;
-                }
-                Report::Picture(picture) => self.pictures.take(ctx, *picture),
-                Report::Probe(value) => self.probe = value,
-                Report::Started(what) => {
-                    self.busy = Some(Busy { what, since: ctx.input(|i| i.time), percent: None, stopping: false });
-                }
-                Report::Progress(percent) => {
-                    if let Some(busy) = &mut self.busy {
-                        busy.percent = Some(percent);
-                    }
-                }
-                Report::Finished => self.busy = None,
-                Report::Message(gravity, text) => {
-                    if gravity == Gravity::Error {
-                        self.wait_no_more();
-                    }
-                    self.say(gravity, text);
-                }
-                Report::Done(command, answer) => self.done(ctx, &command, &answer),
-            }
-        }
-    }
-
-    fn done(&mut self, ctx: &egui::Context, command: &Command, answer: &serde_json::Value) {
-        if let Command::Project(ProjectCommand::Lost {}) = command
-            && let Some(lost) = answer["lost"].as_array().filter(|l| !l.is_empty())
-        {
-            self.dialog = Some(Dialog::Lost(lost.iter().map(Lost::from).collect()));
-        }
-        if let Some(text) = readout::recovered(&answer["recovered"]) {
-            self.say(Gravity::Warning, text);
-            self.messages_open = true;
-        }
-        if let Command::Project(ProjectCommand::Save { .. }) = command {
-            self.saved(ctx);
-        }
-    }
-
     fn take_choices(&mut self) {
         let choices: Vec<_> = self.chosen.1.try_iter().collect();
         for choice in choices {
@@ -344,6 +292,7 @@ impl App {
         self.take_drops(&ctx);
         self.guard_close(&ctx);
         self.take_keys(&ctx);
+        self.grounds.begin(ui);
         self.top_bar(ui);
         self.status_bar(ui);
         self.message_list(ui);
@@ -353,6 +302,9 @@ impl App {
         self.key_page(&ctx);
         self.dialogs(&ctx);
         self.drop_hint(&ctx);
+        if let Err(error) = self.grounds.end(ui) {
+            self.say(Gravity::Error, error.to_string());
+        }
         if self.group.is_some() && !ctx.input(|i| i.pointer.any_down()) {
             self.end_group();
         }

@@ -167,7 +167,8 @@ impl App {
     pub(super) fn dialogs(&mut self, ctx: &egui::Context) {
         let Some(dialog) = self.dialog.clone() else { return };
         let frame = egui::Frame::popup(&ctx.style_of(egui::Theme::Dark)).inner_margin(20);
-        let modal = Modal::new(Id::unique("dialog")).frame(frame).backdrop_color(Color32::from_black_alpha(140));
+        self.grounds.shade(ctx);
+        let modal = Modal::new(Id::unique("dialog")).frame(frame).backdrop_color(Color32::TRANSPARENT);
         modal.show(ctx, |ui| {
             ui.set_width(440.0);
             match dialog {

@@ -14,6 +14,7 @@ mod panels;
 mod pictures;
 mod pointer;
 mod progress;
+mod reports;
 mod saving;
 mod session;
 mod stir;
@@ -26,6 +27,7 @@ mod worker;
 pub use app::App;
 pub use progress::Stop;
 pub use session::{Far, Gravity, Opened, Picture, Report, Request, Session, Snapshot};
+pub use viewport::Canvas;
 pub use worker::spawn;
 
 use crate::document::{Document, recovery};
@@ -50,7 +52,8 @@ pub fn run(options: Options) -> Result<(), String> {
         .with_inner_size([1280.0, 800.0])
         .with_maximized(true)
         .with_min_inner_size([960.0, 600.0]);
-    let native = eframe::NativeOptions { viewport, ..Default::default() };
+    // Flat colours have nothing to dither, and software drivers feel it.
+    let native = eframe::NativeOptions { viewport, dithering: false, ..Default::default() };
     let mut document = Document::new();
     // Without a place for a journal work goes on; the first save makes it safe.
     let unsafe_until_saved = match recovery::state_dir() {
@@ -70,7 +73,8 @@ pub fn run(options: Options) -> Result<(), String> {
             if let Ok(mut place) = started.lock() {
                 *place = Some(thread);
             }
-            let mut app = App::new(session);
+            let state = cc.wgpu_render_state.as_ref().ok_or("no graphics device for the window")?;
+            let mut app = App::new(session).with_canvas(Canvas::new(state)?);
             app.start(options.open.as_deref(), unsafe_until_saved);
             Ok(Box::new(app))
         }),

@@ -14,7 +14,7 @@ const OPENING: f32 = 8.0;
 const LETTERS: f32 = 24.0;
 
 impl App {
-    pub(super) fn overlay(&self, painter: &Painter, view: ViewName, body: Rect) {
+    pub(super) fn overlay(&mut self, painter: &Painter, view: ViewName, body: Rect) {
         let (Some(scene), Some(open)) = (&self.scene, self.opened()) else { return };
         let scale = painter.ctx().pixels_per_point();
         let size = super::pointer::pixels(body, scale);
@@ -25,7 +25,9 @@ impl App {
         }
         let plane = SlicePlane::new(&open.grid, &views, view);
         if let Some(plane) = &plane {
-            crosshair(painter, body, view, to_screen(plane.pixel(views.crosshair)));
+            for (line, colour) in crosshair(body, view, to_screen(plane.pixel(views.crosshair)), scale) {
+                self.grounds.mark(line, colour);
+            }
             letters(painter, body, plane.side_letters());
             scale_bar(painter, body, plane.mm_per_px * f64::from(scale));
         } else {
@@ -94,26 +96,26 @@ pub(super) fn paint_colour(target: Target, scene: &crate::document::Scene) -> Co
     }
 }
 
-fn crosshair(painter: &Painter, body: Rect, view: ViewName, at: Pos2) {
+fn crosshair(body: Rect, view: ViewName, at: Pos2, scale: f32) -> Vec<(Rect, Color32)> {
     // Each line has the colour of the slice that it stands for.
     let (vertical, horizontal) = match view {
         ViewName::Axial => (ViewName::Sagittal, ViewName::Coronal),
         ViewName::Coronal => (ViewName::Sagittal, ViewName::Axial),
         _ => (ViewName::Coronal, ViewName::Axial),
     };
-    let stroke = |v: ViewName| Stroke::new(1.0, view_colour(v).gamma_multiply(0.7));
-    let inside = |a: f32, b: f32| (b > a).then_some(a..=b);
-    let body = body.shrink(LETTERS);
-    for (a, b) in [(body.min.y, at.y - OPENING), (at.y + OPENING, body.max.y)] {
-        if let Some(range) = inside(a, b) {
-            painter.vline(at.x, range, stroke(vertical));
-        }
-    }
-    for (a, b) in [(body.min.x, at.x - OPENING), (at.x + OPENING, body.max.x)] {
-        if let Some(range) = inside(a, b) {
-            painter.hline(range, at.y, stroke(horizontal));
-        }
-    }
+    let colour = |v: ViewName| view_colour(v).gamma_multiply(0.7);
+    let inner = body.shrink(LETTERS);
+    // One pixel wide, or two where two are a point.
+    let half = scale.round().max(1.0) / scale * 0.5;
+    let down = |a: f32, b: f32| (Rect::from_min_max(pos2(at.x - half, a), pos2(at.x + half, b)), colour(vertical));
+    let across = |a: f32, b: f32| (Rect::from_min_max(pos2(a, at.y - half), pos2(b, at.y + half)), colour(horizontal));
+    let lines = [
+        down(inner.min.y, (at.y - OPENING).min(inner.max.y)),
+        down((at.y + OPENING).max(inner.min.y), inner.max.y),
+        across(inner.min.x, (at.x - OPENING).min(inner.max.x)),
+        across((at.x + OPENING).max(inner.min.x), inner.max.x),
+    ];
+    lines.into_iter().map(|(line, c)| (line.intersect(body), c)).filter(|(line, _)| line.is_positive()).collect()
 }
 
 /// Text with a shade, so that it is read on white bone as on black air.

@@ -1,17 +1,16 @@
-//! The last picture of each view: its texture, and for the 3D view what lies at each pixel.
+//! Which views were drawn, and for the 3D view what lies at each pixel.
 
 use super::session::Picture;
 use crate::document::{Scene, ViewName};
 use crate::explode::{Part, PartId};
 use crate::interact::Hit;
 use crate::math::{Camera, DVec2, DVec3, Pose};
-use egui::{Color32, ColorImage, TextureHandle, TextureOptions};
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 
 /// See the module's head.
 #[derive(Default)]
 pub(super) struct Pictures {
-    textures: BTreeMap<ViewName, TextureHandle>,
+    drawn: BTreeSet<ViewName>,
     depth: Option<Depth>,
 }
 
@@ -28,33 +27,19 @@ impl Pictures {
         *self = Self::default();
     }
 
-    /// Takes in a picture; one whose numbers do not fit its size is dropped.
-    pub(super) fn take(&mut self, ctx: &egui::Context, picture: Picture) {
-        let size = picture.size.map(|s| s as usize);
-        let pixels = size[0] * size[1];
-        if pixels == 0 || picture.rgba.len() != pixels * 4 {
-            return;
-        }
-        let opaque = picture.rgba.chunks_exact(4).map(|p| Color32::from_rgb(p[0], p[1], p[2])).collect();
-        let image = ColorImage::new(size, opaque);
-        // Slices show voxels as they are when they are larger than a pixel; the caster's half resolution is smoothed.
-        let options = TextureOptions::LINEAR;
-        match self.textures.get_mut(&picture.view) {
-            Some(texture) => texture.set(image, options),
-            None => {
-                let texture = ctx.load_texture(picture.view.name(), image, options);
-                self.textures.insert(picture.view, texture);
-            }
-        }
+    /// Notes a picture that is shown from now on.
+    pub(super) fn take(&mut self, picture: Picture) {
+        self.drawn.insert(picture.view);
+        let pixels = picture.size[0] as usize * picture.size[1] as usize;
         if picture.view == ViewName::ThreeD && picture.depth_mm.len() == pixels && picture.object.len() == pixels {
             let Picture { size, depth_mm, object, camera, .. } = picture;
             self.depth = Some(Depth { size, depth_mm, object, camera });
         }
     }
 
-    /// The texture of a view, if it was drawn.
-    pub(super) fn texture(&self, view: ViewName) -> Option<&TextureHandle> {
-        self.textures.get(&view)
+    /// Whether a view was drawn.
+    pub(super) fn has(&self, view: ViewName) -> bool {
+        self.drawn.contains(&view)
     }
 
     /// The camera that the 3D view was drawn by.

@@ -11,6 +11,8 @@ pub const PANEL: Color32 = Color32::from_rgb(0x25, 0x26, 0x29);
 pub const BAR: Color32 = Color32::from_rgb(0x1d, 0x1e, 0x20);
 /// Between views, and behind fields that take text.
 pub const DEEP: Color32 = Color32::from_rgb(0x16, 0x17, 0x18);
+/// Over the window, under a question.
+pub const SHADE: Color32 = Color32::from_black_alpha(140);
 /// Lines between areas.
 pub const LINE: Color32 = Color32::from_rgb(0x38, 0x3a, 0x3e);
 /// Buttons at rest.

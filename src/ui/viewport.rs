@@ -13,6 +13,11 @@ use egui::{
 };
 use std::collections::BTreeMap;
 
+mod canvas;
+
+pub use canvas::Canvas;
+pub(super) use canvas::Grounds;
+
 /// Height of a view's header.
 const HEADER: f32 = 26.0;
 /// Between the views.
@@ -88,15 +93,12 @@ impl App {
         egui::CentralPanel::no_frame().show(ui, |ui| {
             let all = ui.max_rect();
             if self.opened().is_none() {
-                ui.painter().rect_filled(all, 0.0, theme::DEEP);
+                self.grounds.fill(all, theme::DEEP);
                 self.welcome(ui);
                 return;
             }
-            // Without a graphics card every layer under a picture costs as much as the picture: only the seams are filled.
             if self.viewports.maximised.is_none() {
-                for seam in seams(all) {
-                    ui.painter().rect_filled(seam, 0.0, theme::DEEP);
-                }
+                seams(all).into_iter().for_each(|seam| self.grounds.fill(seam, theme::DEEP));
             }
             let tiles: Vec<(ViewName, Rect)> = match self.viewports.maximised {
                 Some(view) => vec![(view, all)],
@@ -121,7 +123,7 @@ impl App {
 
     fn one_view(&mut self, ui: &mut Ui, view: ViewName, tile: Rect, body: Rect) {
         let header = Rect::from_min_max(tile.min, pos2(tile.max.x, body.min.y));
-        ui.painter().rect_filled(header, 0.0, theme::BAR);
+        self.grounds.fill(header, theme::BAR);
         let inner = header.shrink2(vec2(8.0, 0.0));
         let mut head =
             ui.new_child(UiBuilder::new().max_rect(inner).layout(egui::Layout::left_to_right(egui::Align::Center)));
@@ -132,12 +134,11 @@ impl App {
         let Some(scene) = &self.scene else { return };
         let background = scene.look.background;
         let painter = ui.painter_at(body);
-        if let Some(texture) = self.pictures.texture(view) {
-            let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-            painter.image(texture.id(), body, uv, Color32::WHITE);
+        if self.pictures.has(view) {
+            self.grounds.picture(body, view);
         } else {
             let ground = if view == ViewName::ThreeD { theme::rgb(background) } else { Color32::BLACK };
-            painter.rect_filled(body, 0.0, ground);
+            self.grounds.fill(body, ground);
             let text = match &self.snapshot.gpu {
                 Some(Err(_)) => "No GPU: no picture",
                 _ => "Drawing…",

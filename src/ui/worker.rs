@@ -17,12 +17,14 @@ use serde_json::Value;
 use std::sync::Arc;
 use std::sync::mpsc::TryRecvError;
 use std::thread::JoinHandle;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Steps of 1/60 s that parts do between two pictures at most.
 const MOST_STEPS: u32 = 4;
 /// Milliseconds after which a picture is due: a step that measures what hides the selection draws a picture of its own.
 const STEPS_MS: u128 = 30;
+/// As good as at once.
+const SOON: Duration = Duration::from_millis(1);
 
 /// Starts it; the session is the window's end. The thread ends when the window drops it.
 ///
@@ -253,9 +255,11 @@ impl Worker {
     }
 
     fn report(&self, report: Report) {
+        let changes_layout = !matches!(report, Report::Picture(_) | Report::Probe(_));
         // Nobody there: the next look at the requests ends the thread.
         let _gone = self.far.reports.send(report);
-        self.wake.request_repaint();
+        // What changes no layout is all there after one frame; egui makes two of a request without delay.
+        self.wake.request_repaint_after(if changes_layout { Duration::ZERO } else { SOON });
     }
 }
 

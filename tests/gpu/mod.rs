@@ -14,3 +14,4 @@ mod pools_work;
 mod reference;
 mod shader;
 mod slice;
+mod underlay;

@@ -4,10 +4,11 @@ use super::scene;
 use burin::document::{Command, Scene, ViewCommand};
 use burin::explode::{Part, PartId};
 use burin::math::{DVec3, Pose};
-use burin::ui::{App, Far, Opened, Report, Request, Session, Snapshot};
+use burin::ui::{App, Canvas, Far, Opened, Report, Request, Session, Snapshot};
 use burin::volume::{Histogram, Statistics, VoxelType};
+use eframe::egui_wgpu::RenderState;
 use egui::{Modifiers, vec2};
-use egui_kittest::{Harness, kittest::Queryable};
+use egui_kittest::{Harness, kittest::Queryable, wgpu::WgpuTestRenderer};
 use std::sync::Arc;
 
 /// The window and the other end of its session.
@@ -42,16 +43,30 @@ impl Window {
         Self { harness, far, scene: scene().1, serial: 0 }
     }
 
+    /// As [`open`](Self::open), on a device that paints it.
+    pub fn painted(size: [f32; 2], state: RenderState, canvas: Canvas) -> Self {
+        let (session, far) = Session::pair();
+        let app = App::new(session).with_canvas(canvas);
+        let harness = Harness::builder()
+            .with_size(vec2(size[0], size[1]))
+            .renderer(WgpuTestRenderer::from_render_state(state))
+            .build_ui_state(|ui, app: &mut App| app.show(ui), app);
+        Self { harness, far, scene: scene().1, serial: 0 }.with_volume()
+    }
+
     /// A window with a volume, two segments, two parts and some steps.
     pub fn open(size: [f32; 2]) -> Self {
-        let mut window = Self::empty(size);
-        let s = &mut window.scene;
+        Self::empty(size).with_volume()
+    }
+
+    fn with_volume(mut self) -> Self {
+        let s = &mut self.scene;
         for id in [1, 2] {
             s.segments.ensure(id);
         }
         s.explosion.parts = vec![part(1, "Left half"), part(2, "Right half")];
-        window.snapshot(|_| {});
-        window
+        self.snapshot(|_| {});
+        self
     }
 
     /// The document says what it is now.

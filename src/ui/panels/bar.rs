@@ -23,8 +23,8 @@ const fn icon_of(tool: Tool) -> Icon {
 
 impl App {
     pub(in crate::ui) fn top_bar(&mut self, ui: &mut Ui) {
-        let frame = Frame::new().fill(theme::BAR).inner_margin(Margin::symmetric(8, 4));
-        Panel::top("bar").exact_size(42.0).frame(frame).show(ui, |ui| {
+        let frame = Frame::new().inner_margin(Margin::symmetric(8, 4));
+        let bar = Panel::top("bar").exact_size(42.0).frame(frame).show(ui, |ui| {
             ui.horizontal_centered(|ui| {
                 ui.spacing_mut().item_spacing.x = 2.0;
                 self.file_part(ui);
@@ -33,6 +33,7 @@ impl App {
                 from_right(ui, |ui| self.right_part(ui));
             });
         });
+        self.grounds.fill(bar.response.rect, theme::BAR);
     }
 
     fn file_part(&mut self, ui: &mut Ui) {

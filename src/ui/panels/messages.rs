@@ -21,8 +21,8 @@ impl App {
             return;
         }
         let mut dismissed = None;
-        let frame = Frame::new().fill(theme::BAR).inner_margin(Margin::symmetric(10, 6));
-        Panel::bottom("messages").frame(frame).max_size(180.0).show(ui, |ui| {
+        let frame = Frame::new().inner_margin(Margin::symmetric(10, 6));
+        let list = Panel::bottom("messages").frame(frame).max_size(180.0).show(ui, |ui| {
             ui.horizontal(|ui| {
                 ui.label(RichText::new(format!("Messages ({})", self.messages.len())).color(theme::TEXT));
                 from_right(ui, |ui| {
@@ -46,6 +46,7 @@ impl App {
                 }
             });
         });
+        self.grounds.fill(list.response.rect, theme::BAR);
         match dismissed {
             Some(Some(i)) => {
                 self.messages.remove(i);

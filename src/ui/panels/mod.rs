@@ -23,20 +23,21 @@ impl App {
         if self.opened().is_none() {
             return;
         }
-        side(Panel::left("tools")).default_size(276.0).size_range(252.0..=420.0).show(ui, |ui| {
+        let panel = side(Panel::left("tools")).default_size(276.0).size_range(252.0..=420.0).show(ui, |ui| {
             scrolled(ui, "left", |ui| {
                 section(ui, "Brush", true, |ui| self.brush_panel(ui));
                 section(ui, "Segments", true, |ui| self.segment_panel(ui));
                 section(ui, "Layers", true, |ui| self.layer_panel(ui));
             });
         });
+        self.grounds.fill(panel.response.rect, theme::PANEL);
     }
 
     pub(super) fn right_panel(&mut self, ui: &mut Ui) {
         if self.opened().is_none() {
             return;
         }
-        side(Panel::right("properties")).default_size(288.0).size_range(248.0..=520.0).show(ui, |ui| {
+        let panel = side(Panel::right("properties")).default_size(288.0).size_range(248.0..=520.0).show(ui, |ui| {
             // Below what scrolls, so that what was done is always in sight.
             let under = Frame::new().inner_margin(Margin { left: 0, right: 8, top: 6, bottom: 0 });
             Panel::bottom("steps").resizable(false).show_separator_line(false).frame(under).show(ui, |ui| {
@@ -49,16 +50,12 @@ impl App {
                 section(ui, "Parts", true, |ui| self.part_panel(ui));
             });
         });
+        self.grounds.fill(panel.response.rect, theme::PANEL);
     }
 }
 
 fn side(panel: Panel) -> Panel {
-    panel.resizable(true).frame(Frame::new().fill(theme::PANEL).inner_margin(Margin {
-        left: 10,
-        right: 6,
-        top: 6,
-        bottom: 0,
-    }))
+    panel.resizable(true).frame(Frame::new().inner_margin(Margin { left: 10, right: 6, top: 6, bottom: 0 }))
 }
 
 fn scrolled(ui: &mut Ui, name: &str, body: impl FnOnce(&mut Ui)) {

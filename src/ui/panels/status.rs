@@ -12,14 +12,15 @@ use serde_json::Value;
 
 impl App {
     pub(in crate::ui) fn status_bar(&mut self, ui: &mut Ui) {
-        let frame = Frame::new().fill(theme::BAR).inner_margin(Margin::symmetric(10, 2));
-        Panel::bottom("status").exact_size(26.0).frame(frame).show(ui, |ui| {
+        let frame = Frame::new().inner_margin(Margin::symmetric(10, 2));
+        let bar = Panel::bottom("status").exact_size(26.0).frame(frame).show(ui, |ui| {
             ui.horizontal_centered(|ui| {
                 ui.spacing_mut().item_spacing.x = 16.0;
                 self.place_text(ui);
                 from_right(ui, |ui| self.state_text(ui));
             });
         });
+        self.grounds.fill(bar.response.rect, theme::BAR);
     }
 
     /// World mm under the pointer: of the slice, or of the picked surface.

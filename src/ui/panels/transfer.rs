@@ -73,7 +73,7 @@ impl App {
         let (outer, ground) = ui.allocate_exact_size(vec2(width, height), Sense::click());
         ground.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Transfer function over the histogram"));
         let painter = ui.painter_at(outer);
-        painter.rect_filled(outer, 3.0, theme::DEEP);
+        self.grounds.detail(ui, outer, theme::DEEP);
         let rect = outer.shrink2(vec2(HANDLE * 0.5 + 1.0, HANDLE * 0.5 + 1.0));
         let (lo, hi) = if histogram.max > histogram.min {
             (histogram.min, histogram.max)
@@ -81,7 +81,9 @@ impl App {
             (histogram.min, histogram.min + 1.0)
         };
         let plot = Plot { rect, lo, hi };
-        self.transfer.paint_bars(&painter, &plot, &histogram);
+        for bar in self.transfer.bars(&plot, &histogram, ui.pixels_per_point()) {
+            self.grounds.detail(ui, bar, theme::CONTROL_HOVER);
+        }
         paint_curve(&painter, &plot, &old);
 
         let ground = ground.on_hover_text("Double-click adds a point; right-click removes one");
@@ -215,25 +217,26 @@ impl App {
 }
 
 impl TransferEditor {
-    fn paint_bars(&mut self, painter: &egui::Painter, plot: &Plot, histogram: &Arc<Histogram>) {
+    /// One bar for each column of pixels; neighbours of one height are one.
+    fn bars(&mut self, plot: &Plot, histogram: &Arc<Histogram>, scale: f32) -> Vec<Rect> {
         if !self.bars.as_ref().is_some_and(|(h, _)| Arc::ptr_eq(h, histogram)) {
             self.bars = Some((histogram.clone(), heights(&histogram.bins)));
         }
-        let Some((_, bars)) = &self.bars else { return };
-        let mut mesh = Mesh::default();
-        let columns = plot.rect.width().max(1.0) as usize;
+        let Some((_, bars)) = &self.bars else { return Vec::new() };
+        let columns = (plot.rect.width() * scale).max(1.0) as usize;
+        let mut rects: Vec<Rect> = Vec::new();
         for c in 0..columns {
             // Several bins under one column: the highest is seen.
             let (a, b) = (c * bars.len() / columns, ((c + 1) * bars.len()).div_ceil(columns));
             let height = bars[a.min(bars.len())..b.min(bars.len())].iter().copied().fold(0.0, f32::max);
-            let x = plot.rect.left() + c as f32;
+            let x = plot.rect.left() + c as f32 / scale;
             let top = plot.rect.bottom() - height * plot.rect.height() * 0.94;
-            mesh.add_colored_rect(
-                Rect::from_min_max(pos2(x, top), pos2(x + 1.0, plot.rect.bottom())),
-                Color32::from_rgb(0x43, 0x46, 0x4c),
-            );
+            match rects.last_mut().filter(|last| last.top() == top) {
+                Some(last) => last.max.x = x + 1.0 / scale,
+                None => rects.push(Rect::from_min_max(pos2(x, top), pos2(x + 1.0 / scale, plot.rect.bottom()))),
+            }
         }
-        painter.add(Shape::mesh(mesh));
+        rects
     }
 }
 

@@ -1,0 +1,88 @@
+//! The window as it is painted: grounds, pictures and what lies over them.
+
+use super::driver::{SMALL, Window};
+use burin::document::{Command, ProjectCommand, ViewName};
+use burin::ui::{Canvas, Picture, Report, theme};
+use eframe::egui_wgpu::{RenderState, RendererOptions};
+use egui::Color32;
+use egui_kittest::kittest::Queryable;
+
+/// A device as a window has it; `None` where there is none.
+fn render_state() -> Option<RenderState> {
+    crate::common::gpu::gpu()?;
+    let setup = egui_kittest::wgpu::default_wgpu_setup();
+    Some(egui_kittest::wgpu::create_render_state(setup, RendererOptions::PREDICTABLE))
+}
+
+/// A picture of one colour.
+fn plain(window: &Window, view: ViewName, size: [u32; 2], rgb: [u8; 3]) -> Picture {
+    let pixels = (size[0] * size[1]) as usize;
+    let rgba = [rgb[0], rgb[1], rgb[2], 255].repeat(pixels);
+    let camera = window.scene.views.camera;
+    Picture { view, size, rgba, depth_mm: Vec::new(), object: Vec::new(), camera }
+}
+
+#[test]
+fn pictures_lie_under_their_marks_and_panels_on_their_ground() {
+    let Some(state) = render_state() else { return };
+    let canvas = Canvas::new(&state).unwrap();
+    let mut window = Window::painted(SMALL, state, canvas);
+    let pictures = [(ViewName::ThreeD, [60, 0, 90]), (ViewName::Axial, [90, 20, 0]), (ViewName::Sagittal, [0, 80, 40])];
+    for (view, rgb) in pictures {
+        let report = Report::Picture(Box::new(plain(&window, view, [30, 20], rgb)));
+        window.report(report);
+    }
+    let image = window.harness.render().unwrap();
+    let at = |x: f32, y: f32| {
+        let [r, g, b, _] = image.get_pixel(x as u32, y as u32).0;
+        Color32::from_rgb(r, g, b)
+    };
+    for ((_, [r, g, b]), name) in pictures.into_iter().zip(["3D view", "Axial view", "Sagittal view"]) {
+        let rect = window.harness.get_by_label(name).rect();
+        // Where no letter, line or bar is.
+        for (u, v) in [(0.02, 0.02), (0.3, 0.3), (0.7, 0.8), (0.98, 0.02)] {
+            let (x, y) = (rect.left() + rect.width() * u, rect.top() + rect.height() * v);
+            assert_eq!(at(x, y), Color32::from_rgb(r, g, b), "{name} at {u} {v}");
+        }
+    }
+    let axial = window.harness.get_by_label("Axial view").rect();
+    let column = (0..axial.width() as u32).map(|x| at(axial.left() + x as f32, axial.top() + axial.height() * 0.3));
+    let crossed = column.filter(|c| *c != Color32::from_rgb(90, 20, 0)).count();
+    assert!((1..=2).contains(&crossed), "the crosshair's line is {crossed} pixels wide");
+    let coronal = window.harness.get_by_label("Coronal view").rect();
+    assert_eq!(at(coronal.left() + 20.0, coronal.top() + 20.0), Color32::BLACK, "its picture has not come");
+    // Beside and between the controls.
+    for (name, ground) in [("Section Brush", theme::PANEL), ("Section Parts", theme::PANEL), ("Open", theme::BAR)] {
+        let rect = window.harness.get_by_label(name).rect();
+        assert_eq!(at(rect.left() - 3.0, rect.center().y), ground, "beside {name}");
+    }
+    let plot = window.harness.get_by_label("Transfer function over the histogram").rect();
+    assert_eq!(at(plot.right() - 3.0, plot.top() + 3.0), theme::DEEP, "detail lies on its panel's ground");
+}
+
+#[test]
+fn a_question_darkens_the_whole_window_and_is_not_dark_itself() {
+    let Some(state) = render_state() else { return };
+    let canvas = Canvas::new(&state).unwrap();
+    let mut window = Window::painted(SMALL, state, canvas);
+    let report = Report::Picture(Box::new(plain(&window, ViewName::ThreeD, [8, 8], [200, 100, 50])));
+    window.report(report);
+    let view = window.harness.get_by_label("3D view").rect();
+    let lit = window.harness.render().unwrap();
+    window.report(Report::Done(
+        Command::Project(ProjectCommand::Lost {}),
+        serde_json::json!({"lost": [{"id": "a", "origin": "/data/head.nii"}]}),
+    ));
+    let dark = window.harness.render().unwrap();
+    let shade = 1.0 - f64::from(theme::SHADE.a()) / 255.0;
+    let open = window.harness.get_by_label("Open").rect();
+    for at in [view.left_top() + egui::vec2(9.0, 9.0), view.left_bottom() + egui::vec2(40.0, -60.0), open.center()] {
+        let [before, after] = [&lit, &dark].map(|image| image.get_pixel(at.x as u32, at.y as u32).0);
+        for (b, a) in before.iter().zip(after).take(3) {
+            assert!((f64::from(*b) * shade - f64::from(a)).abs() <= 2.0, "{before:?} became {after:?} at {at:?}");
+        }
+    }
+    let question = window.harness.get_by_label("Unsaved work was found").rect();
+    let ground = dark.get_pixel(question.left() as u32 - 6, question.center().y as u32).0;
+    assert!(ground[0] > 36, "{ground:?}");
+}
