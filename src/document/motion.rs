@@ -7,15 +7,17 @@ use super::graphics::Graphics;
 use super::step::Refreshed;
 use super::{DocumentError, State, Watch};
 use crate::explode::{
-    Explosion, ExplosionPoint, MAX_ROUNDS, Measured, Octrees, Progress, Search, Settled, Simulation, settle_with_gain,
+    Explosion, ExplosionPoint, Measured, Octrees, Progress, Search, Settled, Simulation, settle_with_gain,
 };
 use crate::math::{Camera, Pose};
 use crate::volume::{BrickIndex, FieldKind, LiveCells, TransferFunction};
 
 /// Longest edge of the picture that visibility is measured in.
 const MEASURED_PX: f64 = 256.0;
-/// Steps of the search for each step of the window's animation.
-const SEARCH_STEPS: u32 = 100;
+/// Steps of the search for each step of the window's animation, at most.
+const SEARCH_STEPS: usize = 100;
+/// The same for many parts, whose steps cost the square of their number: these times the square of the number, some 80 ms.
+const SEARCH_PAIRS: usize = 100_000;
 
 /// What rest poses depend on.
 #[derive(Clone, Debug, PartialEq)]
@@ -130,16 +132,11 @@ impl Motion {
         graphics: &mut Graphics,
         watch: &Watch,
     ) -> Result<Settled, DocumentError> {
-        let mut round = 0.0;
         let points = self.points(state)?.to_vec();
         let (explosion, camera) = (&state.scene.explosion, state.scene.views.camera);
-        let settled = settle_with_gain(explosion, &points, &camera, &mut |poses: &[Pose]| {
-            if !watch.go_on(round / MAX_ROUNDS as f32) {
-                return Err(DocumentError::Stopped);
-            }
-            round += 1.0;
-            measure(state, graphics, poses)
-        })?;
+        let mut look = |poses: &[Pose]| measure(state, graphics, poses);
+        let mut go_on = |share| if watch.go_on(share) { Ok(()) } else { Err(DocumentError::Stopped) };
+        let settled = settle_with_gain(explosion, &points, &camera, &mut look, &mut go_on)?;
         self.reached = Some((Cause { explosion: at_rest(explosion), camera, points }, settled.clone()));
         self.search = None;
         self.bodies = None;
@@ -156,9 +153,11 @@ impl Motion {
             let search = Search::new(explosion, &cause.points, &camera)?;
             self.search = Some((cause, search));
         }
+        // Counted, not timed: the same script gives the same poses.
+        let slice = (SEARCH_PAIRS / explosion.parts.len().pow(2).max(1)).clamp(2, SEARCH_STEPS) as u32;
         for _ in 0..steps.max(1) {
             let Some((_, search)) = &mut self.search else { break };
-            match search.advance(SEARCH_STEPS) {
+            match search.advance(slice) {
                 Progress::Moving => {}
                 Progress::Measure(poses) => {
                     // A change of parts since the search began makes its measurement meaningless, not wrong.

@@ -23,6 +23,8 @@ const FIRST_GAIN: f64 = 0.25;
 const RAISE: f64 = 1.5;
 /// Steps a round may take: parts that find no rest must not use up the others' rounds.
 const ROUND_STEPS: u32 = 400;
+/// Steps between two looks at whether to go on.
+const SLICE: u32 = 4;
 /// Steps kept for the way from degree 1 to the degree asked for.
 const LAST_APPROACH: u32 = 200;
 
@@ -168,6 +170,11 @@ impl Search {
         }
     }
 
+    /// How much of what it may take was done, 0..1: it often takes less.
+    fn share(&self) -> f32 {
+        (self.steps as f32 / MAX_STEPS as f32).max(self.rounds as f32 / MAX_ROUNDS as f32).min(1.0)
+    }
+
     /// The answer so far; final after [`Progress::Done`].
     pub fn settled(&self) -> Settled {
         Settled {
@@ -182,19 +189,21 @@ impl Search {
 }
 
 /// Runs a [`Search`] to its end. `measure` looks at the picture with the parts at given poses; it is called only where forces
-/// ask for a measured gain.
+/// ask for a measured gain. `go_on` gets the share done, 0..1, every few steps.
 ///
 /// # Errors
-/// If the explosion is not sound, or what `measure` failed with.
+/// If the explosion is not sound, or what `measure` or `go_on` failed with.
 pub fn settle_with_gain<E: From<ExplodeError>>(
     explosion: &Explosion,
     points: &[ExplosionPoint],
     camera: &Camera,
     measure: &mut dyn FnMut(&[Pose]) -> Result<Measured, E>,
+    go_on: &mut dyn FnMut(f32) -> Result<(), E>,
 ) -> Result<Settled, E> {
     let mut search = Search::new(explosion, points, camera)?;
     loop {
-        match search.advance(MAX_STEPS) {
+        go_on(search.share())?;
+        match search.advance(SLICE) {
             Progress::Moving => {}
             Progress::Measure(poses) => search.measured(&measure(&poses)?),
             Progress::Done => return Ok(search.settled()),

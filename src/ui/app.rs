@@ -44,6 +44,8 @@ pub struct App {
     /// What a save was asked for on the way to; forgotten when a save is asked for its own sake.
     pub(super) after_save: Option<AfterSave>,
     pub(super) closing: bool,
+    /// Events that wait for the next frame.
+    pub(super) held_back: Vec<egui::Event>,
     title: String,
     /// The zoom that the window's size asked for; 0 before the first pass.
     zoom: f32,
@@ -96,6 +98,7 @@ impl App {
             chosen: channel(),
             after_save: None,
             closing: false,
+            held_back: Vec::new(),
             title: String::new(),
             zoom: 0.0,
         }
@@ -349,6 +352,10 @@ impl eframe::App for App {
         if self.closing || !self.snapshot.unsaved {
             self.request(Request::Quit);
         }
+    }
+
+    fn raw_input_hook(&mut self, ctx: &egui::Context, raw: &mut egui::RawInput) {
+        self.hold_back(ctx, raw);
     }
 
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {

@@ -13,6 +13,27 @@ use egui::{Pos2, Rect};
 const POINTS_PER_NOTCH: f32 = 40.0;
 
 impl App {
+    /// Keeps a release for the next frame if the press came in this one, with all that follows: in a slow frame a slider that is
+    /// clicked would see neither.
+    pub(super) fn hold_back(&mut self, ctx: &egui::Context, raw: &mut egui::RawInput) {
+        let mut events = std::mem::take(&mut self.held_back);
+        events.append(&mut raw.events);
+        let mut down = Vec::new();
+        let cut = events.iter().position(|event| match event {
+            egui::Event::PointerButton { button, pressed: true, .. } => {
+                down.push(*button);
+                false
+            }
+            egui::Event::PointerButton { button, pressed: false, .. } => down.contains(button),
+            _ => false,
+        });
+        if let Some(cut) = cut {
+            self.held_back = events.split_off(cut);
+            ctx.request_repaint();
+        }
+        raw.events = events;
+    }
+
     /// Gives the tools what happened over the views, in order. `open`: no dialog or menu lies over them.
     pub(super) fn take_pointer(&mut self, ctx: &egui::Context, rects: &[(ViewName, Rect)], open: bool) {
         let (events, scale, time, space, erase) = ctx.input(|i| {

@@ -287,6 +287,8 @@ fn lasts(command: &Command) -> Option<String> {
         Command::Selection(_) => Some("Selecting".into()),
         Command::Segment(crate::document::SegmentCommand::Remove { .. }) => Some("Removing a segment".into()),
         Command::Render(_) => Some("Drawing a picture".into()),
+        Command::History(HistoryCommand::Undo { .. }) => Some("Undoing".into()),
+        Command::History(HistoryCommand::Redo { .. }) => Some("Redoing".into()),
         _ => None,
     }
 }

@@ -39,9 +39,13 @@ fn camera(direction: DVec3) -> Camera {
 }
 
 fn settle(explosion: &Explosion, points: &[ExplosionPoint], camera: &Camera) -> Settled {
-    settle_with_gain::<ExplodeError>(explosion, points, camera, &mut |poses| {
-        Ok(measure(explosion, poses, camera, PX, 2.5, &matter))
-    })
+    settle_with_gain::<ExplodeError>(
+        explosion,
+        points,
+        camera,
+        &mut |poses| Ok(measure(explosion, poses, camera, PX, 2.5, &matter)),
+        &mut |_| Ok(()),
+    )
     .unwrap()
 }
 
@@ -201,21 +205,66 @@ fn what_cannot_be_uncovered_ends_after_twelve_rounds() {
     let (explosion, points) = setup();
     let view = camera(DVec3::NEG_Y);
     let mut calls = 0;
-    let settled = settle_with_gain::<ExplodeError>(&explosion, &points, &view, &mut |_| {
-        calls += 1;
-        Ok(Measured { visible: 0.3, hidden: vec![0.1; 8] })
-    })
+    let settled = settle_with_gain::<ExplodeError>(
+        &explosion,
+        &points,
+        &view,
+        &mut |_| {
+            calls += 1;
+            Ok(Measured { visible: 0.3, hidden: vec![0.1; 8] })
+        },
+        &mut |_| Ok(()),
+    )
     .unwrap();
     assert!(settled.rounds <= MAX_ROUNDS && settled.steps <= MAX_STEPS && calls == settled.rounds, "{settled:?}");
     assert!(settled.poses.iter().all(|p| p.translation.is_finite()));
-    let failed = settle_with_gain(&explosion, &points, &view, &mut |_| {
-        Err(ExplodeError::NoPlane { splitter: "none", reason: "the picture failed" })
-    });
+    let failed = settle_with_gain(
+        &explosion,
+        &points,
+        &view,
+        &mut |_| Err(ExplodeError::NoPlane { splitter: "none", reason: "the picture failed" }),
+        &mut |_| Ok(()),
+    );
     assert!(failed.is_err());
     // A measurement of fewer parts, or of nothing that is a number, is no reason to panic.
     for odd in [Measured::default(), Measured { visible: f64::NAN, hidden: vec![f64::NAN; 3] }] {
-        settle_with_gain::<ExplodeError>(&explosion, &points, &view, &mut |_| Ok(odd.clone())).unwrap();
+        settle_with_gain::<ExplodeError>(&explosion, &points, &view, &mut |_| Ok(odd.clone()), &mut |_| Ok(()))
+            .unwrap();
     }
+}
+
+#[test]
+fn a_search_tells_how_far_it_is_and_ends_between_steps_when_it_is_told_to() {
+    let (explosion, points) = setup();
+    let view = camera(DVec3::NEG_Y);
+    let mut look = |poses: &[Pose]| Ok::<_, ExplodeError>(measure(&explosion, poses, &view, PX, 2.5, &matter));
+    let mut told = Vec::new();
+    let mut listen = |share| {
+        told.push(share);
+        Ok(())
+    };
+    let settled = settle_with_gain(&explosion, &points, &view, &mut look, &mut listen).unwrap();
+    assert!(told.is_sorted() && told[0] == 0.0 && told[told.len() - 1] <= 1.0, "{told:?}");
+    assert!(told.len() > settled.rounds as usize * 3, "also between measurements: {} times", told.len());
+
+    // Without looking up it is the same to the bit.
+    let mut search = Search::new(&explosion, &points, &view).unwrap();
+    let whole = loop {
+        match search.advance(MAX_STEPS) {
+            Progress::Measure(poses) => search.measured(&look(&poses).unwrap()),
+            Progress::Done => break search.settled(),
+            Progress::Moving => {}
+        }
+    };
+    assert_eq!((settled.poses, settled.steps, settled.rounds), (whole.poses, whole.steps, whole.rounds));
+
+    let mut looks = 0;
+    let mut stop = |share: f32| {
+        looks += 1;
+        if share > 0.0 { Err(ExplodeError::NoPlane { splitter: "none", reason: "stopped" }) } else { Ok(()) }
+    };
+    assert!(settle_with_gain(&explosion, &points, &view, &mut look, &mut stop).is_err());
+    assert_eq!(looks, 2, "after the first few steps");
 }
 
 #[test]

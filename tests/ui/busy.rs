@@ -2,9 +2,10 @@
 
 use super::driver::{SMALL, Window};
 use crate::document::maker::labelled;
-use burin::document::{Command, VolumeCommand};
+use burin::document::{Command, HistoryCommand, VolumeCommand, Watch};
 use burin::ui::{Gravity, Report, Request, spawn};
 use egui_kittest::kittest::{NodeT, Queryable};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 #[test]
@@ -64,4 +65,38 @@ fn a_stopped_opening_leaves_open_what_was() {
     assert_eq!(name, "ramp.nrrd");
     session.send(Request::Quit);
     thread.join().unwrap();
+}
+
+#[test]
+fn what_is_over_at_once_is_not_worth_a_word() {
+    let mut window = Window::open(SMALL);
+    window.far.reports.send(Report::Started("Undoing".into())).unwrap();
+    // A frame of the harness is a quarter of a second.
+    window.harness.run_steps(1);
+    assert!(window.harness.query_by_label_contains("Undoing").is_none());
+    window.harness.run_steps(2);
+    assert!(window.harness.query_by_label_contains("Undoing").is_some());
+}
+
+#[test]
+fn a_jump_over_many_steps_tells_how_far_it_is_and_stops_between_two() {
+    let mut document = labelled();
+    for id in 1..=6 {
+        let name = Some(format!("Part {id}"));
+        let set = burin::document::SegmentCommand::Set { id, name, colour: None, visible: None, locked: None };
+        document.apply(Command::Segment(set)).unwrap();
+    }
+    let told = Arc::new(Mutex::new(Vec::new()));
+    let listener = told.clone();
+    document.set_watch(Watch::new(move |share| {
+        listener.lock().unwrap().push(share);
+        share < 0.45
+    }));
+    let answer = document.apply(Command::History(HistoryCommand::Undo { steps: 5 })).unwrap();
+    assert_eq!(answer["undone"].as_array().unwrap().len(), 3, "{answer}");
+    assert_eq!(*told.lock().unwrap(), [0.0, 0.2, 0.4, 0.6]);
+    assert!(answer["warning"].to_string().contains("after 3 of 5 steps"), "{answer}");
+    // One step is whole or not at all.
+    let answer = document.apply(Command::History(HistoryCommand::Redo { steps: 1 })).unwrap();
+    assert_eq!((answer["redone"].as_array().unwrap().len(), told.lock().unwrap().len()), (1, 4), "{answer}");
 }

@@ -420,3 +420,35 @@ fn a_part_is_coloured_by_hand_and_given_its_own_colours_back() {
     assert!(matches!(own[..], [Command::Part(PartCommand::Set { id: PartId(2), own_colour: true, .. })]), "{own:?}");
     assert!(window.harness.query_by_label("Pick red").is_none(), "the picker is closed");
 }
+
+#[test]
+fn a_click_within_one_slow_frame_moves_a_slider() {
+    let mut window = Window::open(SMALL);
+    let rail = window.harness.get_by_label("Degree of explosion").rect();
+    let pos = egui::pos2(rail.left() + rail.width() * 0.75, rail.center().y);
+    window.harness.hover_at(pos);
+    window.harness.run_steps(2);
+    window.sent();
+    let button = |pressed| egui::Event::PointerButton {
+        pos,
+        button: egui::PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    let mut raw = egui::RawInput { events: vec![button(true), button(false)], ..Default::default() };
+    let ctx = window.harness.ctx.clone();
+    let mut frames = Vec::new();
+    for _ in 0..3 {
+        eframe::App::raw_input_hook(window.harness.state_mut(), &ctx, &mut raw);
+        frames.push(raw.events.len());
+        window.harness.input_mut().events.append(&mut raw.events);
+        window.harness.run_steps(1);
+    }
+    assert_eq!(frames, [1, 1, 0], "press and release come in two frames, and come once");
+    let mut degrees = window.sent().into_iter().filter_map(|c| match c {
+        Command::Explosion(ExplosionCommand::Degree { value }) => Some(value),
+        _ => None,
+    });
+    let last = degrees.next_back().expect("the slider moved");
+    assert!((last - 0.75).abs() < 0.06, "{last}");
+}

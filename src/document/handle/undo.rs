@@ -36,14 +36,21 @@ impl Document {
         Ok(answer)
     }
 
-    /// Takes back or does again as many steps as there are. An open group is closed first.
+    /// Takes back or does again as many steps as there are. An open group is closed first. Between two steps it can be stopped:
+    /// those already taken stand.
     fn walk(&mut self, steps: u32, back: bool, warnings: &mut Vec<String>) -> Result<Value, DocumentError> {
         if self.history.in_group() {
             self.end_group(warnings)?;
         }
         let mut names = Vec::new();
         let mut all = Refreshed::default();
-        for _ in 0..steps {
+        let there = if back { self.history.undo_names().len() } else { self.history.redo_names().len() };
+        let steps = (steps as usize).min(there);
+        for done in 0..steps {
+            if steps > 1 && !self.watch.go_on(done as f32 / steps as f32) {
+                warnings.push(format!("stopped on request after {done} of {steps} steps"));
+                break;
+            }
             let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
             match if back { self.history.undo(state) } else { self.history.redo(state) } {
                 Ok(Some((name, refreshed))) => {

@@ -10,6 +10,9 @@ use crate::ui::widgets::from_right;
 use egui::{Button, Frame, Label, Margin, Panel, ProgressBar, RichText, Ui};
 use serde_json::Value;
 
+/// Seconds that nobody needs to be told of.
+const AT_ONCE: f64 = 0.1;
+
 impl App {
     pub(in crate::ui) fn status_bar(&mut self, ui: &mut Ui) {
         let frame = Frame::new().inner_margin(Margin::symmetric(10, 2));
@@ -113,9 +116,11 @@ impl App {
             }
             None => {}
         }
-        if let Some(busy) = self.busy.clone() {
+        // What is over at once is not worth a word.
+        let now = ui.input(|i| i.time);
+        if let Some(busy) = self.busy.clone().filter(|busy| now - busy.since > AT_ONCE) {
             self.busy_text(ui, &busy);
-        } else if self.behind_since.is_some_and(|since| ui.input(|i| i.time) - since > 0.1) {
+        } else if self.behind_since.is_some_and(|since| now - since > AT_ONCE) {
             ui.label(RichText::new("Working").color(theme::TEXT));
             ui.add(egui::Spinner::new().size(14.0).color(theme::ACCENT));
         } else if self.snapshot.moving {
