@@ -128,6 +128,8 @@ const CAPACITY: u32 = 4u;
 #endif
 #endif
 const SHARED_RUN: u32 = 16u;
+// So many samples of one body are not worth the merging of several.
+const ALONE: f32 = 8.0;
 
 // Extinction-weighted colour and extinction of a run of samples in which several bodies overlap, and its strongest body.
 var<private> matter: array<vec4<f32>, SHARED_RUN>;
@@ -141,8 +143,8 @@ fn mix_in(c: vec4<f32>, i: u32, body: u32) {
     }
 }
 
-// Adds a body's samples k0 ≤ k < k1, at most SHARED_RUN of them, to `matter`.
-fn gather(r: BodyRay, k0: f32, k1: f32) {
+// Adds a body's samples k0 ≤ k < k1, less than SHARED_RUN after `first`, to `matter`.
+fn gather(r: BodyRay, first: f32, k0: f32, k1: f32) {
     var k = k0;
     loop {
         k = skip_empty(r, k, k1);
@@ -174,7 +176,7 @@ fn gather(r: BodyRay, k0: f32, k1: f32) {
                 }
             }
             if (c.a > 0.0) {
-                mix_in(evaluate(r, page, selection, k - 1.0, texel, c), u32(k - 1.0 - k0), r.body);
+                mix_in(evaluate(r, page, selection, k - 1.0, texel, c), u32(k - 1.0 - first), r.body);
             }
             if (k >= end) {
                 break;
@@ -220,80 +222,71 @@ fn march_pixel(@builtin(position) at: vec4<f32>) -> Picture {
     let sight = sight_of(at.xy);
 
 #ifdef MERGE
-    var k0: array<f32, CAPACITY>;
+    // By interval: its body, its end, and the first sample from the current one on that may show something of it.
+    var ahead: array<f32, CAPACITY>;
     var k1: array<f32, CAPACITY>;
     var who: array<u32, CAPACITY>;
     var n = 0u;
     for (var i = 0u; i < count; i += 1u) {
         let body = listed(head.x + i);
-        let within = interval(ray_of(body, sight), sight);
+        let r = ray_of(body, sight);
+        let within = interval(r, sight);
         let a = max(ceil(within.x), view.k_from);
         let b = min(ceil(within.y), view.k_to);
         if (a < b && n < CAPACITY) {
-            k0[n] = a;
+            ahead[n] = skip_empty(r, a, b);
             k1[n] = b;
             who[n] = body;
             n += 1u;
         }
     }
-    var k = 0.0;
     loop {
-        // From k to `next` the same bodies are met.
-        var next = FAR;
-        var active_count = 0u;
-        var only = 0u;
+        var first = FAR;
+        var second = FAR;
+        var nearest = 0u;
         for (var j = 0u; j < n; j += 1u) {
-            if (k0[j] > k) {
-                next = min(next, k0[j]);
-            } else if (k1[j] > k) {
-                next = min(next, k1[j]);
-                active_count += 1u;
-                only = who[j];
+            let at = select(FAR, ahead[j], ahead[j] < k1[j]);
+            if (at < first) {
+                second = first;
+                first = at;
+                nearest = j;
+            } else {
+                second = min(second, at);
             }
         }
-        if (next == FAR || clear < THRESHOLD) {
+        if (first == FAR || clear < THRESHOLD) {
             break;
         }
-        if (active_count == 1u) {
-            march(ray_of(only, sight), k, next);
-        } else if (active_count > 1u) {
-            loop {
-                var first = next;
-                for (var j = 0u; j < n; j += 1u) {
-                    if (k0[j] <= k && k1[j] > k) {
-                        first = min(first, skip_empty(ray_of(who[j], sight), k, first));
+        var reached = min(second, k1[nearest]);
+        if (second - first >= ALONE) {
+            march(ray_of(who[nearest], sight), first, reached);
+        } else {
+            reached = first + f32(SHARED_RUN);
+            for (var i = 0u; i < SHARED_RUN; i += 1u) {
+                matter[i] = vec4<f32>(0.0);
+                strongest[i] = vec2<f32>(0.0);
+            }
+            for (var j = 0u; j < n; j += 1u) {
+                let end = min(reached, k1[j]);
+                if (ahead[j] < end) {
+                    gather(ray_of(who[j], sight), first, ahead[j], end);
+                }
+            }
+            for (var i = 0u; i < SHARED_RUN; i += 1u) {
+                let m = matter[i];
+                if (m.a > 0.0 && clear >= THRESHOLD) {
+                    if (clear > 0.5) {
+                        half_body = u32(strongest[i].y);
                     }
-                }
-                if (first >= next) {
-                    break;
-                }
-                let end = min(next, first + f32(SHARED_RUN));
-                let samples = u32(end - first);
-                for (var i = 0u; i < samples; i += 1u) {
-                    matter[i] = vec4<f32>(0.0);
-                    strongest[i] = vec2<f32>(0.0);
-                }
-                for (var j = 0u; j < n; j += 1u) {
-                    if (k0[j] <= k && k1[j] > k) {
-                        gather(ray_of(who[j], sight), first, end);
-                    }
-                }
-                for (var i = 0u; i < samples; i += 1u) {
-                    let m = matter[i];
-                    if (m.a > 0.0 && clear >= THRESHOLD) {
-                        if (clear > 0.5) {
-                            half_body = u32(strongest[i].y);
-                        }
-                        add(vec4<f32>(m.rgb / m.a, 1.0 - exp(-m.a)), first + f32(i));
-                    }
-                }
-                k = end;
-                if (k >= next || clear < THRESHOLD) {
-                    break;
+                    add(vec4<f32>(m.rgb / m.a, 1.0 - exp(-m.a)), first + f32(i));
                 }
             }
         }
-        k = next;
+        for (var j = 0u; j < n; j += 1u) {
+            if (ahead[j] < reached) {
+                ahead[j] = skip_empty(ray_of(who[j], sight), reached, k1[j]);
+            }
+        }
     }
 #else
     for (var i = 0u; i < count; i += 1u) {

@@ -225,8 +225,8 @@ fn passes(drawn: &[Drawn], sight: Sight, eye: DVec3, step_mm: f64, tiles: &Tiles
     // Nothing lies nearer than the plane through the nearest corner, perpendicular to the mean direction.
     let mean = (corners().sum::<DVec3>() / corners().count().max(1) as f64 - eye).normalize_or_zero();
     let first = (corners().map(|p| (*p - eye).dot(mean)).fold(f64::INFINITY, f64::min) / step_mm).floor().max(0.0);
-    // A sample costs at most three turns of loops per overlapping body, and three for the run it belongs to.
-    let stride = (ITERATIONS / (3.0 * tiles.longest_merged as f64 + 3.0)).floor().max(64.0);
+    // A sample costs at most four turns of loops per overlapping body, and five for the run it belongs to.
+    let stride = (ITERATIONS / (4.0 * tiles.longest_merged as f64 + 5.0)).floor().max(1.0);
     let mut passes = Vec::new();
     let mut from = if first < last { first } else { 0.0 };
     while from < last {
