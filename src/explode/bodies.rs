@@ -6,7 +6,7 @@
 use crate::math::{DQuat, DVec3};
 use rapier3d::dynamics::RigidBodyType;
 use rapier3d::math::{Pose, Rotation, Vector};
-use rapier3d::prelude::{MassProperties, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle};
+use rapier3d::prelude::{MassProperties, PhysicsWorld, RigidBody, RigidBodyBuilder, RigidBodyHandle};
 
 /// Where a body is: shift of its centre in half-diagonals, and turn about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +17,11 @@ pub(super) struct State {
 
 impl State {
     pub const REST: Self = Self { shift: DVec3::ZERO, rotation: DQuat::IDENTITY };
+
+    /// How far a point about the centre at rest is from that centre now.
+    pub fn place(&self, point: DVec3) -> DVec3 {
+        self.shift + self.rotation * point
+    }
 }
 
 /// Seconds a step.
@@ -54,9 +59,10 @@ impl Bodies {
         State { shift: body.translation().as_dvec3(), rotation: body.rotation().as_dquat() }
     }
 
-    /// Speed in half-diagonals and radians a second, the larger of both.
-    pub fn speed(&self, i: usize) -> f64 {
-        self.world.bodies.get(self.handles[i]).map_or(0.0, |b| f64::from(b.linvel().length().max(b.angvel().length())))
+    /// Velocity of the centre in half-diagonals a second, and of the turn in radians a second, world axes.
+    pub fn velocity(&self, i: usize) -> (DVec3, DVec3) {
+        let velocity = |body: &RigidBody| (body.linvel().as_dvec3(), body.angvel().as_dvec3());
+        self.world.bodies.get(self.handles[i]).map_or((DVec3::ZERO, DVec3::ZERO), velocity)
     }
 
     /// Puts a body somewhere, without speed.

@@ -21,8 +21,8 @@ const TOLERATED: f64 = 0.001;
 /// A part's first gain, and the factor of the following.
 const FIRST_GAIN: f64 = 0.25;
 const RAISE: f64 = 1.5;
-/// Steps a round may take: parts that find no rest must not use up the others' rounds.
-const ROUND_STEPS: u32 = 400;
+/// Fair shares of the steps left that a round may take: parts that are long in finding rest must leave steps to later rounds.
+const SHARES: u32 = 2;
 /// Steps between two looks at whether to go on.
 const SLICE: u32 = 4;
 /// Steps kept for the way from degree 1 to the degree asked for.
@@ -111,7 +111,7 @@ impl Search {
             stage,
             rounds: 0,
             steps: 0,
-            limit: ROUND_STEPS,
+            limit: MAX_STEPS * SHARES / MAX_ROUNDS,
             visible: None,
         })
     }
@@ -150,7 +150,8 @@ impl Search {
         self.rounds += 1;
         self.visible = Some(measured.visible);
         let mut raised = false;
-        if measured.visible < ENOUGH && self.rounds < MAX_ROUNDS && self.steps < self.measuring_steps() {
+        let more = self.rounds < MAX_ROUNDS && self.steps < self.measuring_steps();
+        if more && measured.visible < ENOUGH {
             for (gain, hidden) in self.gains.iter_mut().zip(&measured.hidden) {
                 if *hidden > TOLERATED {
                     *gain = if *gain == 0.0 { FIRST_GAIN } else { *gain * RAISE };
@@ -158,14 +159,15 @@ impl Search {
                 }
             }
         }
-        if raised {
+        // Parts that still moved when they were looked at may yet come to lie before the selection.
+        if raised || more && self.simulation.moving() {
             self.simulation.set_gains(&self.gains);
-            self.limit = self.steps + ROUND_STEPS;
+            self.limit = self.steps + (self.measuring_steps() - self.steps) * SHARES / (MAX_ROUNDS - self.rounds);
             self.stage = Stage::Gains;
-        } else if self.degree == 1.0 {
-            self.stage = Stage::Done;
         } else {
-            self.simulation.set_degree(self.degree);
+            if self.degree != 1.0 {
+                self.simulation.set_degree(self.degree);
+            }
             self.stage = Stage::Approach;
         }
     }

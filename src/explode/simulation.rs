@@ -14,12 +14,16 @@ use rayon::prelude::*;
 
 /// One factor on all forces, 1/s².
 const FACTOR: f64 = 200.0;
-/// Half-diagonals and radians a second under which a part counts as slow.
+/// Inertia that a part of mass 1 has at least, for every half-diagonal to its furthest corner. A push of ½ that jumps from one
+/// corner to the next as the part turns by a degree or two must not spin it within a step: ½·200·(1/60)²/0.03 is 0.9 for the
+/// stiffest; a tenth stills splinters and leaves parts of common size alone, for inertia changes no rest pose.
+const LEAST_INERTIA: f64 = 0.1;
+/// Half-diagonals a second of a part's fastest corner under which it counts as slow. Not of its turn: splinters turn about
+/// themselves for long, pushed at one corner, and nothing is seen of it.
 const SLOW: f64 = 1e-3;
 /// Slow steps in a row after which all are at rest: more than a turning point lasts.
 const PATIENCE: u32 = 3;
-/// Half-diagonals, and quaternion distance, that a part may tremble about its place, and for how many steps until that is
-/// rest: where an explosion point sits on an edge, the force on it turns from step to step.
+/// Half-diagonals that a part's corners may tremble about their places, and for how many steps until that is rest: where an explosion point sits on an edge, the force on it turns from step to step.
 const TREMBLE: f64 = 1e-3;
 const TREMBLING: u32 = 30;
 /// Half-diagonals, and quaternion distance, within which a slow part snaps to where nothing keeps it from.
@@ -84,8 +88,10 @@ impl Simulation {
             // Two thirds of the corners' mean square: a ball's, since a sliver's own would spin about its long axis.
             let corners = solid.corners();
             let spread = corners.iter().map(|c| c.length_squared()).sum::<f64>() / corners.len() as f64;
+            let reach = corners.iter().map(|c| c.length()).fold(1e-4, f64::max);
+            let inertia = (spread * 2.0 / 3.0).max(reach * LEAST_INERTIA);
             let state = state_of(&part.pose, solid.centre_mm(), unit_mm);
-            bodies.add(mass, mass * spread.max(1e-8) * 2.0 / 3.0, part.pinned, state);
+            bodies.add(mass, mass * inertia, part.pinned, state);
             members.push(Member {
                 solid,
                 centre,
@@ -175,7 +181,7 @@ impl Simulation {
         let wrenches: Vec<(DVec3, DVec3)> =
             self.wrenches(camera).into_iter().map(|w| (w.force * FACTOR, w.torque * FACTOR)).collect();
         self.bodies.step(&wrenches);
-        let slow = (0..self.members.len()).all(|i| self.members[i].pinned.is_some() || self.bodies.speed(i) < SLOW);
+        let slow = (0..self.members.len()).all(|i| self.members[i].pinned.is_some() || self.speed(i) < SLOW);
         self.slow_steps = if slow { self.slow_steps + 1 } else { 0 };
         self.follow_anchor();
         let (homing, still) = (self.led || !self.pushes(), self.still());
@@ -183,13 +189,17 @@ impl Simulation {
             member.snapped = homing && member.pinned.is_none() && {
                 let (at, home) = (self.bodies.state(i), member.home.1);
                 let near = at.shift.distance(home.shift) < NEAR && turned(at.rotation, home.rotation) < NEAR;
-                (near && self.bodies.speed(i) < SLOW) || still
+                (near && fastest(&self.bodies, i, &member.solid) < SLOW) || still
             };
             if member.snapped {
                 self.bodies.put(i, member.home.1);
             }
         }
         self.moving()
+    }
+
+    fn speed(&self, i: usize) -> f64 {
+        fastest(&self.bodies, i, &self.members[i].solid)
     }
 
     fn disturb(&mut self) {
@@ -204,9 +214,10 @@ impl Simulation {
     fn follow_anchor(&mut self) {
         let states: Vec<State> = (0..self.members.len()).map(|i| self.bodies.state(i)).collect();
         let (anchor, age) = &mut self.anchor;
-        let near =
-            |(a, b): (&State, &State)| a.shift.distance(b.shift) < TREMBLE && turned(a.rotation, b.rotation) < TREMBLE;
-        if anchor.len() == states.len() && states.iter().zip(anchor.iter()).all(near) {
+        let near = |((a, b), member): ((&State, &State), &Member)| {
+            member.solid.corners().iter().all(|&c| a.place(c).distance(b.place(c)) < TREMBLE)
+        };
+        if anchor.len() == states.len() && states.iter().zip(anchor.iter()).zip(&self.members).all(near) {
             *age += 1;
         } else {
             self.anchor = (states, 0);
@@ -322,6 +333,13 @@ impl Simulation {
 
 fn state_of(pose: &Pose, centre_mm: DVec3, unit_mm: f64) -> State {
     State { shift: (pose.apply(centre_mm) - centre_mm) / unit_mm, rotation: pose.rotation }
+}
+
+/// Speed of a part's fastest corner, half-diagonals a second.
+fn fastest(bodies: &Bodies, i: usize, solid: &Solid) -> f64 {
+    let (linear, angular) = bodies.velocity(i);
+    let rotation = bodies.state(i).rotation;
+    solid.corners().iter().map(|&c| (linear + angular.cross(rotation * c)).length()).fold(0.0, f64::max)
 }
 
 /// How far two turns are apart: sine of half the angle, both signs of a quaternion being one turn.

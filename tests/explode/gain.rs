@@ -3,7 +3,7 @@
 use super::picture::{directions, measure};
 use super::{cube, octants, unit};
 use burin::explode::*;
-use burin::math::{Camera, DQuat, DVec3, Pose};
+use burin::math::{Camera, DQuat, DVec3, Plane, Pose};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -95,6 +95,33 @@ fn ninety_nine_percent_are_visible_from_26_directions_and_less_is_moved_than_pla
         without += shift(&all.poses) / 26.0;
     }
     assert!(with_gain < 0.6 * without, "{with_gain} {without}");
+}
+
+/// The ball's cube cut by random planes near its middle: needles and splinters beside large parts.
+fn shattered(seed: u64) -> Explosion {
+    let mut explosion = Explosion::whole(&cube(60));
+    explosion.degree = 1.0;
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    for _ in 0..4 {
+        let plane = Plane::through(unit(&mut rng) * 6.0, unit(&mut rng)).unwrap();
+        for id in explosion.parts.iter().map(|p| p.id).collect::<Vec<_>>() {
+            explosion.split_at_rest(id, &plane).unwrap();
+        }
+    }
+    explosion
+}
+
+#[test]
+fn needles_and_splinters_come_to_rest_and_leave_rounds_to_large_parts() {
+    let (_, points) = setup();
+    let cases = [(10, DVec3::NEG_Y), (15, DVec3::Y), (16, DVec3::new(1.0, 1.0, 0.0))];
+    for (seed, direction) in cases {
+        let (explosion, view) = (shattered(seed), camera(direction));
+        let settled = settle(&explosion, &points, &view);
+        assert!(settled.at_rest && settled.rounds <= MAX_ROUNDS && settled.steps <= MAX_STEPS, "{seed}: {settled:?}");
+        let seen = measure(&explosion, &settled.poses, &view, 2 * PX - 3, 2.5, &matter);
+        assert!(seen.visible >= 0.99, "{seed}: {} {settled:?}", seen.visible);
+    }
 }
 
 #[test]
