@@ -3,7 +3,7 @@
 use super::dialogs::Dialog;
 use super::echo::echo;
 use super::panels::transfer::TransferEditor;
-use super::saving::AfterSave;
+use super::saving::{AfterSave, Coming};
 use super::session::{Gravity, Opened, Request, Session, Snapshot};
 use super::viewport::{Canvas, Grounds, Viewports};
 use super::{pictures::Pictures, theme};
@@ -224,7 +224,7 @@ impl App {
     /// Does what was chosen in a file dialog.
     pub(super) fn choose(&mut self, choice: Chosen) {
         match choice {
-            Chosen::Open(path) => self.open_guarded(path),
+            Chosen::Open(path) => self.open_guarded(Coming::Path(path)),
             Chosen::SaveAs(path) => self.send_save(Some(path)),
             Chosen::Export(field, path) => self.send(Command::Volume(VolumeCommand::Export { field, path })),
             Chosen::Image(path) => self.send(Command::Render(crate::document::RenderCommand::Image {
@@ -241,19 +241,10 @@ impl App {
         }
     }
 
-    /// Opens a path, but asks first what becomes of unsaved work.
-    pub(super) fn open_guarded(&mut self, path: PathBuf) {
-        if self.snapshot.unsaved {
-            self.dialog = Some(Dialog::Replace(path));
-        } else {
-            self.open(&path);
-        }
-    }
-
     fn take_drops(&mut self, ctx: &egui::Context) {
         let dropped = ctx.input(|i| i.raw.dropped_files.first().map(|f| f.path().to_path_buf()));
         if let Some(path) = dropped {
-            self.open_guarded(path);
+            self.open_guarded(Coming::Path(path));
         }
     }
 

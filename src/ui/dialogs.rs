@@ -3,7 +3,7 @@
 //! The system's file dialog runs beside the window; where there is none, a path is typed.
 
 use super::app::{App, Chosen};
-use super::saving::AfterSave;
+use super::saving::{AfterSave, Coming};
 use super::theme;
 use crate::document::{Command, ProjectCommand};
 use crate::interact::readout;
@@ -20,7 +20,7 @@ pub(super) enum Dialog {
     /// The window closes with unsaved changes.
     Close,
     /// Something else is opened over unsaved changes.
-    Replace(PathBuf),
+    Replace(Coming),
     /// Documents that crashes left behind.
     Lost(Vec<Lost>),
     /// Nothing: the window waits for a save, after which it closes or opens something else.
@@ -35,6 +35,8 @@ pub(super) struct Lost {
     origin: String,
     /// How long ago it was changed last, in words; empty if nobody knows.
     age: String,
+    /// Thrown away at the next click.
+    doomed: bool,
 }
 
 impl From<&serde_json::Value> for Lost {
@@ -43,7 +45,7 @@ impl From<&serde_json::Value> for Lost {
         let changed = lost["changed"]["secs_since_epoch"].as_u64().map(|s| UNIX_EPOCH + Duration::from_secs(s));
         let age = changed.and_then(|c| SystemTime::now().duration_since(c).ok());
         let age = age.map_or_else(String::new, |a| readout::ago(a.as_secs()));
-        Self { id: text("id"), origin: text("origin"), age }
+        Self { id: text("id"), origin: text("origin"), age, doomed: false }
     }
 }
 
@@ -174,7 +176,7 @@ impl App {
             match dialog {
                 Dialog::Path { what, path } => self.path_dialog(ui, what, path),
                 Dialog::Close => self.close_dialog(ui),
-                Dialog::Replace(path) => self.replace_dialog(ui, path),
+                Dialog::Replace(coming) => self.replace_dialog(ui, coming),
                 Dialog::Lost(lost) => self.lost_dialog(ui, lost),
                 Dialog::Saving => self.saving_dialog(ui),
             }
@@ -232,17 +234,16 @@ impl App {
         }
     }
 
-    fn replace_dialog(&mut self, ui: &mut Ui, path: PathBuf) {
-        let name = short_path(&path.to_string_lossy());
-        self.unsaved_question(ui, &format!("Save before {name} is opened?"));
+    fn replace_dialog(&mut self, ui: &mut Ui, coming: Coming) {
+        self.unsaved_question(ui, &format!("Save before {} is opened?", coming.name()));
         match three_buttons(ui) {
             Some(Answer::Yes) => {
                 self.dialog = None;
-                self.save_then(Some(AfterSave::Open(path)));
+                self.save_then(Some(AfterSave::Open(coming)));
             }
             Some(Answer::No) => {
                 self.dialog = None;
-                self.open(&path);
+                self.open_now(coming);
             }
             Some(Answer::Cancel) => self.dialog = None,
             None => {}
@@ -255,20 +256,21 @@ impl App {
         let text = "The program did not end in order. These documents can be brought back as they were.";
         ui.label(RichText::new(text).color(theme::TEXT_WEAK));
         ui.add_space(12.0);
-        let mut gone = None;
-        for (i, Lost { id, origin, age }) in lost.iter().enumerate() {
+        let mut clicked = None;
+        for (i, Lost { id, origin, age, doomed }) in lost.iter().enumerate() {
             super::widgets::from_right_row(ui, |ui| {
                 let name = format!("Recover {}", short_path(origin));
                 if ui.add(primary("Recover")).accessible_name(name).clicked() {
                     self.dialog = None;
-                    self.send(Command::Project(ProjectCommand::Recover { id: id.clone() }));
+                    self.open_guarded(Coming::Lost { id: id.clone(), origin: origin.clone() });
                 }
                 ui.add_space(24.0);
                 let name = format!("Throw away {}", short_path(origin));
-                let discard = egui::Button::new(RichText::new("Throw away").color(theme::ERROR));
+                let (text, name) =
+                    if *doomed { ("Really throw away", format!("{name} for good")) } else { ("Throw away", name) };
+                let discard = egui::Button::new(RichText::new(text).color(theme::ERROR));
                 if ui.add(discard.min_size(vec2(0.0, 30.0))).accessible_name(name).clicked() {
-                    self.send(Command::Project(ProjectCommand::Forget { id: id.clone() }));
-                    gone = Some(i);
+                    clicked = Some(i);
                 }
                 ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
                     ui.vertical(|ui| {
@@ -279,8 +281,14 @@ impl App {
                 });
             });
         }
-        if let Some(i) = gone {
-            lost.remove(i);
+        // Nothing brings it back: it takes a second click.
+        if let Some(i) = clicked {
+            if lost[i].doomed {
+                let Lost { id, .. } = lost.remove(i);
+                self.send(Command::Project(ProjectCommand::Forget { id }));
+            } else {
+                lost[i].doomed = true;
+            }
             self.dialog = (!lost.is_empty()).then_some(Dialog::Lost(lost));
         }
         ui.add_space(12.0);
@@ -317,7 +325,8 @@ fn primary(text: &str) -> egui::Button<'_> {
 
 fn two_buttons(ui: &mut Ui, yes: &str, no: &str, can: bool) -> (bool, bool) {
     super::widgets::from_right_row(ui, |ui| {
-        let yes = ui.add_enabled(can, primary(yes)).clicked();
+        let name = format!("{yes} at this path");
+        let yes = ui.add_enabled(can, primary(yes)).accessible_name(name).clicked();
         let no = ui.add(egui::Button::new(no).min_size(vec2(90.0, 30.0))).clicked();
         (yes, no)
     })
@@ -334,7 +343,7 @@ fn three_buttons(ui: &mut Ui) -> Option<Answer> {
     let entered = entered && ui.memory(|m| m.focused().is_none());
     super::widgets::from_right_row(ui, |ui| {
         let mut answer = None;
-        if ui.add(primary("Save")).clicked() || entered {
+        if ui.add(primary("Save")).accessible_name("Save and go on").clicked() || entered {
             answer = Some(Answer::Yes);
         }
         if ui.add(egui::Button::new("Cancel").min_size(vec2(90.0, 30.0))).clicked() {

@@ -1,4 +1,4 @@
-//! Saving, and what waits for it: the window that closes, the file that is opened next.
+//! Saving, and what waits for it: the window that closes, what is opened next.
 //!
 //! While something waits nothing can be changed, so that what closes is what was saved.
 
@@ -9,11 +9,31 @@ use crate::document::{Command, ProjectCommand};
 use egui::{Button, ProgressBar, Ui, ViewportCommand, vec2};
 use std::path::PathBuf;
 
+/// What is opened in place of what is open.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Coming {
+    /// A volume or a project.
+    Path(PathBuf),
+    /// What a crash left behind, and the file that it was of.
+    Lost { id: String, origin: String },
+}
+
+impl Coming {
+    /// What the user knows it by.
+    pub(super) fn name(&self) -> String {
+        let path = match self {
+            Self::Path(path) => path.as_path(),
+            Self::Lost { origin, .. } => std::path::Path::new(origin),
+        };
+        path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
+    }
+}
+
 /// What follows a save.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum AfterSave {
     Close,
-    Open(PathBuf),
+    Open(Coming),
 }
 
 impl App {
@@ -43,6 +63,23 @@ impl App {
         self.send(Command::Project(ProjectCommand::Save { path, density: None }));
     }
 
+    /// Opens something, but asks first what becomes of unsaved work.
+    pub(super) fn open_guarded(&mut self, coming: Coming) {
+        if self.snapshot.unsaved {
+            self.dialog = Some(Dialog::Replace(coming));
+        } else {
+            self.open_now(coming);
+        }
+    }
+
+    /// What is open is replaced.
+    pub(super) fn open_now(&mut self, coming: Coming) {
+        match coming {
+            Coming::Path(path) => self.open(&path),
+            Coming::Lost { id, .. } => self.send(Command::Project(ProjectCommand::Recover { id })),
+        }
+    }
+
     /// Nothing follows a save that runs: it failed, or was stopped.
     pub(super) fn wait_no_more(&mut self) {
         self.after_save = None;
@@ -58,7 +95,7 @@ impl App {
                 self.closing = true;
                 ctx.send_viewport_cmd(ViewportCommand::Close);
             }
-            Some(AfterSave::Open(path)) => self.open(&path),
+            Some(AfterSave::Open(coming)) => self.open_now(coming),
             None => {}
         }
     }

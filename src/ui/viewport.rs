@@ -4,7 +4,7 @@ use super::app::App;
 use super::icons::Icon;
 use super::pointer::pixels;
 use super::theme::{self, GAP, view_colour, view_title};
-use super::widgets::{Face, icon_button};
+use super::widgets::{Face, icon_button, spinner};
 use crate::document::{Place, SlicePlane, ViewCommand, ViewName};
 use crate::interact::{Button, projected};
 use crate::math::{DVec2, Projection};
@@ -237,8 +237,14 @@ impl App {
                 .map_or("NIfTI (.nii, .nii.gz), NRRD (.nrrd), or a Burin project folder", |b| b.what.as_str());
             ui.label(egui::RichText::new(text).color(theme::TEXT_WEAK));
             ui.add_space(16.0);
-            if busy {
-                ui.add(egui::Spinner::new().size(24.0).color(theme::ACCENT));
+            if let Some(busy) = &self.busy {
+                match busy.percent {
+                    Some(percent) => {
+                        let bar = egui::ProgressBar::new(percent as f32 / 100.0).desired_width(width * 0.5);
+                        ui.add(bar.desired_height(6.0).fill(theme::ACCENT));
+                    }
+                    None => spinner(ui, 24.0),
+                }
                 return;
             }
             let button = egui::Button::new(egui::RichText::new("Open…").color(Color32::WHITE)).fill(theme::ACCENT_FILL);

@@ -10,6 +10,19 @@ use std::ops::RangeInclusive;
 
 /// A heading that folds what is under it.
 pub(super) fn section(ui: &mut Ui, title: &str, open: bool, body: impl FnOnce(&mut Ui)) {
+    // Twice, half a pixel apart: the one weight of the font serves as bold.
+    fold(ui, title, open, &[0.0, 0.45], body);
+    let y = ui.cursor().top();
+    ui.painter().hline(ui.max_rect().x_range(), y, Stroke::new(1.0, theme::LINE));
+    ui.add_space(GAP);
+}
+
+/// The same within a section.
+pub(super) fn subsection(ui: &mut Ui, title: &str, open: bool, body: impl FnOnce(&mut Ui)) {
+    fold(ui, title, open, &[0.0], body);
+}
+
+fn fold(ui: &mut Ui, title: &str, open: bool, weight: &[f32], body: impl FnOnce(&mut Ui)) {
     let id = ui.make_persistent_id(("section", title));
     let mut state = egui::collapsing_header::CollapsingState::load_with_default_open(ui.ctx(), id, open);
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
@@ -22,19 +35,15 @@ pub(super) fn section(ui: &mut Ui, title: &str, open: bool, body: impl FnOnce(&m
     let chevron = egui::Rect::from_center_size(rect.left_center() + vec2(6.0, 0.0), vec2(12.0, 12.0));
     icons::paint(ui.painter(), chevron, if state.is_open() { Icon::Down } else { Icon::Right }, theme::TEXT_WEAK);
     let font = egui::FontId::new(13.5, egui::FontFamily::Proportional);
-    // Twice, half a pixel apart: the one weight of the font serves as bold.
     let at = rect.left_center() + vec2(18.0, 0.0);
-    for shift in [0.0, 0.45] {
-        ui.painter().text(at + vec2(shift, 0.0), Align2::LEFT_CENTER, title, font.clone(), colour);
+    for shift in weight {
+        ui.painter().text(at + vec2(*shift, 0.0), Align2::LEFT_CENTER, title, font.clone(), colour);
     }
     state.show_body_unindented(ui, |ui| {
         ui.add_space(2.0);
         body(ui);
         ui.add_space(6.0);
     });
-    let y = ui.cursor().top();
-    ui.painter().hline(ui.max_rect().x_range(), y, Stroke::new(1.0, theme::LINE));
-    ui.add_space(GAP);
 }
 
 /// A label and what it names on one line.
@@ -206,6 +215,16 @@ pub(super) fn icon_button(ui: &mut Ui, face: Face<'_>) -> Response {
         ui.painter().galley(at, text, colour);
     }
     if face.tip.is_empty() { response } else { response.on_hover_text(face.tip) }
+}
+
+/// Says that something runs, a few times a second: on software drivers a frame costs what runs its time.
+pub(super) fn spinner(ui: &mut Ui, size: f32) {
+    let (rect, response) = ui.allocate_exact_size(vec2(size, size), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(Role::ProgressIndicator, true, "Running"));
+    let turn = (ui.input(|i| i.time) * 8.0).floor() as f32 * std::f32::consts::FRAC_PI_4;
+    let at = |i: u8| rect.center() + egui::Vec2::angled(turn + f32::from(i) * 0.35) * (size * 0.5 - 1.5);
+    ui.painter().add(egui::Shape::line((0..=12).map(at).collect(), Stroke::new(2.0, theme::ACCENT)));
+    ui.ctx().request_repaint_after(std::time::Duration::from_millis(125));
 }
 
 /// A name that is edited in place; answers the new one when it was entered.

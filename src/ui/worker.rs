@@ -176,7 +176,11 @@ impl Worker {
             // A group that was closed by something else is no news.
             Err(DocumentError::NotNow(_))
                 if matches!(command, Command::History(HistoryCommand::End {} | HistoryCommand::Cancel {})) => {}
-            Err(error @ (DocumentError::Stopped | DocumentError::Keep(KeepError::Stopped))) => {
+            Err(DocumentError::Stopped) => {
+                let what = started.map_or_else(String::new, |what| format!("{what}: "));
+                self.report(Report::Message(Gravity::Note, format!("{what}{}", DocumentError::Stopped)));
+            }
+            Err(error @ DocumentError::Keep(KeepError::Stopped)) => {
                 self.report(Report::Message(Gravity::Note, error.to_string()));
             }
             Err(error) => self.report(Report::Message(Gravity::Error, error.to_string())),

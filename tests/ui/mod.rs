@@ -5,6 +5,7 @@ mod curve;
 mod driver;
 mod interact;
 mod looks;
+mod names;
 mod painted;
 mod preview;
 mod projection;

@@ -2,6 +2,7 @@
 
 use super::driver::{SMALL, Window};
 use burin::document::{Command, ProjectCommand, ViewName};
+use burin::math::DVec3;
 use burin::ui::{Canvas, Picture, Report, theme};
 use eframe::egui_wgpu::{RenderState, RendererOptions};
 use egui::Color32;
@@ -85,4 +86,31 @@ fn a_question_darkens_the_whole_window_and_is_not_dark_itself() {
     let question = window.harness.get_by_label("Unsaved work was found").rect();
     let ground = dark.get_pixel(question.left() as u32 - 6, question.center().y as u32).0;
     assert!(ground[0] > 36, "{ground:?}");
+}
+
+#[test]
+fn the_crosshair_lies_where_its_point_is() {
+    let Some(state) = render_state() else { return };
+    let canvas = Canvas::new(&state).unwrap();
+    let mut window = Window::painted(SMALL, state, canvas);
+    let at = window.scene.views.slices[0].centre + DVec3::new(7.0, -4.0, 0.0);
+    window.scene.views.crosshair = at;
+    window.snapshot(|_| {});
+    let black = plain(&window, ViewName::Axial, [30, 20], [0; 3]);
+    window.report(Report::Picture(Box::new(black)));
+    let image = window.harness.render().unwrap();
+    let body = window.harness.get_by_label("Axial view").rect();
+    let px_per_mm = f64::from(body.height()) / window.scene.views.slices[0].height_mm;
+    // From the feet: the patient's right, +x, lies to the left; anterior, +y, up.
+    let x = f64::from(body.center().x) - 7.0 * px_per_mm;
+    let y = f64::from(body.center().y) + 4.0 * px_per_mm;
+    let lit = |x: f64, y: f64| image.get_pixel(x as u32, y as u32).0[..3].iter().any(|c| *c > 40);
+    let near =
+        |from: f64, lit: &dyn Fn(f64) -> bool| (-30..=30).map(|d| from + f64::from(d)).filter(|p| lit(*p)).collect();
+    let (left, top) = (f64::from(body.left()) + 60.0, f64::from(body.top()) + 60.0);
+    let columns: Vec<f64> = near(x, &|x| lit(x, top));
+    let rows: Vec<f64> = near(y, &|y| lit(left, y));
+    assert!(columns.len() == 1 && (columns[0] - x).abs() <= 1.0, "{columns:?} where {x} was to be");
+    assert!(rows.len() == 1 && (rows[0] - y).abs() <= 1.0, "{rows:?} where {y} was to be");
+    assert!(!lit(x, y), "the middle is open");
 }

@@ -124,3 +124,44 @@ fn what_a_crash_left_is_said() {
     let recover = Command::Project(ProjectCommand::Recover { id: "1-a".into() });
     assert_eq!(window.click("Recover head.nii.gz"), [recover]);
 }
+
+/// What a crash left of two files.
+fn lost(window: &mut Window) {
+    let each = |id: &str, origin: &str| serde_json::json!({ "id": id, "origin": origin });
+    let answer = serde_json::json!({ "lost": [each("1-a", "/data/head.nii.gz"), each("2-b", "/data/skull.nrrd")] });
+    window.report(Report::Done(Command::Project(ProjectCommand::Lost {}), answer));
+}
+
+#[test]
+fn what_a_crash_left_replaces_unsaved_work_only_after_a_question() {
+    let mut window = Window::open(SMALL);
+    let recover = |id: &str| Command::Project(ProjectCommand::Recover { id: id.into() });
+    lost(&mut window);
+    assert_eq!(window.click("Recover skull.nrrd"), [recover("2-b")], "nothing to lose: at once");
+    window.snapshot(|s| {
+        s.unsaved = true;
+        s.project = Some("/data/other.burin".into());
+    });
+    lost(&mut window);
+    assert_eq!(window.click("Recover skull.nrrd"), []);
+    assert!(window.harness.query_by_label("Save before skull.nrrd is opened?").is_some());
+    assert_eq!(window.click("Cancel"), []);
+    lost(&mut window);
+    window.click("Recover skull.nrrd");
+    assert_eq!(window.click("Discard changes"), [recover("2-b")]);
+    lost(&mut window);
+    window.click("Recover head.nii.gz");
+    assert_eq!(window.key(Modifiers::NONE, egui::Key::Enter), [save(None)]);
+    assert_eq!(done(&mut window, save(None)), (false, vec![recover("1-a")]), "once all is on disk");
+}
+
+#[test]
+fn what_a_crash_left_is_thrown_away_by_the_second_click_only() {
+    let mut window = Window::empty(SMALL);
+    lost(&mut window);
+    assert_eq!(window.click("Throw away head.nii.gz"), []);
+    let forget = Command::Project(ProjectCommand::Forget { id: "1-a".into() });
+    assert_eq!(window.click("Throw away head.nii.gz for good"), [forget]);
+    assert!(window.harness.query_by_label("Throw away skull.nrrd").is_some(), "the other one stays");
+    assert!(window.harness.query_by_label("Throw away head.nii.gz for good").is_none());
+}

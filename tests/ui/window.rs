@@ -14,41 +14,6 @@ use egui::{Modifiers, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 
 #[test]
-fn every_control_has_a_name_of_its_own() {
-    let window = Window::open(SMALL);
-    let mut nameless = Vec::new();
-    let mut names = std::collections::BTreeMap::<String, u32>::new();
-    let mut stack = vec![window.harness.root()];
-    while let Some(node) = stack.pop() {
-        stack.extend(node.children());
-        let about = node.accesskit_node();
-        let role = about.role();
-        use egui::accesskit::Role as R;
-        if !matches!(
-            role,
-            R::Button
-                | R::CheckBox
-                | R::RadioButton
-                | R::Slider
-                | R::SpinButton
-                | R::TextInput
-                | R::ComboBox
-                | R::ColorWell
-        ) {
-            continue;
-        }
-        match about.label().filter(|l| !l.trim().is_empty()) {
-            Some(label) => *names.entry(format!("{role:?} {label}")).or_default() += 1,
-            None => nameless.push(format!("{role:?} at {:?}", node.rect())),
-        }
-    }
-    assert_eq!(nameless, Vec::<String>::new());
-    let twice: Vec<_> = names.iter().filter(|(_, n)| **n > 1).collect();
-    assert!(twice.is_empty(), "a name must say which control it is: {twice:?}");
-    assert!(names.len() > 60, "the walk found only {} controls", names.len());
-}
-
-#[test]
 fn tools_are_chosen_by_button_and_by_key() {
     let mut window = Window::open(SMALL);
     for tool in burin::interact::Tool::ALL {
@@ -366,6 +331,30 @@ fn the_last_steps_are_in_sight_however_long_the_list_of_parts_is() {
 }
 
 #[test]
+fn the_list_of_parts_takes_what_height_there_is() {
+    for (size, messages, least) in [(SMALL, 0, 7), (SMALL, 2, 4), (LARGE, 0, 16)] {
+        let mut window = Window::open(size);
+        let part = window.scene.explosion.parts[0].clone();
+        window.scene.explosion.parts = (1..=36)
+            .map(|id| burin::explode::Part { id: PartId(id), name: format!("Piece {id}"), ..part.clone() })
+            .collect();
+        window.snapshot(|_| {});
+        for i in 0..messages {
+            window.report(Report::Message(Gravity::Error, format!("message {i}")));
+        }
+        window.harness.run_steps(3);
+        let steps = window.harness.get_by_label("Section History").rect();
+        let whole = |id: &u32| {
+            let name = format!("Pin Piece {id}");
+            let row = window.harness.query_by_label(&name);
+            row.is_some_and(|row| row.rect().bottom() <= steps.top())
+        };
+        let seen = (1..=36).filter(whole).count();
+        assert!(seen >= least, "{seen} parts in sight in {size:?} with {messages} messages");
+    }
+}
+
+#[test]
 fn density_is_hidden_by_its_layer() {
     let mut window = Window::open(SMALL);
     let hide = Layer { field: FieldKind::Density, visible: false, opacity: 1.0 };
@@ -382,8 +371,12 @@ fn density_is_hidden_by_its_layer() {
 fn the_page_of_keys_opens_by_f1_and_closes_by_escape() {
     let mut window = Window::open(SMALL);
     window.key(Modifiers::NONE, egui::Key::F1);
+    let whole = egui::Rect::from_min_size(egui::Pos2::ZERO, vec2(SMALL[0], SMALL[1]));
     for line in burin::interact::SHORTCUTS {
-        assert!(window.harness.query_all_by_label(line.what).count() > 0, "{} is missing", line.what);
+        let mut rects: Vec<_> = window.harness.query_all_by_label(line.what).map(|node| node.rect()).collect();
+        rects.extend(window.harness.query_all_by_label(line.keys).map(|node| node.rect()));
+        assert!(rects.len() > 1, "{} is missing", line.what);
+        assert!(rects.iter().all(|rect| whole.contains_rect(*rect)), "{} is cut off: {rects:?}", line.what);
     }
     window.key(Modifiers::NONE, egui::Key::Escape);
     assert!(window.harness.query_by_label("Zoom").is_none());

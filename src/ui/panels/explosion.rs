@@ -3,7 +3,7 @@
 use crate::document::{Command, ExplosionCommand, PartCommand};
 use crate::explode::Forces;
 use crate::ui::app::App;
-use crate::ui::widgets::{Scale, empty, row, slider};
+use crate::ui::widgets::{Scale, empty, row, slider, subsection};
 use egui::{Ui, vec2};
 
 impl App {
@@ -39,9 +39,7 @@ impl App {
     }
 
     fn force_rows(&mut self, ui: &mut Ui, forces: Forces) {
-        let id = ui.make_persistent_id("forces");
-        let folded = egui::collapsing_header::CollapsingState::load_with_default_open(ui.ctx(), id, false);
-        folded.show_header(ui, |ui| ui.label("Forces")).body_unindented(|ui| {
+        subsection(ui, "Forces", false, |ui| {
             let mut new = forces;
             let scale = Scale { decimals: 2, ..Scale::default() };
             for (label, name, value, top) in [

@@ -69,7 +69,7 @@ impl App {
             });
             ui.add_space(12.0);
             let mut background = now.background;
-            ui.label("Ground");
+            ui.label("Background");
             let response = colour_button(ui, "Background of the 3D view", &mut background);
             if response.changed() {
                 self.edit(&response, look(None, None, None, None, Some(background)));

@@ -28,6 +28,7 @@ impl App {
                 section(ui, "Brush", true, |ui| self.brush_panel(ui));
                 section(ui, "Segments", true, |ui| self.segment_panel(ui));
                 section(ui, "Layers", true, |ui| self.layer_panel(ui));
+                section(ui, "3D look", true, |ui| self.look_panel(ui));
             });
         });
         self.grounds.fill(panel.response.rect, theme::PANEL);
@@ -45,7 +46,6 @@ impl App {
             });
             scrolled(ui, "right", |ui| {
                 section(ui, "Transfer function", true, |ui| self.transfer_panel(ui));
-                section(ui, "3D look", true, |ui| self.look_panel(ui));
                 section(ui, "Explosion", true, |ui| self.explosion_panel(ui));
                 section(ui, "Parts", true, |ui| self.part_panel(ui));
             });

@@ -6,7 +6,7 @@ use crate::interact::readout;
 use crate::math::DVec3;
 use crate::ui::app::{App, Busy};
 use crate::ui::theme;
-use crate::ui::widgets::from_right;
+use crate::ui::widgets::{from_right, spinner};
 use egui::{Button, Frame, Label, Margin, Panel, ProgressBar, RichText, Ui};
 use serde_json::Value;
 
@@ -122,7 +122,7 @@ impl App {
             self.busy_text(ui, &busy);
         } else if self.behind_since.is_some_and(|since| now - since > AT_ONCE) {
             ui.label(RichText::new("Working").color(theme::TEXT));
-            ui.add(egui::Spinner::new().size(14.0).color(theme::ACCENT));
+            spinner(ui, 14.0);
         } else if self.snapshot.moving {
             ui.label(RichText::new("Parts are moving").color(theme::TEXT_WEAK));
         }
@@ -145,7 +145,7 @@ impl App {
         let time = if seconds >= 1.0 { format!("  {seconds:.0} s") } else { String::new() };
         ui.label(RichText::new(format!("{what}{share}{time}")).color(theme::TEXT));
         if busy.percent.is_none() {
-            ui.add(egui::Spinner::new().size(14.0).color(theme::ACCENT));
+            spinner(ui, 14.0);
         }
     }
 }
