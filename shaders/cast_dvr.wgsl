@@ -5,9 +5,9 @@
 // extinction.
 
 #import burin::body::{
-    Sight, BodyRay, view, bodies, sight_of, head_of, listed, ray_of, interval, skip_empty, run_end, FAR, MERGE as MERGE_TILE
+    Sight, BodyRay, Run, view, bodies, sight_of, head_of, listed, ray_of, interval, skip_empty, run_from, run_texel, FAR, MERGE as MERGE_TILE
 }
-#import burin::field::{Page, brick_of, density_page, density_texel, selection_page, selection_at}
+#import burin::field::{Page, brick_of, selection_page, selection_at}
 #import burin::look::{table_at, share, opacity_of_share, painted, gradient, lit, facing}
 
 #ifdef RESUME
@@ -57,6 +57,38 @@ fn evaluate(r: BodyRay, page: Page, selection: Page, k: f32, texel: f32, c: vec4
     return vec4<f32>(colour, out.a);
 }
 
+// Where a run shows something next.
+struct Found {
+    k: f32,                     // the sample after it
+    texel: f32,
+    c: vec4<f32>,               // what the table makes of it; clear if nothing more shows
+}
+
+fn seek(run: Run, first: f32) -> Found {
+    var found = Found(first, 0.0, vec4<f32>(0.0));
+    loop {
+        if (found.k >= run.end) {
+            break;
+        }
+        found.texel = run_texel(run, found.k);
+        found.c = table_at(found.texel);
+        found.k += 1.0;
+        if (found.c.a > 0.0) {
+            break;
+        }
+    }
+    return found;
+}
+
+// The page of the selection that a run's samples need, if any is asked for.
+fn selection_of(run: Run) -> Page {
+#ifdef SELECTION
+    return selection_page(run.brick);
+#else
+    return run.page;
+#endif
+}
+
 fn march(r: BodyRay, k0: f32, k1: f32) {
     var k = k0;
     if (clear > 0.5) {
@@ -67,45 +99,26 @@ fn march(r: BodyRay, k0: f32, k1: f32) {
         if (k >= k1 || clear < THRESHOLD) {
             break;
         }
-        let brick = brick_of(r.o + r.d * k);
-        let page = density_page(brick);
-        let q = r.o * page.scale + page.off;
-        let dq = r.d * page.scale;
-        let end = run_end(r, brick, k, min(k1, k + RUN));
+        let run = run_from(r, k, min(k1, k + RUN));
 #ifdef STAGED
-#ifdef SELECTION
-        let selection = selection_page(brick);
-#else
-        let selection = page;
-#endif
+        let selection = selection_of(run);
         loop {
-            var c = vec4<f32>(0.0);
-            var texel = 0.0;
-            loop {
-                if (k >= end) {
-                    break;
-                }
-                texel = density_texel(page, q + dq * k);
-                c = table_at(texel);
-                k += 1.0;
-                if (c.a > 0.0) {
-                    break;
-                }
+            let found = seek(run, k);
+            k = found.k;
+            if (found.c.a > 0.0) {
+                add(evaluate(r, run.page, selection, k - 1.0, found.texel, found.c), k - 1.0);
             }
-            if (c.a > 0.0) {
-                add(evaluate(r, page, selection, k - 1.0, texel, c), k - 1.0);
-            }
-            if (k >= end || clear < THRESHOLD) {
+            if (k >= run.end || clear < THRESHOLD) {
                 break;
             }
         }
 #else
         // Asked at the end: software Vulkan runs what follows a break once more for nothing.
         loop {
-            add(table_at(density_texel(page, q + dq * k)), k);
+            add(table_at(run_texel(run, k)), k);
             k += 1.0;
             continuing {
-                break if k >= end || clear < THRESHOLD;
+                break if k >= run.end || clear < THRESHOLD;
             }
         }
 #endif
@@ -151,34 +164,16 @@ fn gather(r: BodyRay, first: f32, k0: f32, k1: f32) {
         if (k >= k1) {
             break;
         }
-        let brick = brick_of(r.o + r.d * k);
-        let page = density_page(brick);
-        let q = r.o * page.scale + page.off;
-        let dq = r.d * page.scale;
-        let end = run_end(r, brick, k, k1);
-#ifdef SELECTION
-        let selection = selection_page(brick);
-#else
-        let selection = page;
-#endif
+        let run = run_from(r, k, k1);
+        let selection = selection_of(run);
         loop {
-            var c = vec4<f32>(0.0);
-            var texel = 0.0;
-            loop {
-                if (k >= end) {
-                    break;
-                }
-                texel = density_texel(page, q + dq * k);
-                c = table_at(texel);
-                k += 1.0;
-                if (c.a > 0.0) {
-                    break;
-                }
+            let found = seek(run, k);
+            k = found.k;
+            if (found.c.a > 0.0) {
+                let c = evaluate(r, run.page, selection, k - 1.0, found.texel, found.c);
+                mix_in(c, u32(k - 1.0 - first), r.body);
             }
-            if (c.a > 0.0) {
-                mix_in(evaluate(r, page, selection, k - 1.0, texel, c), u32(k - 1.0 - first), r.body);
-            }
-            if (k >= end) {
+            if (k >= run.end) {
                 break;
             }
         }

@@ -3,7 +3,7 @@
 // Bodies may overlap: each ends the others' search at its own hit. A mask divides matter at ½; where it, and not the density,
 // makes the surface, the selection's gradient is the normal.
 
-#import burin::body::{Sight, BodyRay, view, bodies, planes, sight_of, head_of, listed, ray_of, interval, skip_empty, run_end, FAR, MERGE as MERGE_TILE}
+#import burin::body::{Sight, BodyRay, view, bodies, planes, sight_of, head_of, listed, ray_of, interval, skip_empty, run_from, run_texel, FAR, MERGE as MERGE_TILE}
 #import burin::field::{Page, brick_of, density_page, density_texel, address, selection_page, selection_at, is_nan}
 #import burin::look::{table, painted, gradient, lit, facing}
 
@@ -98,16 +98,12 @@ fn search(r: BodyRay, within: vec2<f32>, limit: f32) -> f32 {
         if (k >= k1 || hit < FAR) {
             break;
         }
-        let brick = brick_of(r.o + r.d * k);
-        let page = density_page(brick);
-        let q = r.o * page.scale + page.off;
-        let dq = r.d * page.scale;
-        let end = run_end(r, brick, k, min(k1, k + RUN));
+        let run = run_from(r, k, min(k1, k + RUN));
         loop {
-            if (k >= end || hit < FAR) {
+            if (k >= run.end || hit < FAR) {
                 break;
             }
-            if (reaches(density_texel(page, q + dq * k))) {
+            if (reaches(run_texel(run, k))) {
 #ifdef SELECTION
                 if (owns(r.mask, selected(r.o + r.d * k))) {
                     hit = k;

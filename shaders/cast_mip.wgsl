@@ -2,8 +2,8 @@
 //
 // The maximum does not care for order, so overlapping bodies need no merging. A mask divides matter at ½.
 
-#import burin::body::{Sight, BodyRay, view, bodies, sight_of, head_of, listed, ray_of, interval, skip_empty, run_end, FAR, MERGE as MERGE_TILE}
-#import burin::field::{brick_of, density_page, density_texel, selection_page, selection_at, is_nan}
+#import burin::body::{Sight, BodyRay, view, bodies, sight_of, head_of, listed, ray_of, interval, skip_empty, run_from, run_texel, FAR, MERGE as MERGE_TILE}
+#import burin::field::{brick_of, selection_page, selection_at, is_nan}
 #import burin::look::{table_at, painted}
 
 #ifdef RESUME
@@ -47,16 +47,12 @@ fn march(r: BodyRay, k0: f32, k1: f32) {
         if (k >= k1) {
             break;
         }
-        let brick = brick_of(r.o + r.d * k);
-        let page = density_page(brick);
-        let q = r.o * page.scale + page.off;
-        let dq = r.d * page.scale;
-        let end = run_end(r, brick, k, min(k1, k + RUN));
+        let run = run_from(r, k, min(k1, k + RUN));
         loop {
-            if (k >= end) {
+            if (k >= run.end) {
                 break;
             }
-            let texel = density_texel(page, q + dq * k);
+            let texel = run_texel(run, k);
             var better = exceeds(texel);
 #ifdef SELECTION
             if (better && r.mask != 0u) {

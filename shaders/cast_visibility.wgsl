@@ -3,8 +3,8 @@
 // A pixel counts as selected where the selected matter alone reaches opacity ½; it is visible if the bodies before that sample
 // have less than 5 % opacity together. Extinctions add, so each body is marched by itself.
 
-#import burin::body::{Sight, BodyRay, view, bodies, sight_of, head_of, listed, ray_of, interval, skip_empty, run_end, FAR, MERGE as MERGE_TILE}
-#import burin::field::{brick_of, density_page, density_texel, selection_page, selection_at}
+#import burin::body::{Sight, BodyRay, view, bodies, sight_of, head_of, listed, ray_of, interval, skip_empty, run_from, run_texel, FAR, MERGE as MERGE_TILE}
+#import burin::field::{selection_page, selection_at}
 #import burin::look::{table_at, share, opacity_of_share}
 
 // Selected pixels, visible ones, then a number per body.
@@ -28,19 +28,15 @@ fn fade(r: BodyRay, k0: f32, k1: f32, start: f32, limit: f32) -> Faded {
         if (k >= k1 || at < FAR) {
             break;
         }
-        let brick = brick_of(r.o + r.d * k);
-        let page = density_page(brick);
-        let q = r.o * page.scale + page.off;
-        let dq = r.d * page.scale;
-        let end = run_end(r, brick, k, min(k1, k + 32.0));
+        let run = run_from(r, k, min(k1, k + 32.0));
         loop {
-            if (k >= end || at < FAR) {
+            if (k >= run.end || at < FAR) {
                 break;
             }
-            var alpha = table_at(density_texel(page, q + dq * k)).a;
+            var alpha = table_at(run_texel(run, k)).a;
 #ifdef SELECTION
             if (alpha > 0.0 && r.mask != 0u) {
-                alpha = opacity_of_share(alpha, share(r.mask, selection_at(selection_page(brick), r.o + r.d * k)));
+                alpha = opacity_of_share(alpha, share(r.mask, selection_at(selection_page(run.brick), r.o + r.d * k)));
             }
 #endif
             clear *= 1.0 - alpha;

@@ -2,7 +2,7 @@
 // Bodies and rays: from a pixel to the half-open interval of lattice samples in which its ray is inside a body.
 // Samples lie at t = k·step_mm along the unit ray; k counts from the eye (from the image plane in orthographic projection).
 
-#import burin::field::{skip_all, skip_selection, skip_background, info}
+#import burin::field::{Page, brick_of, density_page, density_texel, skip_all, skip_selection, skip_background, info}
 
 struct View {
     corner: vec3<f32>,          // ray through the picture's corner: from the eye, before it is given length 1
@@ -161,6 +161,28 @@ fn skip_empty(r: BodyRay, k_first: f32, k1: f32) -> f32 {
     }
 #endif
     return k;
+}
+
+// Samples on end that one page serves.
+struct Run {
+    brick: vec3<i32>,           // of the first sample
+    page: Page,
+    // Sample k is at the address q + dq·k.
+    q: vec3<f32>,
+    dq: vec3<f32>,
+    end: f32,                   // the first sample that is none of them
+}
+
+// The run that begins at sample k and ends at `most` at the latest.
+fn run_from(r: BodyRay, k: f32, most: f32) -> Run {
+    let brick = brick_of(r.o + r.d * k);
+    let page = density_page(brick);
+    return Run(brick, page, r.o * page.scale + page.off, r.d * page.scale, run_end(r, brick, k, most));
+}
+
+// The texel at sample k of a run.
+fn run_texel(run: Run, k: f32) -> f32 {
+    return density_texel(run.page, run.q + run.dq * k);
 }
 
 // Where a run that begins at sample k of a brick of level 0 ends: with the brick, at `most` at the latest. One sample at least.
