@@ -75,6 +75,36 @@ pub(super) fn full_screen(
     })
 }
 
+/// Draws such a pipeline over all of a target.
+pub(super) fn draw_over(
+    gpu: &Gpu,
+    label: &str,
+    target: &wgpu::TextureView,
+    pipeline: &wgpu::RenderPipeline,
+    groups: &[&wgpu::BindGroup],
+) {
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(label) });
+    {
+        let ops = wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store };
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(label),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: target,
+                depth_slice: None,
+                resolve_target: None,
+                ops,
+            })],
+            ..Default::default()
+        });
+        pass.set_pipeline(pipeline);
+        for (i, group) in (0..).zip(groups) {
+            pass.set_bind_group(i, *group, &[]);
+        }
+        pass.draw(0..3, 0..1);
+    }
+    gpu.queue.submit([encoder.finish()]);
+}
+
 pub(super) fn layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
     let float = wgpu::TextureSampleType::Float { filterable: false };
     let uint = wgpu::TextureSampleType::Uint;

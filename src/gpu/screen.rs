@@ -3,7 +3,7 @@
 //! Owns the two pictures and how far the refinement has come. A band is as many rows as lately took the queue about 40 ms,
 //! and the next is submitted only when the last is done, so that the window stays answerable.
 
-use super::pass::{Targets, full_screen};
+use super::pass::{Targets, draw_over, full_screen};
 use super::shader::{self, Def};
 use super::tiles::{TILE, Window};
 use super::{Caster, FieldPools, Fields, Frame, Gpu, GpuError};
@@ -193,24 +193,7 @@ impl Caster {
                 wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::TextureView(&views[1]) },
             ],
         });
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("screen") });
-        {
-            let ops = wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store };
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("screen"),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: target,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops,
-                })],
-                ..Default::default()
-            });
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, &group, &[]);
-            pass.draw(0..3, 0..1);
-        }
-        gpu.queue.submit([encoder.finish()]);
+        draw_over(gpu, "screen", target, pipeline, &[&group]);
         Ok(())
     }
 }

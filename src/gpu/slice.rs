@@ -3,6 +3,7 @@
 //! Owns [`SliceFrame`] (what is drawn) and [`SliceCaster`] (its pipelines). Where a slice's pixels lie in the world is the
 //! caller's: a frame takes any affine map from pixels to the slice. Knows no window.
 
+use super::pass::{draw_over, full_screen};
 use super::shader::{self, Def};
 use super::{FieldPools, Fields, Gpu, GpuError, Overlay};
 use crate::math::{DVec2, DVec3};
@@ -191,26 +192,7 @@ impl SliceCaster {
                     wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(&colours) },
                 ],
             });
-            let mut encoder =
-                gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("slice") });
-            {
-                let ops = wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store };
-                let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                    label: Some("slice"),
-                    color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                        view: target,
-                        depth_slice: None,
-                        resolve_target: None,
-                        ops,
-                    })],
-                    ..Default::default()
-                });
-                pass.set_pipeline(pipeline);
-                pass.set_bind_group(0, &group, &[]);
-                pass.set_bind_group(1, pools.group(), &[]);
-                pass.draw(0..3, 0..1);
-            }
-            gpu.queue.submit([encoder.finish()]);
+            draw_over(gpu, "slice", target, pipeline, &[&group, pools.group()]);
             Ok(())
         })
     }
@@ -296,32 +278,7 @@ impl SliceCaster {
         let defs: Vec<_> = key.1.iter().map(|&name| (name, Def::Bool(true))).collect();
         let module = shader::compile(gpu, "slice.wgsl", &defs)?;
         gpu.scoped("the slices' pipeline", || {
-            let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some("slice"),
-                bind_group_layouts: &[Some(&self.layout), Some(pools.layout())],
-                immediate_size: 0,
-            });
-            Ok(gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some("slice"),
-                layout: Some(&layout),
-                vertex: wgpu::VertexState {
-                    module: &module,
-                    entry_point: Some("cover"),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    buffers: &[],
-                },
-                primitive: wgpu::PrimitiveState::default(),
-                depth_stencil: None,
-                multisample: wgpu::MultisampleState::default(),
-                fragment: Some(wgpu::FragmentState {
-                    module: &module,
-                    entry_point: Some("draw"),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    targets: &[Some(key.0.into())],
-                }),
-                multiview_mask: None,
-                cache: None,
-            }))
+            Ok(full_screen(gpu, "slice", &module, &[&self.layout, pools.layout()], &[key.0], "draw"))
         })
     }
 }
