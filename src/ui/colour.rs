@@ -54,7 +54,7 @@ fn square(ui: &mut Ui, size: egui::Vec2, name: &str, colour: [f32; 3]) -> Respon
         info.current_text_value = Some(format!("#{:02x}{:02x}{:02x}", fill.r(), fill.g(), fill.b()));
         info
     });
-    ui.painter().rect_filled(rect, 3.0, fill);
+    ui.painter().rect_filled(rect, theme::ROUND, fill);
     let edge = if response.hovered() || response.has_focus() { theme::TEXT } else { theme::LINE };
     ui.painter().rect_stroke(rect, 3.0, Stroke::new(1.0, edge), StrokeKind::Inside);
     response

@@ -36,6 +36,8 @@ pub const WARNING: Color32 = Color32::from_rgb(0xe3, 0xb3, 0x5a);
 pub const ROW: f32 = 24.0;
 /// Width of the labels in front of controls.
 pub const LABEL: f32 = 88.0;
+/// Radius of corners.
+pub const ROUND: u8 = 3;
 /// One step of the grid.
 pub const GAP: f32 = 4.0;
 
@@ -111,7 +113,7 @@ fn visuals() -> Visuals {
     v.selection.stroke = Stroke::new(1.0, Color32::WHITE);
     v.slider_trailing_fill = true;
     v.disabled_alpha = 0.45;
-    let radius = CornerRadius::same(3);
+    let radius = CornerRadius::same(ROUND);
     let w = &mut v.widgets;
     for state in [&mut w.noninteractive, &mut w.inactive, &mut w.hovered, &mut w.active, &mut w.open] {
         state.corner_radius = radius;

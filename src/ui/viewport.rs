@@ -146,7 +146,9 @@ impl App {
             let font = egui::FontId::proportional(13.5);
             painter.text(body.center(), Align2::CENTER_CENTER, text, font, theme::TEXT_WEAK);
         }
-        self.overlay(&painter, view, body);
+        if self.pictures.has(view) {
+            self.overlay(&painter, view, body);
+        }
         if self.viewports.hovered.is_some_and(|(v, _)| v == view) && self.viewports.maximised.is_none() {
             let colour = view_colour(view).gamma_multiply(0.55);
             painter.rect_stroke(body, 0.0, Stroke::new(1.0, colour), StrokeKind::Inside);

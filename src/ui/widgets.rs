@@ -121,10 +121,10 @@ pub(super) fn choice<T: PartialEq + Copy>(
         let enabled = ui.is_enabled();
         response.widget_info(|| WidgetInfo::selected(Role::RadioButton, enabled, on, format!("{name}: {label}")));
         let round = |first: bool, last: bool| CornerRadius {
-            nw: if first { 3 } else { 0 },
-            sw: if first { 3 } else { 0 },
-            ne: if last { 3 } else { 0 },
-            se: if last { 3 } else { 0 },
+            nw: if first { theme::ROUND } else { 0 },
+            sw: if first { theme::ROUND } else { 0 },
+            ne: if last { theme::ROUND } else { 0 },
+            se: if last { theme::ROUND } else { 0 },
         };
         paint_face(ui, rect, &response, on, round(i == 0, i + 1 == options.len()));
         let colour = face_colour(ui, &response, on);
@@ -199,7 +199,7 @@ pub(super) fn icon_button(ui: &mut Ui, face: Face<'_>) -> Response {
     let enabled = ui.is_enabled();
     response.widget_info(|| WidgetInfo::selected(Role::Button, enabled, face.on, face.name));
     if face.on || !face.flat || response.hovered() || response.has_focus() {
-        paint_face(ui, rect, &response, face.on, CornerRadius::same(3));
+        paint_face(ui, rect, &response, face.on, CornerRadius::same(theme::ROUND));
     }
     let colour = match face.tint {
         Some(tint) if enabled && !face.on => tint,

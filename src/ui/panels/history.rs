@@ -34,7 +34,7 @@ impl App {
                         (false, true) => theme::CONTROL,
                         _ => egui::Color32::TRANSPARENT,
                     };
-                    ui.painter().rect_filled(rect, 3.0, fill);
+                    ui.painter().rect_filled(rect, theme::ROUND, fill);
                     let colour = match i {
                         _ if here => egui::Color32::WHITE,
                         i if i > done => theme::TEXT_WEAK,

@@ -67,9 +67,9 @@ impl App {
                     self.send(look(None, Some(shaded), None, None, None));
                 }
             });
-            ui.add_space(12.0);
+        });
+        row(ui, "Background", |ui| {
             let mut background = now.background;
-            ui.label("Background");
             let response = colour_button(ui, "Background of the 3D view", &mut background);
             if response.changed() {
                 self.edit(&response, look(None, None, None, None, Some(background)));

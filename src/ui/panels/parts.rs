@@ -45,7 +45,7 @@ impl App {
                 let hovered = self.hovered_part() == Some(id);
                 if hovered {
                     let full = egui::Rect::from_min_size(ui.cursor().min, egui::vec2(ui.available_width(), ROW - 4.0));
-                    ui.painter().rect_filled(full, 3.0, theme::CONTROL);
+                    ui.painter().rect_filled(full, theme::ROUND, theme::CONTROL);
                 }
                 let mut colour = part.colour.unwrap_or([0.55, 0.55, 0.57]);
                 let mut own = false;

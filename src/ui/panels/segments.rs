@@ -45,7 +45,7 @@ impl App {
             ui.horizontal(|ui| {
                 let full = egui::Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), ROW - 4.0));
                 if painted {
-                    ui.painter().rect_filled(full, 3.0, theme::ACCENT_FILL);
+                    ui.painter().rect_filled(full, theme::ROUND, theme::ACCENT_FILL);
                 }
                 let (rect, pick) = ui.allocate_exact_size(vec2(22.0, ROW - 4.0), Sense::click());
                 let name = format!("Paint segment {}", segment.name);

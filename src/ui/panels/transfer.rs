@@ -255,8 +255,11 @@ fn handle(ui: &Ui, salt: (&str, usize), at: Pos2, name: &str) -> Response {
 
 fn paint_handle(painter: &egui::Painter, at: Pos2, fill: Color32, lit: bool) {
     let radius = if lit { HANDLE * 0.6 } else { HANDLE * 0.5 };
-    painter.circle(at, radius, fill, Stroke::new(3.0, Color32::from_black_alpha(180)));
-    painter.circle_stroke(at, radius, Stroke::new(1.5, if lit { Color32::WHITE } else { theme::TEXT_WEAK }));
+    // Discs over each other: a ring costs as many edges as a disc has none.
+    let ring = if lit { Color32::WHITE } else { theme::TEXT_WEAK };
+    for (grown, colour) in [(1.5, theme::DEEP), (0.75, ring), (-0.75, fill)] {
+        painter.circle_filled(at, radius + grown, colour);
+    }
 }
 
 fn paint_curve(painter: &egui::Painter, plot: &Plot, function: &TransferFunction) {
