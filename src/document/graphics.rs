@@ -153,6 +153,11 @@ impl Graphics {
         self.with(state, "painting", |t, painter| painter.finish(&mut t.pools, &fields(state)))
     }
 
+    /// The running stroke's dabs so far.
+    pub(super) fn dabs(&self) -> Vec<Dab> {
+        self.painter.as_ref().map_or_else(Vec::new, |painter| painter.dabs().to_vec())
+    }
+
     /// Takes the running stroke back; nothing of it is left even if the device fails meanwhile.
     pub(super) fn cancel(&mut self, state: &State, kind: FieldKind) {
         let (Some(tools), Some(painter)) = (&mut self.tools, &mut self.painter) else { return };

@@ -85,6 +85,11 @@ impl Painter {
         self.stroke.is_some()
     }
 
+    /// The running stroke's dabs so far, in order.
+    pub fn dabs(&self) -> &[Dab] {
+        self.stroke.as_ref().map_or(&[], |s| &s.dabs)
+    }
+
     /// The bricks that the running stroke shows in, itself or through an apron, in order.
     pub fn touched(&self) -> Vec<BrickIndex> {
         let mut touched: Vec<_> = self.stroke.iter().flat_map(|s| s.homes.keys().copied()).collect();

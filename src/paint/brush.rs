@@ -2,7 +2,7 @@
 
 use super::PaintError;
 use crate::math::DVec3;
-use crate::volume::{DensityMap, Field, FieldKind, TexelFormat};
+use crate::volume::{BrickSource, DensityMap, Field, FieldKind, TexelFormat};
 use serde::{Deserialize, Serialize};
 
 /// The footprint's form.
@@ -167,9 +167,14 @@ impl Brush {
     }
 
     /// The range of values that density must be able to hold before this brush paints on it, if its 16-bit codes cannot yet:
-    /// the union of their range and what the brush can make. For `Add` and `Subtract` room is made for one full application
-    /// to the field's extremes; building up beyond that is clamped.
+    /// the union of their range and what one full application to the field's extremes makes.
     pub fn range_needed(&self, density: &Field) -> Option<[f64; 2]> {
+        self.range_over(density, 1.0)
+    }
+
+    /// Likewise where up to `coverage` (Σ G of building up, at least 1) adds up on a voxel. Beyond one application no more room
+    /// is made than the source's own type has.
+    pub fn range_over(&self, density: &Field, coverage: f64) -> Option<[f64; 2]> {
         let Target::Density(value) = self.target else { return None };
         if density.format() != TexelFormat::R16Unorm {
             return None;
@@ -182,13 +187,32 @@ impl Brush {
                 let sign = if self.effective() == Operation::Add { 1.0 } else { -1.0 };
                 let share = if self.tip == Tip::Wash { f64::from(self.strength) } else { 1.0 };
                 let offset = sign * share * value;
-                let [min, max] = density.extremes();
-                [f64::from(min) + offset.min(0.0), f64::from(max) + offset.max(0.0)]
+                let [min, max] = density.extremes().map(f64::from);
+                let [least, greatest] = limits(density);
+                let low = (min + offset * coverage).max(least).min(min + offset);
+                let high = (max + offset * coverage).min(greatest).max(max + offset);
+                [low.min(min), high.max(max)]
             }
         };
         let slack = map.half_step();
         (lo < map.lo - slack || hi > map.hi() + slack).then(|| [lo.min(map.lo), hi.max(map.hi())])
     }
+
+    /// Whether dabs of this brush may add up on density beyond one application.
+    pub fn piles_up(&self) -> bool {
+        let adds = matches!(self.effective(), Operation::Add | Operation::Subtract);
+        adds && self.tip == Tip::BuildUp && matches!(self.target, Target::Density(_))
+    }
+}
+
+/// What the source's type can hold, in the volume's unit.
+fn limits(density: &Field) -> [f64; 2] {
+    let of = |source: &std::sync::Arc<dyn BrickSource>| {
+        let (slope, intercept) = source.scaling();
+        let [a, b] = source.voxel_type().limits()?.map(|stored| slope * stored + intercept);
+        Some([a.min(b), a.max(b)])
+    };
+    density.source().and_then(of).unwrap_or([f64::NEG_INFINITY, f64::INFINITY])
 }
 
 /// One input point of a stroke, in the frame of the voxels at rest.

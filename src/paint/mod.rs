@@ -7,8 +7,10 @@ mod brush;
 mod dab;
 mod error;
 mod path;
+mod pile;
 
 pub use brush::{Brush, Falloff, Operation, Sample, Shape, Target, Tip};
 pub use dab::{Dab, EDGE, Footprint, IndexBox};
 pub use error::PaintError;
 pub use path::{MAX_DABS, StrokePath};
+pub use pile::Pile;

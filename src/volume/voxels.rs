@@ -35,6 +35,21 @@ impl VoxelType {
         !matches!(self, Self::F32 | Self::F64)
     }
 
+    /// The least and the greatest value of an integer type.
+    pub const fn limits(self) -> Option<[f64; 2]> {
+        match self {
+            Self::U8 => Some([0.0, u8::MAX as f64]),
+            Self::I8 => Some([i8::MIN as f64, i8::MAX as f64]),
+            Self::U16 => Some([0.0, u16::MAX as f64]),
+            Self::I16 => Some([i16::MIN as f64, i16::MAX as f64]),
+            Self::U32 => Some([0.0, u32::MAX as f64]),
+            Self::I32 => Some([i32::MIN as f64, i32::MAX as f64]),
+            Self::U64 => Some([0.0, u64::MAX as f64]),
+            Self::I64 => Some([i64::MIN as f64, i64::MAX as f64]),
+            Self::F32 | Self::F64 => None,
+        }
+    }
+
     /// The name that `burin info` prints.
     pub const fn name(self) -> &'static str {
         match self {

@@ -87,6 +87,35 @@ fn density_beyond_its_codes_gets_wider_ones_and_keeps_what_was_painted() {
 }
 
 #[test]
+fn what_builds_up_adds_every_dab_until_the_type_can_hold_no_more() {
+    let Some(mut document) = block() else { return };
+    let value = |d: &mut Document, at: [u32; 3]| {
+        run(d, &json!({"ask":{"voxel":{"at":{"index":at}}}}).to_string()).unwrap()["density"].as_f64().unwrap()
+    };
+    let untouched = bytes(&document);
+    let brush = json!({"brush":{"set":{"falloff":"hard","radius_mm":4,"tip":"build_up","operation":"add","target":{"density":3.0}}}});
+    run(&mut document, &brush.to_string()).unwrap();
+    let to = |verb: &str, x: f64| json!({"stroke":{verb:{"points":[{"at":{"index":[x, 4, 20]}}]}}}).to_string();
+    // Dabs a millimetre apart: nine reach a voxel on the way, nine more on the way back but for the one where it turns.
+    run(&mut document, &to("begin", 12.0)).unwrap();
+    run(&mut document, &to("extend", 40.0)).unwrap();
+    run(&mut document, &to("extend", 12.0)).unwrap();
+    run(&mut document, r#"{"stroke":{"end":{}}}"#).unwrap();
+    for (at, dabs) in [([26, 4, 20], 18), ([40, 4, 20], 9), ([45, 4, 20], 0), ([26, 8, 20], 2)] {
+        let before = if at[1] >= 8 { 200.0 } else { 0.0 };
+        let (found, expected) = (value(&mut document, at), before + 3.0 * f64::from(dabs));
+        assert!((found - expected).abs() < 0.01, "{at:?}: {found}, {expected} expected");
+    }
+    run(&mut document, r#"{"history":{"undo":{}}}"#).unwrap();
+    assert_eq!(bytes(&document), untouched);
+    // 200 + 18·3 is still a byte, 200 + 18·30 is not.
+    run(&mut document, r#"{"brush":{"set":{"target":{"density":30.0}}}}"#).unwrap();
+    let there_and_back = json!([{"at":{"index":[12,20,20]}},{"at":{"index":[40,20,20]}},{"at":{"index":[12,20,20]}}]);
+    run(&mut document, &json!({"stroke":{"paint":{"points":there_and_back}}}).to_string()).unwrap();
+    assert!((value(&mut document, [26, 20, 20]) - 255.0).abs() < 0.01);
+}
+
+#[test]
 fn a_cancelled_stroke_leaves_nothing_but_was_seen() {
     let Some(mut document) = block() else { return };
     let picture = |d: &mut Document| d.picture(ViewName::ThreeD, [48, 48], None).unwrap().colour;

@@ -3,6 +3,7 @@
 mod brush;
 mod dab;
 mod path;
+mod pile;
 
 use burin::math::{DAffine3, DMat3, DVec3};
 use burin::paint::*;

@@ -6,7 +6,7 @@
 use super::edit::Edit;
 use super::state::{map_over, unit};
 use super::{Command, Document, DocumentError, ExplosionCommand, Place, StrokeCommand, StrokePoint, warn};
-use crate::paint::{Brush, Sample, StrokePath, Target};
+use crate::paint::{Brush, Dab, Pile, Sample, StrokePath, Target};
 use crate::volume::FieldKind;
 use serde_json::{Value, json};
 
@@ -15,6 +15,8 @@ use serde_json::{Value, json};
 pub(in crate::document) struct Running {
     brush: Brush,
     path: StrokePath,
+    /// Of a brush that adds up on density: what may have, and for how much of it the map has room.
+    pile: Option<(Pile, f64)>,
     /// What came before the first dab: a segment that was missing, a map that was too narrow.
     edit: Edit,
     samples: Vec<Sample>,
@@ -144,6 +146,7 @@ impl Document {
         let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
         let brush = state.scene.brush;
         let path = StrokePath::new(&brush, state.grid())?;
+        let pile = brush.piles_up().then(|| (Pile::new(&brush, state.grid()), 1.0));
         let mut edit = Edit::new(Some(state));
         edit.name(format!("{} {}", if brush.erase { "Erase" } else { "Paint" }, brush.target.field().name()));
         if let (Target::Label(id), false) = (brush.target, brush.erase) {
@@ -156,7 +159,7 @@ impl Document {
             self.graphics.remap(state);
         }
         let begun = begun.and_then(|()| self.graphics.begin(state, &brush));
-        self.running = Some(Running { brush, path, edit, samples: Vec::new(), dabs: 0, missed });
+        self.running = Some(Running { brush, path, pile, edit, samples: Vec::new(), dabs: 0, missed });
         let first = begun.and_then(|()| self.extend_stroke(samples, 0));
         if first.is_err() {
             self.drop_stroke();
@@ -164,10 +167,40 @@ impl Document {
         first
     }
 
+    /// Widens the density's map before dabs add up beyond it, and paints anew what the stroke had painted.
+    ///
+    /// # Errors
+    /// If the device fails or the source does; the stroke is then taken back.
+    fn make_room(&mut self, dabs: &[Dab]) -> Result<(), DocumentError> {
+        let (Some(running), Some(state)) = (&mut self.running, &mut self.state) else { return Ok(()) };
+        let Some((pile, room)) = &mut running.pile else { return Ok(()) };
+        let most = pile.add(dabs);
+        if most <= *room {
+            return Ok(());
+        }
+        // Twice as much as before at least, so that a long stroke is painted anew a few times and not with every sample.
+        *room = most.max(*room * 2.0);
+        let Some([lo, hi]) = running.brush.range_over(&state.density, *room) else { return Ok(()) };
+        let before = self.graphics.dabs();
+        self.graphics.cancel(state, FieldKind::Density);
+        let map = map_over(lo, hi, unit(state.source.as_ref()), None);
+        let mut widened = running.edit.remap(state, map).map_err(DocumentError::from);
+        self.graphics.remap(state);
+        widened = widened.and_then(|()| self.graphics.begin(state, &running.brush));
+        let painted = widened
+            .and_then(|()| if before.is_empty() { Ok(()) } else { self.graphics.extend(state, &before).map(drop) });
+        if painted.is_err() {
+            self.drop_stroke();
+        }
+        painted
+    }
+
     fn extend_stroke(&mut self, samples: &[Sample], missed: u64) -> Result<Value, DocumentError> {
-        let (Some(running), Some(state)) = (&mut self.running, &self.state) else { return Ok(json!({})) };
+        let Some(running) = &self.running else { return Ok(json!({})) };
         let mut path = running.path.clone();
         let dabs = path.extend(samples)?;
+        self.make_room(&dabs)?;
+        let (Some(running), Some(state)) = (&mut self.running, &self.state) else { return Ok(json!({})) };
         let bricks = if dabs.is_empty() { Vec::new() } else { self.graphics.extend(state, &dabs)? };
         running.path = path;
         running.samples.extend_from_slice(samples);
