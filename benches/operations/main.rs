@@ -17,6 +17,7 @@ mod save;
 mod settle;
 mod slices;
 mod undo;
+mod window;
 
 use measure::Report;
 
@@ -37,6 +38,7 @@ const BENCHES: &[Bench] = &[
     ("keep/save", save::save),
     ("keep/export", export::export),
     ("open/memory", open::memory),
+    ("window/frame", window::frame),
 ];
 
 fn main() {

@@ -23,7 +23,7 @@ impl App {
         if self.opened().is_none() {
             return;
         }
-        let panel = side(Panel::left("tools")).default_size(276.0).size_range(252.0..=420.0).show(ui, |ui| {
+        let panel = side(Panel::left("tools")).default_size(288.0).size_range(272.0..=420.0).show(ui, |ui| {
             scrolled(ui, "left", |ui| {
                 section(ui, "Brush", true, |ui| self.brush_panel(ui));
                 section(ui, "Segments", true, |ui| self.segment_panel(ui));
