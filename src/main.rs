@@ -48,12 +48,12 @@ enum Command {
         #[arg(long, allow_hyphen_values = true)]
         camera: Option<String>,
         /// Degree of explosion, settled before the picture is drawn.
-        #[arg(long)]
+        #[arg(long, allow_negative_numbers = true, value_parser = finite)]
         degree: Option<f64>,
-        /// 3d, axial, coronal or sagittal.
-        #[arg(long, default_value = "3d")]
+        /// Which view.
+        #[arg(long, default_value = "3d", value_parser = ["3d", "axial", "coronal", "sagittal"])]
         view: String,
-        /// Transparent instead of the look's background.
+        /// A PNG that is transparent instead of the look's background; an EXR always is.
         #[arg(long)]
         transparent: bool,
     },
@@ -131,6 +131,9 @@ fn run(path: &Path, project: Option<PathBuf>, keep_going: bool) -> Result<(), St
 
 /// Says the same to a document as a script would.
 fn render(path: &Path, camera: Option<String>, degree: Option<f64>, image: &Value) -> Result<(), String> {
+    if let (Some(_), Some(view)) = (&camera, image["view"].as_str().filter(|view| *view != "3d")) {
+        return Err(format!("--camera: one for the {view} view found, none for a slice expected"));
+    }
     let mut document = Document::new();
     let opened = if path.is_dir() {
         Opened::project_to_read(path, &|_| true)
@@ -162,6 +165,11 @@ fn render(path: &Path, camera: Option<String>, degree: Option<f64>, image: &Valu
         }
     }
     Ok(())
+}
+
+fn finite(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|n: &f64| n.is_finite());
+    number.ok_or(format!("{text} found, a number expected"))
 }
 
 fn size(text: &str) -> Result<[u32; 2], String> {

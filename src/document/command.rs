@@ -72,7 +72,7 @@ pub enum Place {
 pub struct StrokePoint {
     /// Where.
     pub at: Place,
-    /// 0..1.
+    /// 0..1; scales the brush's strength.
     #[serde(default = "one")]
     pub pressure: f32,
 }
@@ -344,7 +344,7 @@ pub enum RenderCommand {
         size: Option<[u32; 2]>,
         #[serde(default)]
         camera: Option<Camera>,
-        /// Transparent instead of the look's background.
+        /// A PNG that is transparent instead of the look's background; an EXR always is.
         #[serde(default)]
         transparent: bool,
     },

@@ -4,7 +4,7 @@ use crate::explode::ExplodeError;
 use crate::gpu::{GpuError, ImageError};
 use crate::io::IoError;
 use crate::paint::PaintError;
-use crate::volume::SourceError;
+use crate::volume::{Segments, SourceError};
 
 /// See the module's head.
 #[derive(Debug, thiserror::Error)]
@@ -66,5 +66,15 @@ impl DocumentError {
         expected: impl Into<String>,
     ) -> Self {
         Self::Invalid { field: field.into(), found: found.to_string(), expected: expected.into() }
+    }
+
+    /// A label that is no segment's.
+    pub(super) fn no_segment(field: &str, label: u16, segments: &Segments) -> Self {
+        let known: Vec<u16> = segments.0.iter().map(|s| s.id).collect();
+        let expected = match known[..] {
+            [] => "a segment's id; there is no segment yet".to_owned(),
+            _ => format!("a segment's id, one of {known:?}"),
+        };
+        Self::invalid(field, label, expected)
     }
 }

@@ -248,7 +248,11 @@ fn check_pose(pose: &Pose, field: &str) -> Result<(), ExplodeError> {
     if rigid && small {
         Ok(())
     } else {
-        Err(invalid(field, format!("{pose:?}"), "a unit quaternion and finite millimetres"))
+        Err(invalid(
+            field,
+            format!("rotation {}, translation {}", pose.rotation, pose.translation),
+            "a unit quaternion and finite millimetres",
+        ))
     }
 }
 

@@ -28,13 +28,13 @@ pub fn run(
     keep_going: bool,
 ) -> std::io::Result<Outcome> {
     let mut outcome = Outcome::default();
-    for (number, line) in script.lines().enumerate() {
+    for (number, line) in script.split(b'\n').enumerate() {
         let line = line?;
-        let line = line.trim();
-        if line.is_empty() || line.starts_with('#') {
-            continue;
-        }
-        let result = perform(document, line);
+        let result = match std::str::from_utf8(&line).map(str::trim) {
+            Ok(line) if line.is_empty() || line.starts_with('#') => continue,
+            Ok(line) => perform(document, line),
+            Err(error) => Err(format!("not a command: byte {} found, UTF-8 expected", error.valid_up_to() + 1)),
+        };
         let answer = match &result {
             Ok(answer) => json!({ "line": number + 1, "ok": answer }),
             Err(error) => json!({ "line": number + 1, "error": error }),

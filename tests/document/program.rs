@@ -22,6 +22,10 @@ fn what_goes_wrong_is_said_on_stderr_with_code_2() {
         (&["info", "nowhere.nii"], "nowhere.nii"),
         (&["render", "v.nrrd", "-o", "x.png", "--camera", "1,2"], "--camera: 1,2 found"),
         (&["render", "v.nrrd", "-o", "x.png", "--size", "9"], "WIDTHxHEIGHT expected"),
+        (&["render", "v.nrrd", "-o", "x.png", "--degree", "nan"], "nan found, a number expected"),
+        (&["render", "v.nrrd", "-o", "x.png", "--degree", "-1"], "a number from 0 to 10 expected"),
+        (&["render", "v.nrrd", "-o", "x.png", "--view", "top"], "[possible values: 3d, axial, coronal, sagittal]"),
+        (&["render", "v.nrrd", "-o", "x.png", "--view", "axial", "--camera", "1,0,0"], "one for the axial view found"),
         (&["no-such-command", "x"], "cannot be used"),
     ] {
         let output = burin(folder.path(), arguments);

@@ -32,6 +32,16 @@ fn the_first_error_ends_it_unless_told_to_go_on() {
 }
 
 #[test]
+fn a_line_that_is_no_text_is_an_error_of_its_own() {
+    let script = b"{\"selection\":{\"clear\":{}}}\n{\"sel\xff\n{\"selection\":{\"clear\":{}}}";
+    let mut out = Vec::new();
+    let outcome = run(&mut labelled(), &script[..], &mut out, true).unwrap();
+    assert_eq!(outcome, Outcome { done: 2, failed: 1 });
+    let second = String::from_utf8(out).unwrap().lines().nth(1).unwrap().to_owned();
+    assert!(second.contains(r#""line":2"#) && second.contains("byte 6 found, UTF-8 expected"), "{second}");
+}
+
+#[test]
 fn what_is_wrong_is_told_with_its_field() {
     let point = r#"{"at":{"mm":[0,0,0]}"#;
     for (line, expected) in [
@@ -54,6 +64,11 @@ fn what_is_wrong_is_told_with_its_field() {
         (r#"{"history":{"undo":{}},"view":{"back":{}}}"#.into(), "found 2 nouns (history, view), expected one a line"),
         (r#"{"history":{"undo":{},"redo":{}}}"#.into(), "found 2 verbs (undo, redo), expected one a line"),
         ("[1]".into(), "found no object"),
+        (r#"{"selection":{"from_label":{"label":77}}}"#.into(), "label: 77 found, a segment's id, one of ["),
+        (
+            r#"{"part":{"move":{"id":1,"pose":{"rotation":[2,0,0,1],"translation":[0,0,0]}}}}"#.into(),
+            "rotation [2, 0, 0, 1], translation [0, 0, 0] found, a unit quaternion",
+        ),
         (r#"{"part":{"set":{"id":9}}}"#.into(), "part 9 does not exist; the parts are 1"),
     ] {
         let (_, lines) = answers(&mut labelled(), &line, false);

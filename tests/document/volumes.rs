@@ -78,3 +78,22 @@ fn a_range_or_component_that_is_none_is_refused_and_what_was_open_stays() {
         assert!(document.state().is_none());
     }
 }
+
+#[test]
+fn an_export_leaves_the_file_it_came_from_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("v.nrrd");
+    write_nrrd(&path, &Grid::aligned([6, 5, 4], DVec3::ONE, DVec3::ZERO), |v| v[0] as f32);
+    let bytes = std::fs::read(&path).unwrap();
+    let mut document = Document::new();
+    run(&mut document, &json!({"volume":{"open":{"path":path}}}).to_string()).unwrap();
+    std::fs::create_dir(folder.path().join("sub")).unwrap();
+    for name in ["v.nrrd", "sub/../v.nrrd"] {
+        let export = json!({"volume":{"export":{"field":"labels","path":folder.path().join(name)}}});
+        let error = run(&mut document, &export.to_string()).unwrap_err().to_string();
+        assert!(error.contains("another file than the volume's own"), "{error}");
+        assert_eq!(std::fs::read(&path).unwrap(), bytes);
+    }
+    let beside = json!({"volume":{"export":{"field":"labels","path":folder.path().join("w.nrrd")}}});
+    run(&mut document, &beside.to_string()).unwrap();
+}

@@ -39,8 +39,7 @@ impl Document {
             }
             SegmentCommand::Remove { id } => {
                 let Some(segment) = state.scene.segments.get(id) else {
-                    let known: Vec<u16> = state.scene.segments.0.iter().map(|s| s.id).collect();
-                    return Err(DocumentError::invalid("id", id, format!("the id of a segment, of {known:?}")));
+                    return Err(DocumentError::no_segment("id", id, &state.scene.segments));
                 };
                 edit.name(format!("Remove segment {}", segment.name));
                 state.scene.segments.0.retain(|s| s.id != id);

@@ -54,8 +54,7 @@ fn replace(state: &mut State, edit: &mut Edit, mut changes: Changes) -> Result<(
 
 fn from_label(state: &State, label: u16) -> Result<Changes, DocumentError> {
     if label == 0 || state.scene.segments.get(label).is_none() {
-        let known: Vec<u16> = state.scene.segments.0.iter().map(|s| s.id).collect();
-        return Err(DocumentError::invalid("label", label, format!("the id of a segment, of {known:?}")));
+        return Err(DocumentError::no_segment("label", label, &state.scene.segments));
     }
     let wanted = label.to_le_bytes();
     let bytes = state.labels.format().bytes();
