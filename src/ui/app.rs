@@ -154,13 +154,14 @@ impl App {
         let commands = self.interaction.handle(event, &context);
         let is = self.interaction.gesture().is_some();
         if is && !was {
-            self.request(Request::Held(true));
+            let view = self.viewports.captured.map_or(self.viewports.last_used, |(_, view)| view);
+            self.request(Request::Held(Some(view)));
         }
         for command in commands {
             self.send(command);
         }
         if was && !is {
-            self.request(Request::Held(false));
+            self.request(Request::Held(None));
         }
     }
 

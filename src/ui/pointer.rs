@@ -180,7 +180,7 @@ impl App {
                 for command in self.interaction.choose(tool) {
                     self.send(command);
                 }
-                self.request(Request::Held(false));
+                self.request(Request::Held(None));
             }
             Action::BrushSize(factor) => {
                 if let (Some(scene), Some(open)) = (&self.scene, self.opened()) {

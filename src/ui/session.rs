@@ -28,8 +28,8 @@ pub enum Request {
     },
     /// The views that are on the screen.
     Show(Vec<ViewName>),
-    /// Whether something is held: pictures may be coarse meanwhile.
-    Held(bool),
+    /// The view that something is held in: pictures may be coarse meanwhile, and this one comes first.
+    Held(Option<ViewName>),
     /// The window is closed in order; what is not saved may be thrown away.
     Quit,
 }

@@ -90,24 +90,31 @@ impl Studio {
         Some(Basis { content: self.content, poses: self.poses, size, plane, camera: views.camera })
     }
 
-    /// The view that needs drawing most: of those that show something old the one that waited longest, so that none starves
-    /// while a stroke or a motion changes them all the time; then the coarse.
-    fn next(&self, document: &Document, shown: &[ViewName], rough: bool) -> Option<(ViewName, Basis)> {
+    /// The view that needs drawing most: of those that show something old every second time the one under the hand, else the one
+    /// that waited longest, so that none starves while a stroke or a motion changes them all the time; then the coarse.
+    fn next(
+        &self,
+        document: &Document,
+        shown: &[ViewName],
+        hand: Option<ViewName>,
+        rough: bool,
+    ) -> Option<(ViewName, Basis)> {
         let all = || shown.iter().filter_map(|&view| Some((view, self.basis(document, view)?)));
         let stale = all().filter(|(view, basis)| !self.drawn.get(view).is_some_and(|d| same(&d.basis, basis, *view)));
         let waited = |view: &ViewName| self.drawn.get(view).map_or(0, |d| d.turn);
+        let in_hand = |view: ViewName| hand == Some(view) && waited(&view) < self.turn;
         // Slices are quick: of those that never were drawn they come first.
-        let stale = stale.min_by_key(|(view, _)| (waited(view), *view == ViewName::ThreeD));
+        let stale = stale.min_by_key(|(view, _)| (!in_hand(*view), waited(view), *view == ViewName::ThreeD));
         let coarse = || all().find(|(view, _)| !rough && self.drawn.get(view).is_some_and(|d| !d.fine));
         stale.or_else(coarse)
     }
 
     /// Whether a view waits to be drawn.
     pub(super) fn has_work(&self, document: &Document, shown: &[ViewName], rough: bool) -> bool {
-        self.next(document, shown, rough).is_some()
+        self.next(document, shown, None, rough).is_some()
     }
 
-    /// Draws one view, or a band of one. `rough`: something is held or moves.
+    /// Draws one view, or a band of one. `hand`: the view that something is held in. `rough`: something is held or moves.
     ///
     /// # Errors
     /// As `Document::picture`; the view is not tried again until it changes.
@@ -115,9 +122,10 @@ impl Studio {
         &mut self,
         document: &mut Document,
         shown: &[ViewName],
+        hand: Option<ViewName>,
         rough: bool,
     ) -> Result<Option<Picture>, DocumentError> {
-        let Some((view, basis)) = self.next(document, shown, rough) else { return Ok(None) };
+        let Some((view, basis)) = self.next(document, shown, hand, rough) else { return Ok(None) };
         self.turn += 1;
         let drawn = if view == ViewName::ThreeD {
             let known = self.drawn.get(&view).is_some_and(|d| same(&d.basis, &basis, view));

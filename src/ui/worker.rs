@@ -42,7 +42,7 @@ pub fn spawn(mut document: Document, wake: egui::Context) -> std::io::Result<(Se
         wake,
         serial: 0,
         shown: Vec::new(),
-        held: false,
+        held: None,
         probe: None,
         gpu: None,
         moving: false,
@@ -67,7 +67,8 @@ struct Worker {
     wake: egui::Context,
     serial: u64,
     shown: Vec<ViewName>,
-    held: bool,
+    /// The view under the hand.
+    held: Option<ViewName>,
     probe: Option<(ViewName, DVec2, [u32; 2])>,
     gpu: Option<Result<String, String>>,
     moving: bool,
@@ -93,7 +94,7 @@ impl Worker {
                 }
                 Next::Gone => return,
             }
-            self.document.set_motion(self.held || self.moving);
+            self.document.set_motion(self.rough());
             if self.moving {
                 // A step may have to measure what hides the selection; what was done is told before.
                 self.tell();
@@ -107,7 +108,7 @@ impl Worker {
 
     /// Does what waits; sleeps if there is nothing else to do.
     fn take_requests(&mut self) -> Next {
-        if !self.moving && self.probe.is_none() && !self.studio.has_work(&self.document, &self.shown, self.held) {
+        if !self.moving && self.probe.is_none() && !self.studio.has_work(&self.document, &self.shown, self.rough()) {
             match self.far.requests.recv() {
                 Ok((serial, request)) => {
                     if !self.take(serial, request) {
@@ -143,8 +144,14 @@ impl Worker {
         true
     }
 
+    /// Whether pictures may be coarse.
+    fn rough(&self) -> bool {
+        self.held.is_some() || self.moving
+    }
+
     fn draw(&mut self) {
-        match self.studio.draw(&mut self.document, &self.shown, self.held || self.moving) {
+        let rough = self.rough();
+        match self.studio.draw(&mut self.document, &self.shown, self.held, rough) {
             Ok(Some(picture)) => self.report(Report::Picture(Box::new(picture))),
             Ok(None) => {}
             Err(error) => self.report(Report::Message(Gravity::Error, error.to_string())),

@@ -138,7 +138,7 @@ fn parts_follow_a_stroke_while_it_runs_and_every_view_is_drawn_meanwhile() {
     let mut desk = Desk::new(document);
     desk.session.send(Request::Show(VIEWS.to_vec()));
     let before = desk.rest(0);
-    desk.session.send(Request::Held(true));
+    desk.session.send(Request::Held(Some(ViewName::ThreeD)));
     desk.apply(r#"{"stroke":{"begin":{"points":[{"at":{"mm":[50,36,28]}}]}}}"#);
     desk.until("parts follow", |d| d.now.serial == 1 && farthest(&before, &d.poses()) > 1.0);
     desk.pictures.clear();
@@ -154,7 +154,7 @@ fn parts_follow_a_stroke_while_it_runs_and_every_view_is_drawn_meanwhile() {
     }
     assert_eq!(desk.now.undo.last().map(String::as_str), Some("Degree of explosion"), "the stroke still runs");
     desk.apply(r#"{"stroke":{"end":{}}}"#);
-    desk.session.send(Request::Held(false));
+    desk.session.send(Request::Held(None));
     let after = desk.rest(serial + 1);
     desk.apply(r#"{"explosion":{"settle":{}}}"#);
     assert_eq!(desk.rest(serial + 2), after);
@@ -162,4 +162,25 @@ fn parts_follow_a_stroke_while_it_runs_and_every_view_is_drawn_meanwhile() {
     desk.apply(r#"{"history":{"undo":{}}}"#);
     assert_eq!(desk.rest(serial + 3), before);
     desk.close();
+}
+
+#[test]
+fn the_view_under_the_hand_is_drawn_first_and_no_other_starves() {
+    for hand in [ViewName::Sagittal, ViewName::ThreeD] {
+        let Some(document) = block() else { return };
+        let mut desk = Desk::new(document);
+        desk.session.send(Request::Show(VIEWS.to_vec()));
+        desk.rest(0);
+        desk.until("all is drawn", |d| VIEWS.iter().all(|v| d.pictures.contains(v)));
+        desk.session.send(Request::Held(Some(hand)));
+        for serial in 1..=6 {
+            desk.pictures.clear();
+            desk.apply(&json!({"view":{"window":{"level": 40 + serial, "width": 100}}}).to_string());
+            desk.until("all is drawn", |d| d.now.serial == serial && VIEWS.iter().all(|v| d.pictures.contains(v)));
+            // Never twice running: at first it may have been the last.
+            let first = if serial == 1 { 2 } else { 1 };
+            assert!(desk.pictures[..first].contains(&hand), "{hand:?} in {:?}", desk.pictures);
+        }
+        desk.close();
+    }
 }
