@@ -108,10 +108,23 @@ fn what_builds_up_adds_every_dab_until_the_type_can_hold_no_more() {
     }
     run(&mut document, r#"{"history":{"undo":{}}}"#).unwrap();
     assert_eq!(bytes(&document), untouched);
-    // 200 + 18·3 is still a byte, 200 + 18·30 is not.
+    // Four ways add up to more than there was room for at the stroke's beginning: it is painted anew with wider codes.
+    let ways = |document: &mut Document, n: usize| {
+        for i in 0..=n {
+            let verb = if i == 0 { "begin" } else { "extend" };
+            let at = json!({"index":[if i.is_multiple_of(2) { 12 } else { 40 }, 20, 20]});
+            run(document, &json!({"stroke":{verb:{"points":[{"at":at}]}}}).to_string()).unwrap();
+        }
+        run(document, r#"{"stroke":{"end":{}}}"#).unwrap();
+    };
+    run(&mut document, r#"{"brush":{"set":{"target":{"density":1.0}}}}"#).unwrap();
+    ways(&mut document, 4);
+    assert!((value(&mut document, [26, 20, 20]) - 236.0).abs() < 0.01);
+    run(&mut document, r#"{"history":{"undo":{}}}"#).unwrap();
+    assert_eq!(bytes(&document), untouched);
+    // 200 + 18·30 is no byte any more.
     run(&mut document, r#"{"brush":{"set":{"target":{"density":30.0}}}}"#).unwrap();
-    let there_and_back = json!([{"at":{"index":[12,20,20]}},{"at":{"index":[40,20,20]}},{"at":{"index":[12,20,20]}}]);
-    run(&mut document, &json!({"stroke":{"paint":{"points":there_and_back}}}).to_string()).unwrap();
+    ways(&mut document, 2);
     assert!((value(&mut document, [26, 20, 20]) - 255.0).abs() < 0.01);
 }
 

@@ -31,6 +31,12 @@ impl Running {
     }
 }
 
+/// The coverage that density's map has room for from the beginning: what a straight stroke piles up, three cells of dabs, since a
+/// wider map costs the whole volume; one application of a brush that does not build up.
+fn room(brush: &Brush) -> f64 {
+    if brush.piles_up() { (3.0 / brush.spacing * f64::from(brush.strength)).max(1.0) } else { 1.0 }
+}
+
 /// Whether a command leaves a running stroke running.
 pub(in crate::document) fn leaves_running(command: &Command) -> bool {
     match command {
@@ -146,14 +152,15 @@ impl Document {
         let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
         let brush = state.scene.brush;
         let path = StrokePath::new(&brush, state.grid())?;
-        let pile = brush.piles_up().then(|| (Pile::new(&brush, state.grid()), 1.0));
+        let room = room(&brush);
+        let pile = brush.piles_up().then(|| (Pile::new(&brush, state.grid()), room));
         let mut edit = Edit::new(Some(state));
         edit.name(format!("{} {}", if brush.erase { "Erase" } else { "Paint" }, brush.target.field().name()));
         if let (Target::Label(id), false) = (brush.target, brush.erase) {
             state.scene.segments.ensure(id);
         }
         let mut begun = Ok(());
-        if let Some([lo, hi]) = brush.range_needed(&state.density) {
+        if let Some([lo, hi]) = brush.range_over(&state.density, room) {
             let map = map_over(lo, hi, unit(state.source.as_ref()), None);
             begun = edit.remap(state, map).map_err(DocumentError::from);
             self.graphics.remap(state);
@@ -178,7 +185,7 @@ impl Document {
         if most <= *room {
             return Ok(());
         }
-        // Twice as much as before at least, so that a long stroke is painted anew a few times and not with every sample.
+        // Twice as much as before at least: to paint anew costs the whole volume.
         *room = most.max(*room * 2.0);
         let Some([lo, hi]) = running.brush.range_over(&state.density, *room) else { return Ok(()) };
         let before = self.graphics.dabs();
