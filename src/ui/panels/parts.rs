@@ -17,8 +17,8 @@ impl App {
         if parts.is_empty() {
             empty(ui, "One part: the whole volume.");
         }
-        // All that is left of the panel: this section is its last.
-        let height = (ui.clip_rect().bottom() - ui.cursor().top() - ROW * 0.5).max(ROW * 3.5);
+        // All that is left of the panel but the section's end: it is the last.
+        let height = (ui.clip_rect().bottom() - ui.cursor().top() - ROW).max(ROW * 3.5);
         ScrollArea::vertical().id_salt("parts").max_height(height).show_rows(
             ui,
             ROW - 4.0,
