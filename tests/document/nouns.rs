@@ -32,7 +32,7 @@ fn a_refused_command_names_field_found_and_expected() {
             "brush.spacing is 0.5; expected a share of the radius above 0 and at most 0.25",
         ),
         (r#"{"segment":{"set":{"id":0}}}"#, "id: 0 found, 1 to 65535; label 0 is unlabelled matter expected"),
-        (r#"{"segment":{"remove":{"id":9}}}"#, "id: 9 found, the id of a segment, of [1, 2] expected"),
+        (r#"{"segment":{"remove":{"id":9}}}"#, "id: 9 found, a segment's id, one of [1, 2] expected"),
         (r#"{"view":{"window":{"level":1,"width":0}}}"#, "width: 0 found, a positive number expected"),
         (r#"{"view":{"scroll":{"view":"3d","voxels":1}}}"#, "view: 3d found, axial, coronal or sagittal expected"),
     ] {
