@@ -124,6 +124,41 @@ fn needles_and_splinters_come_to_rest_and_leave_rounds_to_large_parts() {
     }
 }
 
+/// Springs so soft that parts are under way for hundreds of steps.
+fn sluggish() -> (Explosion, Vec<ExplosionPoint>) {
+    let (mut explosion, points) = setup();
+    explosion.forces = Forces { return_constant: 0.05, return_length: 1.0, ..explosion.forces };
+    (explosion, points)
+}
+
+#[test]
+fn what_was_measured_last_is_where_the_parts_rest() {
+    let (explosion, points) = sluggish();
+    let mut seen = Vec::new();
+    let mut look = |poses: &[Pose]| {
+        seen = poses.to_vec();
+        Ok(Measured { visible: 1.0, hidden: vec![0.0; 8] })
+    };
+    let view = camera(DVec3::NEG_Y);
+    let settled = settle_with_gain::<ExplodeError>(&explosion, &points, &view, &mut look, &mut |_| Ok(())).unwrap();
+    assert!(settled.at_rest && settled.rounds > 1, "{settled:?}");
+    for ((pose, seen), part) in settled.poses.iter().zip(&seen).zip(&explosion.parts) {
+        let apart = pose.apply(part.centre()).distance(seen.apply(part.centre()));
+        assert!(apart < 0.1, "{apart} mm");
+    }
+}
+
+#[test]
+fn parts_that_are_long_under_way_leave_steps_for_all_rounds() {
+    let (mut explosion, points) = sluggish();
+    explosion.forces.return_constant = 0.01;
+    let mut look = |_: &[Pose]| Ok(Measured { visible: 0.3, hidden: vec![0.1; 8] });
+    let view = camera(DVec3::NEG_Y);
+    let settled = settle_with_gain::<ExplodeError>(&explosion, &points, &view, &mut look, &mut |_| Ok(())).unwrap();
+    assert!(settled.rounds >= MAX_ROUNDS - 2, "{settled:?}");
+    assert!(settled.steps <= MAX_STEPS && settled.steps > MAX_STEPS / 2, "{settled:?}");
+}
+
 #[test]
 fn without_the_viewing_force_the_ball_stays_hidden() {
     let (mut explosion, points) = setup();
