@@ -2,7 +2,7 @@
 
 use super::dense::Dense;
 use super::head::{Failure, Volume, blocks, camera, frame, head};
-use super::measure::{Report, Time, measure};
+use super::measure::{Report, Time, measure, measure_by_turns};
 use burin::gpu::{Body, Caster, FieldPools, Frame, Gpu};
 use burin::math::DVec3;
 use burin::volume::Mode;
@@ -29,18 +29,28 @@ impl Stage {
 
     /// Median time of a turning camera's frames; the last is drawn again untimed and must be the same picture.
     fn time(&mut self, make: impl Fn(usize) -> Frame) -> Result<Time, Failure> {
+        let [time] = self.time_by_turns([&make])?;
+        Ok(time)
+    }
+
+    /// The same for several that take turns.
+    fn time_by_turns<const N: usize>(&mut self, make: [&dyn Fn(usize) -> Frame; N]) -> Result<[Time; N], Failure> {
         let (warm, count) = (2, 11);
-        let mut last = None;
-        let time = measure(warm, count, |i| -> Result<(), Failure> {
-            last = Some(self.caster.image(&self.gpu, &mut self.pools, &self.volume.fields(), &make(i))?);
+        let mut last = [const { None }; N];
+        let times = measure_by_turns(warm, count, |which, i| -> Result<(), Failure> {
+            last[which] =
+                Some(self.caster.image(&self.gpu, &mut self.pools, &self.volume.fields(), &make[which](i))?);
             Ok(())
         })?;
-        let again = self.caster.image(&self.gpu, &mut self.pools, &self.volume.fields(), &make(warm + count - 1))?;
-        let shown = again.colour.iter().filter(|c| c[3] > 0.0).count();
-        if last.is_none_or(|l| l.colour != again.colour) || shown < again.colour.len() / 10 {
-            return Err("a timed picture differs from the untimed one, or is blank".into());
+        for (make, last) in make.iter().zip(last) {
+            let again =
+                self.caster.image(&self.gpu, &mut self.pools, &self.volume.fields(), &make(warm + count - 1))?;
+            let shown = again.colour.iter().filter(|c| c[3] > 0.0).count();
+            if last.is_none_or(|l| l.colour != again.colour) || shown < again.colour.len() / 10 {
+                return Err("a timed picture differs from the untimed one, or is blank".into());
+            }
         }
-        Ok(time)
+        Ok(times)
     }
 }
 
@@ -80,8 +90,8 @@ pub fn exploded(report: &mut Report) -> Result<(), Failure> {
 
 pub fn unexploded(report: &mut Report) -> Result<(), Failure> {
     let mut stage = Stage::new(ALL)?;
-    let one = stage.time(|i| frame(camera(CENTRE, 480.0, i), Mode::Dvr, false, blocks(1, 0.0, 0.0)))?;
-    let many = stage.time(|i| frame(camera(CENTRE, 480.0, i), Mode::Dvr, false, blocks(64, 0.0, 0.0)))?;
+    let parts = |n| move |i| frame(camera(CENTRE, 480.0, i), Mode::Dvr, false, blocks(n, 0.0, 0.0));
+    let [one, many] = stage.time_by_turns([&parts(1), &parts(64)])?;
     report.row("head in 1 part, unexploded", one, "");
     report.row("head in 64 parts, unexploded", many, &format!("{:.2} of 1 part (CPU)", many.cpu / one.cpu));
     Ok(())

@@ -1,12 +1,20 @@
-//! The demo's head settled from 26 directions: how much of the brain shows, and what it costs.
+//! The demo's head: settled from 26 directions, how much of the brain shows and what that costs; and its pictures.
 
+use super::cube::apply;
 use super::head::Failure;
 use super::measure::{Report, measure};
-use burin::document::Document;
-use serde_json::{Value, json};
+use burin::document::{Document, ViewName};
+use serde_json::json;
 
-fn apply(document: &mut Document, command: Value) -> Result<Value, Failure> {
-    Ok(document.apply(serde_json::from_value(command)?)?)
+/// The demo's document before it is settled.
+fn demo() -> Result<Document, Failure> {
+    let mut document = Document::new();
+    let demo = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/demo.jsonl"))?;
+    std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
+    for line in demo.lines().filter(|l| l.starts_with('{') && !l.contains("\"project\"") && !l.contains("\"settle\"")) {
+        apply(&mut document, serde_json::from_str(line)?)?;
+    }
+    Ok(document)
 }
 
 /// Every direction of the 3×3×3 neighbourhood but its middle.
@@ -18,12 +26,7 @@ fn directions() -> Vec<[f64; 3]> {
 }
 
 pub fn visibility(report: &mut Report) -> Result<(), Failure> {
-    let mut document = Document::new();
-    let demo = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/demo.jsonl"))?;
-    std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
-    for line in demo.lines().filter(|l| l.starts_with('{') && !l.contains("\"project\"") && !l.contains("\"settle\"")) {
-        apply(&mut document, serde_json::from_str(line)?)?;
-    }
+    let mut document = demo()?;
     let (mut least, mut rounds, mut steps) = (1.0_f64, 0, 0);
     let all = directions();
     let time = measure(0, all.len(), |i| -> Result<(), Failure> {
@@ -48,5 +51,26 @@ pub fn visibility(report: &mut Report) -> Result<(), Failure> {
     })?;
     let beside = format!("least {:.2} % of the brain, at most {rounds} rounds and {steps} steps", least * 100.0);
     report.row("demo head settled, one of 26 directions", time, &beside);
+    Ok(())
+}
+
+/// The demo's pictures while the view turns: shaded, the brain selected, at three degrees of explosion.
+pub fn pictures(report: &mut Report) -> Result<(), Failure> {
+    let mut document = demo()?;
+    for degree in [0.0, 0.5, 1.0] {
+        apply(&mut document, json!({"explosion": {"degree": {"value": degree}}}))?;
+        apply(&mut document, json!({"explosion": {"settle": {}}}))?;
+        let mut last = None;
+        let time = measure(2, 11, |_| -> Result<(), Failure> {
+            apply(&mut document, json!({"view": {"orbit": {"azimuth_deg": 7.3, "elevation_deg": 0.0}}}))?;
+            last = Some(document.picture(ViewName::ThreeD, [512; 2], None)?);
+            Ok(())
+        })?;
+        let again = document.picture(ViewName::ThreeD, [512; 2], None)?;
+        if last.is_none_or(|p| p.colour != again.colour) {
+            return Err("a timed picture differs from the untimed one".into());
+        }
+        report.row(&format!("demo head at degree {degree}, 512×512"), time, "");
+    }
     Ok(())
 }

@@ -35,6 +35,7 @@ const BENCHES: &[Bench] = &[
     ("slices/pictures", slices::slices),
     ("explode/settle", settle::settle),
     ("explode/visibility", explode::visibility),
+    ("explode/pictures", explode::pictures),
     ("keep/save", save::save),
     ("keep/export", export::export),
     ("open/memory", open::memory),
