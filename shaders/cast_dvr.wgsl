@@ -190,15 +190,6 @@ fn cover(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
 fn march_pixel(@builtin(position) at: vec4<f32>) -> Picture {
     let head = head_of(at.xy);
     let count = head.y & ~MERGE_TILE;
-#ifdef MERGE
-    if ((head.y & MERGE_TILE) == 0u) {
-        discard;
-    }
-#else
-    if ((head.y & MERGE_TILE) != 0u) {
-        discard;
-    }
-#endif
     rgb = vec3<f32>(0.0);
     clear = 1.0;
     half_at = 0.0;

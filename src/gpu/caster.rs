@@ -4,10 +4,10 @@
 //! numbers in `scene`; what a pixel costs is in `shaders/cast_*.wgsl` (after Bruckner and Gröller 2006, section 4).
 
 use super::drawn::{Drawn, drawn, resolve};
-use super::pass::{COLOUR, DEPTH, LIST_WIDTH, OBJECT, Targets, data, full_screen, layout, write};
+use super::pass::{COLOUR, DEPTH, LIST_WIDTH, NO_DEPTH, OBJECT, Targets, data, full_screen, layout, write};
 use super::scene::{MOST_BODIES, MOST_PLANES, Scene, View, table};
 use super::shader::{self, Def};
-use super::tiles::Window;
+use super::tiles::{Tiles, Window};
 use super::{FieldPools, Fields, Frame, Gpu, GpuError, Image, Mask};
 use crate::math::{DVec2, DVec3};
 use crate::volume::{FieldKind, Mode, Segments, TABLE_ENTRIES};
@@ -189,6 +189,7 @@ impl Caster {
         let lists = self.upload(gpu, &scene);
         let other = (scene.passes.len() > 1).then(|| Targets::new(gpu, targets.size));
         let count = scene.passes.len();
+        let areas = areas(frame.mode, &scene.tiles, targets.size[0], rows.clone());
         for (i, [k_from, k_to]) in scene.passes.clone().into_iter().enumerate() {
             // Passes take turns between two sets of targets; the last one ends in the caller's.
             let (to, from) = match &other {
@@ -200,19 +201,16 @@ impl Caster {
             scene.view.k_to = k_to;
             gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&scene.view));
             let group = self.group(gpu, &lists, if i == 0 { &self.nothing } else { from });
-            let mut kinds = vec![0];
-            if frame.mode == Mode::Dvr && scene.tiles.longest_merged > 0 {
-                // Few capacities, so that few pipelines are made.
-                kinds.push([4, 16, 64].into_iter().find(|&c| c >= scene.tiles.longest_merged).unwrap_or(MOST_BODIES));
-            }
-            let pipelines = kinds
-                .into_iter()
-                .map(|capacity| {
-                    let key = self.key(gpu, pools, frame, drawn, capacity as u32, i > 0, i + 1 < count);
-                    self.pipeline(gpu, pools, key)
+            let draws = areas
+                .iter()
+                .map(|(capacity, areas)| {
+                    let key = self.key(gpu, pools, frame, drawn, *capacity, i > 0, i + 1 < count);
+                    Ok((self.pipeline(gpu, pools, key)?, areas.as_slice()))
                 })
-                .collect::<Result<Vec<_>, _>>()?;
-            self.submit(gpu, pools, &pipelines, &group, to, rows.clone());
+                .collect::<Result<Vec<_>, GpuError>>()?;
+            // A band leaves those above it as they are. The other targets are new.
+            let clear = i < 2 && (rows.start == 0 || (count - 1 - i) % 2 == 1);
+            self.submit(gpu, pools, &draws, &group, to, clear);
         }
         Ok(())
     }
@@ -221,33 +219,36 @@ impl Caster {
         &self,
         gpu: &Gpu,
         pools: &FieldPools,
-        pipelines: &[wgpu::RenderPipeline],
+        draws: &[(wgpu::RenderPipeline, &[[u32; 4]])],
         group: &wgpu::BindGroup,
         targets: &Targets,
-        rows: std::ops::Range<u32>,
+        clear: bool,
     ) {
         let view = |t: &wgpu::Texture| t.create_view(&wgpu::TextureViewDescriptor::default());
         let views = [view(&targets.colour), view(&targets.depth), view(&targets.object)];
-        // A band leaves the others as they are.
-        let whole = rows == (0..targets.size[1]);
-        let load = if whole { wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT) } else { wgpu::LoadOp::Load };
-        let attachment = |view| {
+        let attachment = |view, nothing: f64| {
+            let empty = wgpu::Color { r: nothing, ..wgpu::Color::TRANSPARENT };
+            let load = if clear { wgpu::LoadOp::Clear(empty) } else { wgpu::LoadOp::Load };
             let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
             Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
         };
+        let [colour, depth, object] = &views;
+        let attachments = [attachment(colour, 0.0), attachment(depth, f64::from(NO_DEPTH)), attachment(object, 0.0)];
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("cast") });
         {
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("cast"),
-                color_attachments: &[attachment(&views[0]), attachment(&views[1]), attachment(&views[2])],
+                color_attachments: &attachments,
                 ..Default::default()
             });
-            pass.set_scissor_rect(0, rows.start, targets.size[0], rows.end - rows.start);
             pass.set_bind_group(0, group, &[]);
             pass.set_bind_group(1, pools.group(), &[]);
-            for pipeline in pipelines {
+            for (pipeline, areas) in draws {
                 pass.set_pipeline(pipeline);
-                pass.draw(0..3, 0..1);
+                for &[left, top, right, bottom] in *areas {
+                    pass.set_scissor_rect(left, top, right - left, bottom - top);
+                    pass.draw(0..3, 0..1);
+                }
             }
         }
         gpu.queue.submit([encoder.finish()]);
@@ -379,4 +380,21 @@ impl Caster {
             entries: &entries,
         })
     }
+}
+
+/// What is drawn where: the intervals that a ray must hold (0: bodies follow one another), and rectangles of pixels. A pixel that
+/// no body can be met in costs nothing.
+fn areas(mode: Mode, tiles: &Tiles, width: u32, rows: std::ops::Range<u32>) -> Vec<(u32, Vec<[u32; 4]>)> {
+    if mode != Mode::Dvr || tiles.longest_merged == 0 {
+        // One pipeline serves all: a box around what it draws costs it less than many small ones.
+        let around = |a: [u32; 4], b: [u32; 4]| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])];
+        let all = tiles.areas(width, rows, |_| true).into_iter().reduce(around);
+        return vec![(0, all.into_iter().collect())];
+    }
+    // Few capacities, so that few pipelines are made.
+    let capacity = [4, 16, 64].into_iter().find(|&c| c >= tiles.longest_merged).unwrap_or(MOST_BODIES);
+    let merged = tiles.areas(width, rows.clone(), |merges| merges);
+    let mut areas = vec![(0, tiles.areas(width, rows, |merges| !merges)), (capacity as u32, merged)];
+    areas.retain(|(_, areas)| !areas.is_empty());
+    areas
 }

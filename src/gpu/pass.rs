@@ -20,6 +20,8 @@ pub(super) const OBJECT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
 pub(super) const LIST_WIDTH: u32 = 2048;
 /// Greater depths mean nothing.
 pub(super) const FAR: f32 = 1e38;
+/// The depth of nothing, as in shaders/lib/body.wgsl.
+pub(super) const NO_DEPTH: f32 = 3e38;
 
 impl Targets {
     pub(super) fn new(gpu: &Gpu, size: [u32; 2]) -> Self {
