@@ -57,7 +57,6 @@ pub struct Caster {
     pub(super) nothing: Targets,
     pipelines: HashMap<Key, wgpu::RenderPipeline>,
     pub(super) visibility: Option<super::visibility::Counter>,
-    pub(super) screen: super::screen::Screen,
     /// Whether empty space is skipped and equal bodies are united; tests turn both off to compare pictures.
     pub shortcuts: bool,
 }
@@ -87,7 +86,6 @@ impl Caster {
                 nothing: Targets::new(gpu, [1; 2]),
                 pipelines: HashMap::new(),
                 visibility: None,
-                screen: super::screen::Screen::default(),
                 shortcuts: true,
             })
         })
@@ -161,7 +159,7 @@ impl Caster {
         let drawn = self.drawn(pools, fields, frame);
         gpu.scoped("a picture", || {
             let targets = Targets::new(gpu, window.size);
-            self.render(gpu, pools, frame, &drawn, window, &targets, 0..window.size[1])?;
+            self.render(gpu, pools, frame, &drawn, window, &targets)?;
             let mut image = super::readback::image(gpu, &targets)?;
             resolve(&mut image, &drawn, frame, window);
             Ok(image)
@@ -173,8 +171,8 @@ impl Caster {
         drawn(&frame.bodies, pools.grid(), fields, &running, self.shortcuts)
     }
 
-    /// Submits the given rows of a window of the picture.
-    pub(super) fn render(
+    /// Submits a window of the picture.
+    fn render(
         &mut self,
         gpu: &Gpu,
         pools: &FieldPools,
@@ -182,14 +180,13 @@ impl Caster {
         drawn: &[Drawn],
         window: &Window,
         targets: &Targets,
-        rows: std::ops::Range<u32>,
     ) -> Result<(), GpuError> {
         let mut scene = Scene::new(frame, pools.grid(), window, drawn, pools.value_of_texel())?;
         self.set_table(gpu, frame);
         let lists = self.upload(gpu, &scene);
         let other = (scene.passes.len() > 1).then(|| Targets::new(gpu, targets.size));
         let count = scene.passes.len();
-        let areas = areas(frame.mode, &scene.tiles, targets.size[0], rows.clone());
+        let areas = areas(frame.mode, &scene.tiles, targets.size);
         for (i, [k_from, k_to]) in scene.passes.clone().into_iter().enumerate() {
             // Passes take turns between two sets of targets; the last one ends in the caller's.
             let (to, from) = match &other {
@@ -208,9 +205,8 @@ impl Caster {
                     Ok((self.pipeline(gpu, pools, key)?, areas.as_slice()))
                 })
                 .collect::<Result<Vec<_>, GpuError>>()?;
-            // A band leaves those above it as they are. The other targets are new.
-            let clear = i < 2 && (rows.start == 0 || (count - 1 - i) % 2 == 1);
-            self.submit(gpu, pools, &draws, &group, to, clear);
+            // The second pass is the first into its targets.
+            self.submit(gpu, pools, &draws, &group, to, i < 2);
         }
         Ok(())
     }
@@ -384,17 +380,17 @@ impl Caster {
 
 /// What is drawn where: the intervals that a ray must hold (0: bodies follow one another), and rectangles of pixels. A pixel that
 /// no body can be met in costs nothing.
-fn areas(mode: Mode, tiles: &Tiles, width: u32, rows: std::ops::Range<u32>) -> Vec<(u32, Vec<[u32; 4]>)> {
+fn areas(mode: Mode, tiles: &Tiles, size: [u32; 2]) -> Vec<(u32, Vec<[u32; 4]>)> {
     if mode != Mode::Dvr || tiles.longest_merged == 0 {
         // One pipeline serves all: a box around what it draws costs it less than many small ones.
         let around = |a: [u32; 4], b: [u32; 4]| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])];
-        let all = tiles.areas(width, rows, |_| true).into_iter().reduce(around);
+        let all = tiles.areas(size, |_| true).into_iter().reduce(around);
         return vec![(0, all.into_iter().collect())];
     }
     // Few capacities, so that few pipelines are made.
     let capacity = [4, 16, 64].into_iter().find(|&c| c >= tiles.longest_merged).unwrap_or(MOST_BODIES);
-    let merged = tiles.areas(width, rows.clone(), |merges| merges);
-    let mut areas = vec![(0, tiles.areas(width, rows, |merges| !merges)), (capacity as u32, merged)];
+    let merged = tiles.areas(size, |merges| merges);
+    let mut areas = vec![(0, tiles.areas(size, |merges| !merges)), (capacity as u32, merged)];
     areas.retain(|(_, areas)| !areas.is_empty());
     areas
 }

@@ -61,7 +61,6 @@ pub fn all() -> Vec<Declared> {
         declared::<super::brush_kernel::BrushStroke>(),
         declared::<super::scene::CastBody>(),
         declared::<super::scene::View>(),
-        declared::<super::screen::Show>(),
         declared::<super::slice::Slice>(),
     ]
 }

@@ -26,7 +26,6 @@ const KERNELS: &[(&str, &str)] = files![
     "cast_iso.wgsl",
     "cast_mip.wgsl",
     "cast_visibility.wgsl",
-    "screen.wgsl",
     "slice.wgsl",
     "underlay.wgsl",
 ];

@@ -75,17 +75,14 @@ impl Tiles {
     }
 
     /// Rectangles of pixels, left, top, right and bottom, that together are the tiles that hold bodies and whose mark `wanted`
-    /// asks for, within some rows of a target `width` pixels wide.
-    pub fn areas(&self, width: u32, rows: std::ops::Range<u32>, wanted: impl Fn(bool) -> bool) -> Vec<[u32; 4]> {
+    /// asks for, within a target's size.
+    pub fn areas(&self, [width, height]: [u32; 2], wanted: impl Fn(bool) -> bool) -> Vec<[u32; 4]> {
         let holds = |&[_, count]: &[u32; 2]| count & !Self::MERGE > 0 && wanted(count & Self::MERGE != 0);
         let mut areas: Vec<[u32; 4]> = Vec::new();
         // Those that reach down to this row, and may go on.
         let mut above: Vec<usize> = Vec::new();
         for (y, heads) in (0..).zip(self.heads.chunks_exact((self.dims[0] as usize).max(1))) {
-            let (top, bottom) = ((y * TILE).max(rows.start), ((y + 1) * TILE).min(rows.end));
-            if top >= bottom {
-                continue;
-            }
+            let (top, bottom) = (y * TILE, ((y + 1) * TILE).min(height));
             let mut here = Vec::new();
             let mut x = 0;
             for run in heads.chunk_by(|a, b| holds(a) == holds(b)) {

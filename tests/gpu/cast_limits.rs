@@ -4,7 +4,7 @@ use super::cast_modes::{Stage, lumps, oblique_grid, tissue};
 use super::reference::{Dense, difference, picture};
 use crate::common::gpu::gpu;
 use crate::common::volumes::*;
-use burin::gpu::{Body, Caster, FieldPools, Frame, Mask, Wanted};
+use burin::gpu::{Body, Caster, FieldPools, Frame, Mask};
 use burin::math::{Camera, DVec2, DVec3, Plane, Pose, Projection};
 use burin::volume::*;
 
@@ -276,66 +276,6 @@ fn visibility_counts_as_the_definition_says() {
         assert!(close(*pixels, hidden[n]));
     }
     assert!((counted.share() - visible as f64 / selected as f64).abs() < 0.01);
-}
-
-#[test]
-fn the_windows_picture_is_refined_until_it_is_the_image() {
-    let Some(gpu) = gpu() else { return };
-    let grid = unit_grid([40, 36, 30]);
-    let mut stage = Stage::new(gpu.clone(), grid, lumps(grid));
-    let view = frame(&grid, tissue(), DVec3::new(0.5, -1.0, 1.0), [64, 56]);
-    let image = stage.image(&view);
-    let (device, queue) = gpu.raw();
-    let format = wgpu::TextureFormat::Rgba8Unorm;
-    let target = device.create_texture(&wgpu::TextureDescriptor {
-        label: None,
-        size: wgpu::Extent3d { width: 64, height: 56, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    });
-    let surface = target.create_view(&Default::default());
-    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-        label: None,
-        size: 256 * 56,
-        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-        mapped_at_creation: false,
-    });
-    let background = [0.1, 0.2, 0.3];
-    let draw = |stage: &mut Stage, moving| {
-        let [density, colour, selection, labels] = &stage.fields;
-        let fields = burin::gpu::Fields { density, colour, selection, labels };
-        let wanted = Wanted { moving, content: 1, background };
-        let done = stage.caster.draw(&gpu, &mut stage.pools, &fields, &view, wanted, &surface, format).unwrap();
-        gpu.wait().unwrap();
-        let mut encoder = device.create_command_encoder(&Default::default());
-        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(256), rows_per_image: None };
-        encoder.copy_texture_to_buffer(
-            target.as_image_copy(),
-            wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
-            target.size(),
-        );
-        queue.submit([encoder.finish()]);
-        (done, gpu.read_buffer(&buffer, "the window").unwrap())
-    };
-    let expected = image.to_rgba8(Some(background));
-    let off = |shown: &[u8]| {
-        let each = shown.iter().zip(&expected).map(|(a, b)| f64::from(a.abs_diff(*b)));
-        (each.clone().sum::<f64>() / expected.len() as f64, each.fold(0.0, f64::max))
-    };
-    let (done, preview) = draw(&mut stage, true);
-    assert!(!done && off(&preview).0 < 6.0, "half resolution looks alike: {:?}", off(&preview));
-    for _ in 0..40 {
-        let (done, shown) = draw(&mut stage, false);
-        if done {
-            assert!(off(&shown).1 <= 1.0, "{:?}", off(&shown));
-            return;
-        }
-    }
-    panic!("not refined after 40 calls");
 }
 
 #[test]

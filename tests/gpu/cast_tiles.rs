@@ -68,19 +68,18 @@ fn check(pieces: &[Piece], camera: &Camera, window: &Window) -> Tiles {
 
 /// Every pixel of a tile with bodies is in one area of its kind, and none else is in any.
 fn check_areas(tiles: &Tiles, [width, height]: [u32; 2]) {
-    for rows in [0..height, 5..height - 3] {
-        for wanted in [Some(false), Some(true), None] {
-            let areas = tiles.areas(width, rows.clone(), |merges| wanted.is_none_or(|w| w == merges));
-            for y in 0..height {
-                for x in 0..width {
-                    let within = |a: &&[u32; 4]| a[0] <= x && x < a[2] && a[1] <= y && y < a[3];
-                    let [_, count] = tiles.heads[(x / TILE + y / TILE * tiles.dims[0]) as usize];
-                    let kind = wanted.is_none_or(|w| w == (count & Tiles::MERGE != 0));
-                    let due = rows.contains(&y) && count & !Tiles::MERGE > 0 && kind;
-                    assert_eq!(areas.iter().filter(within).count(), usize::from(due), "pixel {x} {y}, {wanted:?}");
-                }
+    for wanted in [Some(false), Some(true), None] {
+        let kind = |merges: bool| wanted.is_none_or(|w| w == merges);
+        let areas = tiles.areas([width, height], kind);
+        for y in 0..height {
+            for x in 0..width {
+                let within = |a: &&[u32; 4]| a[0] <= x && x < a[2] && a[1] <= y && y < a[3];
+                let [_, count] = tiles.heads[(x / TILE + y / TILE * tiles.dims[0]) as usize];
+                let due = count & !Tiles::MERGE > 0 && kind(count & Tiles::MERGE != 0);
+                assert_eq!(areas.iter().filter(within).count(), usize::from(due), "pixel {x} {y}, {wanted:?}");
             }
         }
+        assert!(areas.iter().all(|a| a[2] <= width && a[3] <= height));
     }
 }
 
