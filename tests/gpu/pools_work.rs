@@ -79,6 +79,15 @@ fn what_a_stroke_painted_is_not_uploaded_again_and_what_it_did_not_keep_is() {
     assert_eq!(values(&pools), [3900.0; 2]);
     pools.make_resident(&gpu, &fields(&density, &none), &frame).unwrap();
     assert_eq!(values(&pools), before, "not kept");
+    // The same where an edit of one voxel comes first: it renews all of what the stroke left in its slot.
+    stroke(&mut painter, &mut pools, &density);
+    painter.finish(&mut pools, &fields(&density, &none)).unwrap();
+    let refresh = touch(&mut density, [0, 1, 0]);
+    pools.refresh(&gpu, FieldKind::Density, &density, &refresh).unwrap();
+    pools.make_resident(&gpu, &fields(&density, &none), &frame).unwrap();
+    assert_eq!(values(&pools), before, "not kept, and edited elsewhere");
+    let refresh = touch(&mut density, [0, 1, 0]);
+    pools.refresh(&gpu, FieldKind::Density, &density, &refresh).unwrap();
     // Kept: nothing of level 0 is uploaded.
     stroke(&mut painter, &mut pools, &density);
     assert_eq!(painter.finish(&mut pools, &fields(&density, &none)).unwrap(), bricks);

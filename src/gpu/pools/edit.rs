@@ -13,14 +13,14 @@ impl FieldPools {
     /// # Errors
     /// As [`make_resident`](Self::make_resident).
     pub fn refresh(&mut self, gpu: &Gpu, kind: FieldKind, field: &Field, refresh: &Refresh) -> Result<(), GpuError> {
-        if let Some(pool) = &mut self.pools[place(kind)] {
-            pool.renew(gpu, field, &refresh.slots)?;
+        let mut slots = refresh.slots.clone();
+        if let Some((_, painted)) = self.painted.take_if(|(of, _)| *of == kind) {
+            // The stroke did not reach the field: its slots differ from it in more than what is new.
+            slots.retain(|(key, _)| !painted.contains(key));
+            slots.extend(Refresh::whole(painted).slots);
         }
-        if let Some((of, keys)) = &mut self.painted
-            && *of == kind
-        {
-            let new: HashSet<_> = refresh.keys().collect();
-            keys.retain(|key| !new.contains(key));
+        if let Some(pool) = &mut self.pools[place(kind)] {
+            pool.renew(gpu, field, &slots)?;
         }
         self.follow(kind, field, refresh);
         Ok(())
