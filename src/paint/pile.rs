@@ -1,9 +1,9 @@
 //! How much of a stroke can pile up on one voxel: a bound for what building up adds, known before the GPU has painted it.
 //!
-//! Owns a sparse lattice of cells as large as the radius: a voxel's dabs lie in its own cell and those beside it. Knows
+//! Owns a sparse lattice of cells as large as a dab reaches: a voxel's dabs lie in its own cell and those beside it. Knows
 //! dabs, no voxels. The bound is that of hard dabs, up to twice or thrice what piles up really.
 
-use super::{Brush, Dab};
+use super::{Brush, Dab, Shape};
 use crate::volume::Grid;
 use std::collections::HashMap;
 
@@ -21,13 +21,19 @@ impl Pile {
     /// Nothing yet of this brush's stroke.
     pub fn new(brush: &Brush, grid: &Grid) -> Self {
         let steps = grid.world_from_index.matrix3;
-        let voxel_mm = steps.x_axis.length() + steps.y_axis.length() + steps.z_axis.length();
-        Self {
-            edge_mm: if brush.radius_mm > 0.0 { brush.radius_mm } else { voxel_mm },
-            strength: f64::from(brush.strength),
-            sums: HashMap::new(),
-            most: 0.0,
-        }
+        let steps = [steps.x_axis, steps.y_axis, steps.z_axis].map(|step| step.length());
+        let edge_mm = match brush.shape {
+            _ if brush.radius_mm == 0.0 => steps.iter().sum(),
+            Shape::Sphere => brush.radius_mm,
+            // It is lifted to the nearest layer of voxels: half the distance of two at most.
+            Shape::Disc => brush.radius_mm.hypot(steps.into_iter().fold(0.0, f64::max) * 0.5),
+        };
+        Self { edge_mm, strength: f64::from(brush.strength), sums: HashMap::new(), most: 0.0 }
+    }
+
+    /// The bound for a straight stroke however long, of dabs this far apart, mm: three cells of them.
+    pub fn of_a_line(&self, apart_mm: f64) -> f64 {
+        3.0 * self.edge_mm / apart_mm * self.strength
     }
 
     /// Adds dabs; answers the most coverage, Σ G, that any voxel can have by now.

@@ -41,3 +41,21 @@ fn dabs_at_the_end_of_numbers_are_no_reason_to_panic() {
     let far = [dab(DVec3::splat(1e100), 1e-3), dab(DVec3::splat(-1e100), 1e-3)];
     assert!(Pile::new(&brush, &grid).add(&far) >= 1.0);
 }
+
+#[test]
+fn a_disc_that_is_lifted_to_its_layer_is_within_the_bound() {
+    // Slices far thicker than the disc: dabs of all heights in a slice end in its one layer of voxels.
+    let grid = Grid::aligned([8, 8, 4], DVec3::new(1.0, 1.0, 6.0), DVec3::ZERO);
+    for radius_mm in [0.5, 1.0, 4.0, 20.0] {
+        let brush = Brush { strength: 0.5, ..hard(Shape::Disc, radius_mm) };
+        let dabs: Vec<_> = (-29..30).map(|i| dab(DVec3::new(4.0, 4.0, 6.0 + f64::from(i) * 0.1), radius_mm)).collect();
+        let bound = Pile::new(&brush, &grid).add(&dabs);
+        // All of them are about voxel [4, 4, 1].
+        assert!(bound >= 0.5 * dabs.len() as f64 - 1e-9, "{radius_mm}: {bound}");
+        // Along an axis a stroke of any length stays within what is said of lines.
+        let line: Vec<_> = (0..4000).map(|i| dab(DVec3::new(f64::from(i) * 0.1, 4.0, 6.0), radius_mm)).collect();
+        let pile = Pile::new(&brush, &grid);
+        let (said, found) = (pile.of_a_line(0.1), pile.clone().add(&line));
+        assert!(found <= said + 0.5 && found > said * 0.5, "{radius_mm}: {found} of {said}");
+    }
+}

@@ -31,12 +31,6 @@ impl Running {
     }
 }
 
-/// The coverage that density's map has room for from the beginning: what a straight stroke piles up, three cells of dabs, since a
-/// wider map costs the whole volume; one application of a brush that does not build up.
-fn room(brush: &Brush) -> f64 {
-    if brush.piles_up() { (3.0 / brush.spacing * f64::from(brush.strength)).max(1.0) } else { 1.0 }
-}
-
 /// Whether a command leaves a running stroke running.
 pub(in crate::document) fn leaves_running(command: &Command) -> bool {
     match command {
@@ -152,8 +146,10 @@ impl Document {
         let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
         let brush = state.scene.brush;
         let path = StrokePath::new(&brush, state.grid())?;
-        let room = room(&brush);
-        let pile = brush.piles_up().then(|| (Pile::new(&brush, state.grid()), room));
+        // What a straight stroke piles up, since a wider map costs the whole volume; one application without building up.
+        let pile = brush.piles_up().then(|| Pile::new(&brush, state.grid()));
+        let room = pile.as_ref().map_or(1.0, |pile| pile.of_a_line(path.step_mm()).max(1.0));
+        let pile = pile.map(|pile| (pile, room));
         let mut edit = Edit::new(Some(state));
         edit.name(format!("{} {}", if brush.erase { "Erase" } else { "Paint" }, brush.target.field().name()));
         if let (Target::Label(id), false) = (brush.target, brush.erase) {
