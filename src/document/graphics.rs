@@ -160,7 +160,11 @@ impl Graphics {
 
     /// Takes the running stroke back; nothing of it is left even if the device fails meanwhile.
     pub(super) fn cancel(&mut self, state: &State, kind: FieldKind) {
-        let (Some(tools), Some(painter)) = (&mut self.tools, &mut self.painter) else { return };
+        let (Some(tools), Some(painter)) = (&mut self.tools, &mut self.painter) else {
+            // It waits for a device to be painted again on.
+            self.painter = None;
+            return;
+        };
         let done = painter.cancel(&mut tools.pools).map(|slots: Refresh| Refreshed {
             slots: vec![(kind, slots)],
             painted: true,

@@ -295,3 +295,31 @@ fn pictures_follow_a_wider_map_and_its_undo() {
     back(&mut document);
     assert_eq!(picture(&mut document), first);
 }
+
+#[test]
+fn a_stroke_whose_device_and_source_were_lost_can_be_cancelled() {
+    let Some(gpu) = crate::common::gpu::gpu().and_then(|_| burin::gpu::Gpu::headless().ok()) else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let volume = folder.path().join("v.nrrd");
+    let grid = burin::volume::Grid::aligned([40, 36, 34], burin::math::DVec3::ONE, burin::math::DVec3::ZERO);
+    super::maker::write_nrrd(&volume, &grid, |v| v[0] as f32);
+    let mut document = Document::new();
+    document.use_gpu(gpu.clone());
+    run(&mut document, &json!({"volume":{"open":{"path":volume}}}).to_string()).unwrap();
+    run(&mut document, r#"{"brush":{"set":{"target":{"density":10},"radius_mm":6}}}"#).unwrap();
+    run(&mut document, r#"{"stroke":{"begin":{"points":[{"at":{"mm":[20,20,20]}}]}}}"#).unwrap();
+    gpu.raw().0.destroy();
+    let _gone = gpu.raw().0.poll(wgpu::PollType::wait_indefinitely());
+    // Its source fails for a while, too.
+    let written = std::fs::metadata(&volume).unwrap().modified().unwrap();
+    let dated = |at| std::fs::File::options().write(true).open(&volume).unwrap().set_modified(at).unwrap();
+    dated(std::time::UNIX_EPOCH);
+    run(&mut document, r#"{"stroke":{"extend":{"points":[{"at":{"mm":[30,25,20]}}]}}}"#).unwrap_err();
+    run(&mut document, r#"{"stroke":{"cancel":{}}}"#).unwrap();
+    dated(written);
+    let before = bytes(&document);
+    run(&mut document, r#"{"stroke":{"paint":{"points":[{"at":{"mm":[10,10,10]}}]}}}"#).unwrap();
+    let after = bytes(&document);
+    run(&mut document, r#"{"history":{"undo":{}}}"#).unwrap();
+    assert!(after != before && bytes(&document) == before);
+}
