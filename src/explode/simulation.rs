@@ -23,7 +23,8 @@ const LEAST_INERTIA: f64 = 0.1;
 const SLOW: f64 = 1e-3;
 /// Slow steps in a row after which all are at rest: more than a turning point lasts.
 const PATIENCE: u32 = 3;
-/// Half-diagonals that a part's corners may tremble about their places, and for how many steps until that is rest: where an explosion point sits on an edge, the force on it turns from step to step.
+/// Half-diagonals that a part's corners may tremble about their places, and for how many steps until that is rest: where an
+/// explosion point sits on an edge, the force on it turns from step to step.
 const TREMBLE: f64 = 1e-3;
 const TREMBLING: u32 = 30;
 /// Half-diagonals, and quaternion distance, within which a slow part snaps to where nothing keeps it from.

@@ -127,6 +127,27 @@ fn many_intervals_merge_in_one_ray() {
 }
 
 #[test]
+fn intervals_merge_over_many_passes_beside_tiles_that_hold_nothing() {
+    let Some(mut stage) = stage() else { return };
+    let mut rng = ChaCha8Rng::seed_from_u64(9);
+    let grid = stage.grid;
+    // All but one in a heap, and that one far off; a sample of the heap costs so much that a ray takes several passes.
+    let bodies = (0..24)
+        .map(|id| {
+            let off = if id == 23 { DVec3::X * 300.0 } else { any(&mut rng, 4.0) };
+            let pose = Pose::about(centre(&grid), DQuat::from_scaled_axis(any(&mut rng, 3.0)), off);
+            Body { id, pose, ..Body::whole(id) }
+        })
+        .collect();
+    let mut view = wide(&grid, bodies);
+    view.size = [12, 8];
+    view.step_mm = 0.3;
+    view.transfer.opacity.iter_mut().for_each(|p| p.1 *= 0.02);
+    let d = stage.compare(&view);
+    assert!(d.covered > 0.03 && d.largest <= 3.0 && d.mean <= 0.2 && d.misplaced < 0.01, "{d:?}");
+}
+
+#[test]
 fn exploded_parts_are_drawn_where_their_poses_put_them() {
     let Some(mut stage) = stage() else { return };
     for n in [[2, 2, 2], [4, 4, 4]] {

@@ -44,7 +44,13 @@ fn samples_through_pages_equal_the_dense_field() {
 }
 
 /// Density at places, each against linear interpolation at the level that the page says.
-fn check_density(gpu: &Gpu, pools: &FieldPools, density: &Field, points: &[[f32; 3]], tolerance: f64) -> Vec<u32> {
+pub(super) fn check_density(
+    gpu: &Gpu,
+    pools: &FieldPools,
+    density: &Field,
+    points: &[[f32; 3]],
+    tolerance: f64,
+) -> Vec<u32> {
     let samples = sample(gpu, pools, points);
     for (p, s) in points.iter().zip(&samples) {
         let expected = trilinear(density, s.level as u8, *p, |t| density.map().decode(t));
@@ -76,7 +82,7 @@ pub(super) fn fields<'a>(density: &'a Field, [colour, selection, labels]: &'a [F
 }
 
 /// Samplers weigh with 8 bits: a 200th of the largest step between neighbours.
-const NOISE: f64 = 3000.0 / 200.0;
+pub(super) const NOISE: f64 = 3000.0 / 200.0;
 
 #[test]
 fn with_an_eighth_of_the_bricks_nothing_is_missing_and_the_nearest_are_finest() {

@@ -1,7 +1,7 @@
 //! What residency costs: an edit its bricks, a stroke's end nothing twice, hidden parts nothing, a picture in motion no more
 //! than it may.
 
-use super::pools::{blanks, budget_of, fields, noisy};
+use super::pools::{NOISE, blanks, budget_of, check_density, fields, noisy};
 use crate::common::gpu::{gpu, sample};
 use crate::common::volumes::*;
 use burin::gpu::{Body, FieldPools, Frame, Gpu, Mask, Painter};
@@ -43,6 +43,51 @@ fn an_edit_costs_its_bricks_and_not_the_volume() {
         let (found, level) = (sample(&gpu, &pools, &at)[0].density, sample(&gpu, &pools, &at)[0].level as u8);
         let expected = trilinear(&density, level, at[0], |t| density.map().decode(t));
         assert!((f64::from(found) - expected).abs() < 1.0, "{found} for {expected} at level {level}");
+    }
+}
+
+#[test]
+fn edits_of_a_few_voxels_leave_the_slots_as_the_field_is() {
+    let Some(gpu) = gpu() else { return };
+    let mut adapters = vec![gpu];
+    adapters.extend(Gpu::headless_with(wgpu::Features::empty()));
+    // No axis a multiple of a brick, and axes of one voxel.
+    for (gpu, dims) in adapters.iter().flat_map(|gpu| [[80, 40, 33], [1, 70, 34], [33, 1, 1]].map(|dims| (gpu, dims))) {
+        let grid = unit_grid(dims);
+        let none = blanks(&grid);
+        let view = frame(&grid, ramp(-1.0, 4000.0), DVec3::NEG_Y, [16, 16]);
+        for apart in [false, true] {
+            let mut density = noisy(grid);
+            let budget = budget_of(64) * 4;
+            let pools = if apart { FieldPools::apart } else { FieldPools::new };
+            let mut pools = pools(gpu, &grid, &density, budget).unwrap();
+            pools.make_resident(gpu, &fields(&density, &none), &view).unwrap();
+            assert_eq!(pools.defs(gpu).iter().any(|d| d.0 == "IN_PLACE"), !apart);
+            let mut edited = Vec::new();
+            for (i, place) in places(dims, 24).iter().enumerate() {
+                let voxel: [u32; 3] = std::array::from_fn(|a| (place[a].round().max(0.0) as u32).min(dims[a] - 1));
+                edited.push(voxel);
+                let index = BrickIndex(voxel.map(|v| v / BRICK));
+                let [x, y, z] = voxel.map(|v| (v % BRICK) as usize);
+                let mut texels = density.brick(BrickKey { level: 0, index }).unwrap().to_texels(2);
+                texels[(x + 32 * (y + 32 * z)) * 2] ^= 0x80 | i as u8;
+                let (_, refresh) = density.swap(vec![(index, Some(Brick::from_texels(texels, 2)))]).unwrap();
+                pools.refresh(gpu, FieldKind::Density, &density, &refresh).unwrap();
+            }
+            pools.make_resident(gpu, &fields(&density, &none), &view).unwrap();
+            // At voxels' own centres no weights are rounded.
+            let near: Vec<[f32; 3]> = edited
+                .iter()
+                .flat_map(|v| {
+                    (0..27)
+                        .map(|i| [i % 3, i / 3 % 3, i / 9].map(|s| s as f32 - 1.0))
+                        .map(move |s| std::array::from_fn(|a| (v[a] as f32 + s[a]).clamp(0.0, dims[a] as f32 - 1.0)))
+                })
+                .collect();
+            check_density(gpu, &pools, &density, &near, 0.1);
+            // Aprons: an edit is of 128 or more, of which its neighbours' borders show a half.
+            check_density(gpu, &pools, &density, &places(dims, 24), NOISE);
+        }
     }
 }
 
