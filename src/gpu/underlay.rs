@@ -4,6 +4,7 @@
 //! whatever covers much of a window belongs here. Owns the pictures' textures on the window's device, and draws within a pass of
 //! the window's. Knows nothing of views or panels.
 
+use super::pass::{data, write};
 use super::shader::{self, Def};
 use super::{Gpu, GpuError};
 use std::collections::BTreeMap;
@@ -106,9 +107,7 @@ impl Underlay {
                 Some(held) => held,
                 None => Held::new(gpu, layout, samplers, size),
             };
-            let rows =
-                wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: Some(height) };
-            gpu.queue.write_texture(held.texture.as_image_copy(), rgba, rows, held.texture.size());
+            write(gpu, &held.texture, rgba, 4);
             Ok(held)
         })?;
         pictures.insert(picture, held);
@@ -172,22 +171,8 @@ impl Sheet {
 }
 
 impl Held {
-    fn new(
-        gpu: &Gpu,
-        layout: &wgpu::BindGroupLayout,
-        samplers: &[wgpu::Sampler; 2],
-        [width, height]: [u32; 2],
-    ) -> Self {
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("window picture"),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba8Unorm,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        });
+    fn new(gpu: &Gpu, layout: &wgpu::BindGroupLayout, samplers: &[wgpu::Sampler; 2], size: [u32; 2]) -> Self {
+        let texture = data(gpu, "window picture", size, wgpu::TextureFormat::Rgba8Unorm);
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
         let groups = [0, 1].map(|i| {
             gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -199,7 +184,7 @@ impl Held {
                 ],
             })
         });
-        Self { size: [width, height], texture, groups }
+        Self { size, texture, groups }
     }
 }
 
