@@ -12,7 +12,6 @@ struct Slice {
     colour_opacity: f32,
     selection_colour: vec3<f32>,
     selection_opacity: f32,
-    background: vec4<f32>,      // where there is no voxel; multiplied by alpha
     label_opacity: f32,
     pad_a: u32,
     pad_b: u32,
@@ -30,13 +29,13 @@ fn cover(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
 fn shown(at: vec2<f32>) -> vec4<f32> {
     let p = slice.top_left + slice.per_x * at.x + slice.per_y * at.y;
     if (any(p < vec3<f32>(-0.5)) || any(p >= vec3<f32>(info.dims) - 0.5)) {
-        return slice.background;
+        return vec4<f32>(0.0);
     }
     let brick = brick_of(p);
     let density = density_at(density_page(brick), p);
 #ifdef FLOAT_DENSITY
     if (is_nan(density)) {
-        return slice.background;
+        return vec4<f32>(0.0);
     }
 #endif
     var c = vec3<f32>(clamp((density - slice.black) / (slice.white - slice.black), 0.0, 1.0));
@@ -58,10 +57,5 @@ fn shown(at: vec2<f32>) -> vec4<f32> {
 
 @fragment
 fn draw(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
-    var c = shown(at.xy);
-#ifdef LINEAR_TARGET
-    let rgb = select(c.rgb / 12.92, pow((c.rgb + 0.055) / 1.055, vec3<f32>(2.4)), c.rgb > vec3<f32>(0.04045));
-    c = vec4<f32>(rgb, c.a);
-#endif
-    return c;
+    return shown(at.xy);
 }

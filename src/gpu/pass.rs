@@ -135,7 +135,8 @@ pub(super) fn layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
     gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("caster"), entries: &entries })
 }
 
-fn texture(
+/// A plain 2D texture.
+pub(super) fn texture(
     gpu: &Gpu,
     label: &str,
     [width, height]: [u32; 2],

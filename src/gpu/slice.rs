@@ -3,7 +3,7 @@
 //! Owns [`SliceFrame`] (what is drawn) and [`SliceCaster`] (its pipelines). Where a slice's pixels lie in the world is the
 //! caller's: a frame takes any affine map from pixels to the slice. Knows no window.
 
-use super::pass::{draw_over, full_screen};
+use super::pass::{COLOUR, data, draw_over, full_screen, texture, write};
 use super::shader::{self, Def};
 use super::{FieldPools, Fields, Gpu, GpuError, Overlay};
 use crate::math::{DVec2, DVec3};
@@ -77,8 +77,6 @@ shared_struct! {
         pub selection_colour: [f32; 3],
         /// 0..1.
         pub selection_opacity: f32,
-        /// Where there is no voxel; multiplied by alpha.
-        pub background: [f32; 4],
         /// 0..1.
         pub label_opacity: f32,
         /// Unused.
@@ -91,7 +89,7 @@ shared_struct! {
 }
 
 /// What a pipeline is specialised by.
-type Key = (wgpu::TextureFormat, Vec<&'static str>);
+type Key = Vec<&'static str>;
 
 /// See the module's head.
 #[derive(Debug)]
@@ -142,36 +140,22 @@ impl SliceCaster {
                 usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             });
-            let colours = gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("segment colours"),
-                size: wgpu::Extent3d { width: 256, height: 256, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: wgpu::TextureFormat::Rgba8Unorm,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-                view_formats: &[],
-            });
+            let colours = data(gpu, "segment colours", [256; 2], wgpu::TextureFormat::Rgba8Unorm);
             Ok(Self { layout, uniform, colours, segments: None, pipelines: HashMap::new() })
         })
     }
 
-    /// Draws a slice over all of a target of the frame's size; `background` (display-referred, multiplied by alpha) where
-    /// there is no voxel.
-    ///
-    /// # Errors
-    /// Out of memory, a lost device, or a source that fails.
-    pub fn draw(
+    /// Draws a slice over all of a target of the frame's size.
+    fn draw(
         &mut self,
         gpu: &Gpu,
         pools: &mut FieldPools,
         fields: &Fields<'_>,
         frame: &SliceFrame,
-        background: [f32; 4],
-        (target, format): (&wgpu::TextureView, wgpu::TextureFormat),
+        target: &wgpu::TextureView,
     ) -> Result<(), GpuError> {
         pools.make_slice_resident(gpu, fields, frame.axis, frame.index)?;
-        let key = (format, self.defs(gpu, pools, frame, format));
+        let key = defs(gpu, pools, frame);
         if !self.pipelines.contains_key(&key) {
             let pipeline = self.pipeline(gpu, pools, &key)?;
             self.pipelines.insert(key.clone(), pipeline);
@@ -182,7 +166,7 @@ impl SliceCaster {
                 write_colours(gpu, &self.colours, &frame.overlay.segments);
                 self.segments = Some(frame.overlay.segments.clone());
             }
-            gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform(frame, background)));
+            gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform(frame)));
             let colours = self.colours.create_view(&wgpu::TextureViewDescriptor::default());
             let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: Some("slice"),
@@ -213,20 +197,11 @@ impl SliceCaster {
             return Ok(Vec::new());
         }
         let [width, height] = frame.size;
-        let format = wgpu::TextureFormat::Rgba32Float;
         // Rows of copies are padded to 256 bytes.
         let pitch = (width * 16).next_multiple_of(256);
         let (target, buffer) = gpu.scoped("a slice's picture", || {
-            let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("slice picture"),
-                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-                view_formats: &[],
-            });
+            let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+            let target = texture(gpu, "slice picture", frame.size, COLOUR, usage);
             let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("slice picture"),
                 size: u64::from(pitch) * u64::from(height),
@@ -236,7 +211,7 @@ impl SliceCaster {
             Ok((target, buffer))
         })?;
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());
-        self.draw(gpu, pools, fields, frame, [0.0; 4], (&view, format))?;
+        self.draw(gpu, pools, fields, frame, &view)?;
         let bytes = gpu.scoped("a slice's picture", || {
             let mut encoder =
                 gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("slice picture") });
@@ -253,37 +228,26 @@ impl SliceCaster {
         Ok((0..height).flat_map(|y| row(y).chunks_exact(16).map(bytemuck::pod_read_unaligned)).collect())
     }
 
-    fn defs(
-        &self,
-        gpu: &Gpu,
-        pools: &FieldPools,
-        frame: &SliceFrame,
-        format: wgpu::TextureFormat,
-    ) -> Vec<&'static str> {
-        let mut defs: Vec<_> = pools.defs(gpu).into_iter().map(|d| d.0).collect();
-        let layers = [
-            ("COLOUR", FieldKind::Colour, frame.overlay.colour),
-            ("LABELS", FieldKind::Labels, frame.overlay.labels),
-            ("SELECTION", FieldKind::Selection, frame.overlay.selection),
-        ];
-        let drawn = layers.iter().filter(|(_, kind, opacity)| *opacity > 0.0 && pools.texture(*kind).is_some());
-        defs.extend(drawn.map(|l| l.0));
-        if format.is_srgb() {
-            defs.push("LINEAR_TARGET");
-        }
-        defs
-    }
-
     fn pipeline(&self, gpu: &Gpu, pools: &FieldPools, key: &Key) -> Result<wgpu::RenderPipeline, GpuError> {
-        let defs: Vec<_> = key.1.iter().map(|&name| (name, Def::Bool(true))).collect();
+        let defs: Vec<_> = key.iter().map(|&name| (name, Def::Bool(true))).collect();
         let module = shader::compile(gpu, "slice.wgsl", &defs)?;
         gpu.scoped("the slices' pipeline", || {
-            Ok(full_screen(gpu, "slice", &module, &[&self.layout, pools.layout()], &[key.0], "draw"))
+            Ok(full_screen(gpu, "slice", &module, &[&self.layout, pools.layout()], &[COLOUR], "draw"))
         })
     }
 }
 
-fn uniform(frame: &SliceFrame, background: [f32; 4]) -> Slice {
+fn defs(gpu: &Gpu, pools: &FieldPools, frame: &SliceFrame) -> Key {
+    let layers = [
+        ("COLOUR", FieldKind::Colour, frame.overlay.colour),
+        ("LABELS", FieldKind::Labels, frame.overlay.labels),
+        ("SELECTION", FieldKind::Selection, frame.overlay.selection),
+    ];
+    let drawn = layers.iter().filter(|(_, kind, opacity)| *opacity > 0.0 && pools.texture(*kind).is_some());
+    pools.defs(gpu).into_iter().map(|d| d.0).chain(drawn.map(|l| l.0)).collect()
+}
+
+fn uniform(frame: &SliceFrame) -> Slice {
     let narrow = |v: DVec3| v.as_vec3().to_array();
     Slice {
         top_left: narrow(frame.top_left),
@@ -294,7 +258,6 @@ fn uniform(frame: &SliceFrame, background: [f32; 4]) -> Slice {
         colour_opacity: frame.overlay.colour,
         selection_colour: frame.overlay.selection_colour,
         selection_opacity: frame.overlay.selection,
-        background,
         label_opacity: frame.overlay.labels,
         pad_a: 0,
         pad_b: 0,
@@ -309,6 +272,5 @@ fn write_colours(gpu: &Gpu, texture: &wgpu::Texture, segments: &Segments) {
         let [r, g, b] = segment.colour.map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8);
         texels[usize::from(segment.id)] = [r, g, b, 255];
     }
-    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(1024), rows_per_image: Some(256) };
-    gpu.queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(&texels), layout, texture.size());
+    write(gpu, texture, bytemuck::cast_slice(&texels), 4);
 }
