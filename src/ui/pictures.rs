@@ -37,6 +37,11 @@ impl Pictures {
         }
     }
 
+    /// Notes that a view shows no picture any more.
+    pub(super) fn lose(&mut self, view: ViewName) {
+        self.drawn.remove(&view);
+    }
+
     /// Whether a view was drawn.
     pub(super) fn has(&self, view: ViewName) -> bool {
         self.drawn.contains(&view)

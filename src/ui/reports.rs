@@ -34,7 +34,10 @@ impl App {
                 }
                 Report::Picture(picture) => match self.grounds.take(&picture) {
                     Ok(()) => self.pictures.take(*picture),
-                    Err(error) => self.say(Gravity::Error, error.to_string()),
+                    Err(error) => {
+                        self.pictures.lose(picture.view);
+                        self.say(Gravity::Error, error.to_string());
+                    }
                 },
                 Report::Probe(value) => self.probe = value,
                 Report::Started(what) => {

@@ -114,3 +114,19 @@ fn the_crosshair_lies_where_its_point_is() {
     assert!(rows.len() == 1 && (rows[0] - y).abs() <= 1.0, "{rows:?} where {y} was to be");
     assert!(!lit(x, y), "the middle is open");
 }
+
+#[test]
+fn a_view_whose_picture_was_refused_shows_its_ground() {
+    let Some(state) = render_state() else { return };
+    let canvas = Canvas::new(&state).unwrap();
+    let mut window = Window::painted(SMALL, state, canvas);
+    let good = plain(&window, ViewName::Axial, [30, 20], [90, 20, 0]);
+    let short = Picture { rgba: vec![0; 8], ..plain(&window, ViewName::Axial, [30, 20], [0; 3]) };
+    for (picture, ground) in [(good, Color32::from_rgb(90, 20, 0)), (short, Color32::BLACK)] {
+        window.report(Report::Picture(Box::new(picture)));
+        let image = window.harness.render().unwrap();
+        let rect = window.harness.get_by_label("Axial view").rect();
+        let [r, g, b, _] = image.get_pixel(rect.left() as u32 + 20, rect.top() as u32 + 20).0;
+        assert_eq!(Color32::from_rgb(r, g, b), ground);
+    }
+}
