@@ -398,6 +398,24 @@ fn looking_about_is_nothing_to_recover_until_something_is_done() {
 }
 
 #[test]
+fn looking_about_in_a_project_comes_back_and_counts_as_no_step() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(SMALL, dir.path());
+    let (mut keeper, place) = project(dir.path(), &state);
+    state.scene.views.crosshair = DVec3::new(3.0, 2.0, 1.0);
+    keeper.record(&other_command(), &state, &[], true).unwrap();
+    drop(keeper);
+    let (kept, recovered) = reopened(&place);
+    assert_eq!(recovered.steps, 0, "no work was lost");
+    assert_kept(&state, &kept, "the views as they were");
+    let (mut keeper, _) = Keeper::open(&place).unwrap();
+    let touched = step(&mut state, 1);
+    keeper.record(&command(), &state, &touched, true).unwrap();
+    drop(keeper);
+    assert_eq!(reopened(&place).1.steps, 1);
+}
+
+#[test]
 fn saving_elsewhere_takes_unsaved_steps_along() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());

@@ -132,14 +132,14 @@ impl Journal {
         }
         let map = Some(*state.density.map()).filter(|map| *map != self.now.map);
         let ends_stroke = matches!(command, Command::Stroke(_));
-        // Looking about in what was opened is nothing to lose; the first step takes it along.
-        let looks_about = changed.keys().all(|part| ["views", "brush"].contains(&part.as_str()));
-        let blank = self.generation == 0 && self.end == HEADER;
-        if blank && looks_about && !ends_stroke && map.is_none() && touched.is_empty() {
+        // Looking about is no step of work. In what was opened and never saved it is nothing to lose: the first step takes it along.
+        let known_parts = changed.keys().all(|part| ["views", "brush"].contains(&part.as_str()));
+        let looks_about = known_parts && !ends_stroke && map.is_none() && touched.is_empty();
+        if looks_about && self.generation == 0 && self.end == HEADER {
             return Ok(());
         }
         let command = serde_json::to_value(command).map_err(|e| KeepError::Scene { reason: e.to_string() })?;
-        let head = StepHead { command, steps: 1, scene: changed, map };
+        let head = StepHead { command, steps: u64::from(!looks_about), scene: changed, map };
         let bytes = head_bytes(&head)?;
         let mut places: BTreeSet<(FieldKind, BrickIndex)> = touched.iter().copied().collect();
         if map.is_some() {
