@@ -108,7 +108,8 @@ fn run(path: &Path, project: Option<PathBuf>, keep_going: bool) -> Result<(), St
     let input: Box<dyn BufRead> = if path == Path::new("-") {
         Box::new(std::io::stdin().lock())
     } else {
-        Box::new(BufReader::new(std::fs::File::open(path).map_err(|e| format!("{}: {e}", path.display()))?))
+        let failed = |e| format!("{}: cannot open the script: {e}; `-` reads one from a pipe", path.display());
+        Box::new(BufReader::new(burin::io::open_regular(path).map_err(failed)?))
     };
     let mut document = Document::new();
     if let Some(dir) = project {

@@ -19,15 +19,13 @@ pub(super) fn most_inflated(compressed: u64) -> u64 {
 
 /// Opens a regular file for reading.
 pub(super) fn open_file(path: &Path) -> Result<File, IoError> {
-    // Asked before opening: to open a pipe would wait for its writer.
     let about = std::fs::metadata(path).map_err(IoError::system(path, "open the file"))?;
     if about.is_file() {
-        File::open(path).map_err(IoError::system(path, "open the file"))
+        super::open_regular(path).map_err(IoError::system(path, "open the file"))
     } else {
-        let found = if about.is_dir() { "a folder" } else { "a device or pipe" };
         Err(IoError::Unknown {
             file: path.display().to_string(),
-            found: found.into(),
+            found: super::regular::kind(&about).into(),
             expected: super::readers().iter().map(|r| r.name()).collect::<Vec<_>>().join(", "),
         })
     }

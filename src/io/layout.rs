@@ -4,7 +4,7 @@
 use super::inflate::{Inflate, most_inflated, open_file};
 use super::raw::RawSource;
 use super::statistics::Accumulator;
-use super::{Contents, IoError, Opened, Progress};
+use super::{Contents, FileMark, IoError, Opened, Progress};
 use crate::volume::{BrickSource, Grid, MemorySource, Statistics, Value, VoxelType};
 use crate::with_voxel_type;
 use std::fs::File;
@@ -68,7 +68,8 @@ impl Layout {
         let small = |what| IoError::field(&self.file, what, format!("{lens:?}"), "1 to 4294967295 in all");
         let components = count(Role::Component).ok_or_else(|| small("components"))?;
         let frames = count(Role::Frame).ok_or_else(|| small("frames"))?;
-        let len = std::fs::metadata(&self.path).map_err(IoError::system(&self.path, "open the file"))?.len();
+        let data = FileMark::of(&self.path).map_err(IoError::system(&self.path, "open the file"))?;
+        let len = data.bytes;
         let short = |found, whole: Option<u64>| IoError::Truncated {
             file: self.file.clone(),
             found,
@@ -100,6 +101,7 @@ impl Layout {
             components,
             frames,
             warnings,
+            files: vec![data],
             file: self.file.clone(),
             contents: Box::new(self),
         })

@@ -21,6 +21,7 @@ mod nrrd_place;
 mod place;
 mod raw;
 mod reader;
+mod regular;
 mod replace;
 mod statistics;
 
@@ -28,5 +29,6 @@ pub use error::IoError;
 pub use export::{Compression, Exported, export};
 pub use info::{Info, info};
 pub use reader::{Contents, Opened, Progress, Reader, open, readers};
+pub use regular::{FileMark, open_regular, read_regular};
 pub use replace::replace_file;
 pub use statistics::statistics;

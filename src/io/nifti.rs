@@ -6,7 +6,7 @@
 use super::inflate::{GZIP_MAGIC, open_file};
 use super::layout::{Axis, Encoding, Layout, Role};
 use super::reader::head;
-use super::{IoError, Opened, Reader, nifti_place, place};
+use super::{FileMark, IoError, Opened, Reader, nifti_place, place};
 use crate::volume::VoxelType;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -41,6 +41,7 @@ impl Reader for Nifti {
         let header_path = partner(path, ".img", ".hdr").unwrap_or_else(|| path.to_path_buf());
         let file = header_path.display().to_string();
         let header = Header::new(&file, &head(&header_path)?)?;
+        let mark = FileMark::of(&header_path).map_err(IoError::system(&header_path, "open the file"))?;
         let mut warnings = Vec::new();
         let (path, earliest) = match header.bytes::<4>(344) {
             [b'n', b'+', b'1', 0] => (header_path, SINGLE_OFFSET),
@@ -62,7 +63,10 @@ impl Reader for Nifti {
         let encoding =
             if is_gzip(&path)? { Encoding::Gzip { start: 0, skip: offset } } else { Encoding::Raw { start: offset } };
         let big_endian = header.big_endian;
-        Layout { path, file, grid, voxel_type, big_endian, scaling, axes, encoding }.opened(warnings)
+        let mut opened =
+            Layout { path, file, grid, voxel_type, big_endian, scaling, axes, encoding }.opened(warnings)?;
+        opened.files.push(mark);
+        Ok(opened)
     }
 }
 

@@ -1,6 +1,6 @@
 //! What every format gives: a trait for its reader, the list of readers, and what an opened file offers.
 
-use super::{IoError, inflate, nifti::Nifti, nrrd::Nrrd};
+use super::{FileMark, IoError, inflate, nifti::Nifti, nrrd::Nrrd};
 use crate::volume::{BrickSource, Grid, Statistics, VoxelType};
 use std::io::Read;
 use std::path::Path;
@@ -57,6 +57,8 @@ pub struct Opened {
     pub frames: u32,
     /// What was odd about the file and how it was taken.
     pub warnings: Vec<String>,
+    /// Every file that its header or its voxels are in, as it was when it was opened; the one that was named comes first.
+    pub files: Vec<FileMark>,
     pub(super) file: String,
     pub(super) contents: Box<dyn Contents>,
 }
@@ -97,10 +99,17 @@ pub fn readers() -> &'static [&'static dyn Reader] {
 pub fn open(path: impl AsRef<Path>) -> Result<Opened, IoError> {
     let path = path.as_ref();
     let head = head(path)?;
+    // Before anything is believed: whoever compares later knows the file that was read.
+    let named = FileMark::of(path).map_err(IoError::system(path, "open the file"))?;
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     let reader = readers().iter().find(|r| r.recognises(&head)).or_else(|| readers().iter().find(|r| r.claims(&name)));
     match reader {
-        Some(reader) => reader.open(path),
+        Some(reader) => {
+            let mut opened = reader.open(path)?;
+            opened.files.retain(|file| !file.is_same_file(&named));
+            opened.files.insert(0, named);
+            Ok(opened)
+        }
         None => Err(IoError::Unknown {
             file: path.display().to_string(),
             found: format!("first bytes \"{}\"", head[..head.len().min(16)].escape_ascii()),

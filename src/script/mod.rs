@@ -6,7 +6,10 @@
 
 use crate::document::{Command, Document};
 use serde_json::{Value, json};
-use std::io::{BufRead, Write};
+use std::io::{BufRead, Read, Write};
+
+/// No command is longer: what is has no end, or is no script.
+const MAX_LINE_BYTES: u64 = 64 << 20;
 
 /// How a script went.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,21 +26,29 @@ pub struct Outcome {
 /// If the script cannot be read or an answer cannot be written.
 pub fn run(
     document: &mut Document,
-    script: impl BufRead,
+    mut script: impl BufRead,
     mut answers: impl Write,
     keep_going: bool,
 ) -> std::io::Result<Outcome> {
     let mut outcome = Outcome::default();
-    for (number, line) in script.split(b'\n').enumerate() {
-        let line = line?;
+    let mut line = Vec::new();
+    for number in 1_u64.. {
+        line.clear();
+        if (&mut script).take(MAX_LINE_BYTES + 1).read_until(b'\n', &mut line)? == 0 {
+            break;
+        }
+        let endless = line.len() as u64 > MAX_LINE_BYTES;
         let result = match std::str::from_utf8(&line).map(str::trim) {
+            _ if endless => {
+                Err(format!("not a command: over {MAX_LINE_BYTES} bytes found, a line's end before expected"))
+            }
             Ok(line) if line.is_empty() || line.starts_with('#') => continue,
             Ok(line) => perform(document, line),
             Err(error) => Err(format!("not a command: byte {} found, UTF-8 expected", error.valid_up_to() + 1)),
         };
         let answer = match &result {
-            Ok(answer) => json!({ "line": number + 1, "ok": answer }),
-            Err(error) => json!({ "line": number + 1, "error": error }),
+            Ok(answer) => json!({ "line": number, "ok": answer }),
+            Err(error) => json!({ "line": number, "error": error }),
         };
         writeln!(answers, "{answer}")?;
         answers.flush()?;
@@ -45,7 +56,7 @@ pub fn run(
             Ok(_) => outcome.done += 1,
             Err(_) => outcome.failed += 1,
         }
-        if outcome.failed > 0 && !keep_going {
+        if endless || (outcome.failed > 0 && !keep_going) {
             break;
         }
     }

@@ -7,5 +7,6 @@ mod hostile;
 mod nifti;
 mod nrrd;
 mod places;
+mod regular;
 mod statistics;
 mod types;
