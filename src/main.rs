@@ -53,9 +53,21 @@ enum Command {
         /// Which view.
         #[arg(long, default_value = "3d", value_parser = ["3d", "axial", "coronal", "sagittal"])]
         view: String,
-        /// A PNG that is transparent instead of the look's background; an EXR always is.
+        /// Which frame of a volume file, counted from 0.
         #[arg(long)]
+        frame: Option<u32>,
+        /// Which component of a volume file, counted from 0.
+        #[arg(long)]
+        component: Option<u32>,
+        /// Drawn so many times larger either way and averaged, 1 to 8.
+        #[arg(long, default_value_t = 1)]
+        supersample: u32,
+        /// A PNG that is transparent instead of the look's background; an EXR always is.
+        #[arg(long, conflicts_with = "background")]
         transparent: bool,
+        /// What lies behind the picture instead of the look's background: #rrggbb, or r,g,b of 0 to 1.
+        #[arg(long, value_parser = colour)]
+        background: Option<[f32; 3]>,
     },
     /// Tells what is in a volume file.
     Info {
@@ -91,12 +103,29 @@ fn perform(arguments: Arguments) -> Result<(), String> {
         None => burin::ui::run(burin::ui::Options { open: arguments.path }),
         Some(Command::Run { script, project, keep_going }) => run(&script, project, keep_going),
         Some(Command::Info { file, json }) => info(&file, json),
-        Some(Command::Render { path, output, size, camera, degree, view, transparent }) => render(
-            &path,
+        Some(Command::Render {
+            path,
+            output,
+            size,
             camera,
             degree,
-            &json!({ "path": output, "size": size, "view": view, "transparent": transparent }),
-        ),
+            view,
+            frame,
+            component,
+            supersample,
+            transparent,
+            background,
+        }) => {
+            let image = json!({
+                "path": output,
+                "size": size,
+                "view": view,
+                "supersample": supersample,
+                "transparent": transparent,
+                "background": background,
+            });
+            render(&path, [frame, component], camera, degree, &image)
+        }
         Some(Command::Schema) => {
             let schema = serde_json::to_string_pretty(&script::schema()).map_err(|e| e.to_string())?;
             say(&schema)
@@ -131,15 +160,27 @@ fn run(path: &Path, project: Option<PathBuf>, keep_going: bool) -> Result<(), St
 }
 
 /// Says the same to a document as a script would.
-fn render(path: &Path, camera: Option<String>, degree: Option<f64>, image: &Value) -> Result<(), String> {
+fn render(
+    path: &Path,
+    [frame, component]: [Option<u32>; 2],
+    camera: Option<String>,
+    degree: Option<f64>,
+    image: &Value,
+) -> Result<(), String> {
     if let (Some(_), Some(view)) = (&camera, image["view"].as_str().filter(|view| *view != "3d")) {
         return Err(format!("--camera: one for the {view} view found, none for a slice expected"));
     }
     let mut document = Document::new();
     let opened = if path.is_dir() {
+        for (name, given) in [("frame", frame), ("component", component)] {
+            if let Some(found) = given {
+                return Err(format!("--{name}: {found} found for a project, which has its own; none expected"));
+            }
+        }
         Opened::project_to_read(path, &|_| true)
     } else {
-        Opened::volume(Origin { path: path.into(), component: 0, frame: 0 }, None, None, &|_| true)
+        let (component, frame) = (component.unwrap_or(0), frame.unwrap_or(0));
+        Opened::volume(Origin { path: path.into(), component, frame }, None, None, &|_| true)
     };
     document.take(opened.map_err(said)?);
     let mut lines = Vec::new();
@@ -171,6 +212,18 @@ fn render(path: &Path, camera: Option<String>, degree: Option<f64>, image: &Valu
 fn finite(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|n: &f64| n.is_finite());
     number.ok_or(format!("{text} found, a number expected"))
+}
+
+/// `#rrggbb`, or three numbers of 0 to 1.
+fn colour(text: &str) -> Result<[f32; 3], String> {
+    let bytes = text.strip_prefix('#').filter(|hex| hex.len() == 6).and_then(|hex| u32::from_str_radix(hex, 16).ok());
+    let numbers: Option<Vec<f32>> = match bytes {
+        Some(bytes) => Some([16, 8, 0].map(|shift| (bytes >> shift & 255) as f32 / 255.0).to_vec()),
+        None => text.split(',').map(|n| n.trim().parse().ok()).collect(),
+    };
+    let colour = numbers.and_then(|n| <[f32; 3]>::try_from(n).ok());
+    let colour = colour.filter(|c| c.iter().all(|c| (0.0..=1.0).contains(c)));
+    colour.ok_or(format!("{text} found, #rrggbb or r,g,b of 0 to 1 expected"))
 }
 
 fn size(text: &str) -> Result<[u32; 2], String> {

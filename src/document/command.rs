@@ -347,9 +347,19 @@ pub enum RenderCommand {
         /// A PNG that is transparent instead of the look's background; an EXR always is.
         #[serde(default)]
         transparent: bool,
+        /// What lies behind the picture instead of the look's background: display-referred red, green and blue of 0 to 1.
+        #[serde(default)]
+        background: Option<[f32; 3]>,
+        /// Drawn so many times larger either way and averaged, 1 to 8: smooth edges. Depth and object are not averaged.
+        #[serde(default = "one_sample")]
+        supersample: u32,
     },
 }
 
 fn three_d() -> ViewName {
     ViewName::ThreeD
+}
+
+fn one_sample() -> u32 {
+    1
 }

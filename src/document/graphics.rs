@@ -5,6 +5,7 @@
 
 use super::step::Refreshed;
 use super::{DocumentError, State};
+use crate::gpu::tiles::Window;
 use crate::gpu::{
     Caster, FieldPools, Fields, Frame, Gpu, GpuError, Hit, Image, Painter, SliceCaster, SliceFrame, Visibility,
 };
@@ -112,6 +113,22 @@ impl Graphics {
             painter.follow(&mut t.pools, &fields(state))?;
             t.pools.bound_uploads(bound);
             t.caster.rows(&t.gpu, &mut t.pools, &fields(state), frame, rows.clone())
+        })
+    }
+
+    /// A rectangle of a picture at rest, its top-left corner at `corner`: whatever moves, no brick stands in for a finer one.
+    pub(super) fn part(
+        &mut self,
+        state: &State,
+        frame: &Frame,
+        corner: [u32; 2],
+        size: [u32; 2],
+    ) -> Result<Image, DocumentError> {
+        let origin = DVec2::new(f64::from(corner[0]), f64::from(corner[1]));
+        self.with(state, "a picture", |t, painter| {
+            painter.follow(&mut t.pools, &fields(state))?;
+            t.pools.bound_uploads(None);
+            t.caster.part(&t.gpu, &mut t.pools, &fields(state), frame, &Window { picture: frame.size, origin, size })
         })
     }
 

@@ -102,7 +102,7 @@ impl Caster {
         fields: &Fields<'_>,
         frame: &Frame,
     ) -> Result<Image, GpuError> {
-        self.part_of_image(gpu, pools, fields, frame, &Window::whole(frame.size))
+        self.part(gpu, pools, fields, frame, &Window::whole(frame.size))
     }
 
     /// The first visible surface on the ray through a point of the picture, in pixels: where opacity reaches ½, the iso-surface,
@@ -119,7 +119,7 @@ impl Caster {
         px: DVec2,
     ) -> Result<Option<Hit>, GpuError> {
         let window = Window { picture: frame.size, origin: px - 0.5, size: [1; 2] };
-        let image = self.part_of_image(gpu, pools, fields, frame, &window)?;
+        let image = self.part(gpu, pools, fields, frame, &window)?;
         let depth_mm = f64::from(image.depth_mm[0]);
         let Some(id) = image.object[0].checked_sub(1).filter(|_| depth_mm.is_finite()) else { return Ok(None) };
         let world = frame.camera.ray(px, frame.size).at(depth_mm);
@@ -141,10 +141,14 @@ impl Caster {
     ) -> Result<Image, GpuError> {
         let size = [frame.size[0], rows.end.min(frame.size[1]).saturating_sub(rows.start)];
         let window = Window { picture: frame.size, origin: DVec2::new(0.0, f64::from(rows.start)), size };
-        self.part_of_image(gpu, pools, fields, frame, &window)
+        self.part(gpu, pools, fields, frame, &window)
     }
 
-    fn part_of_image(
+    /// A window of the picture, as an image of its own.
+    ///
+    /// # Errors
+    /// As [`image`](Self::image).
+    pub fn part(
         &mut self,
         gpu: &Gpu,
         pools: &mut FieldPools,

@@ -55,6 +55,50 @@ impl Image {
         inside.then(|| px.x as usize + px.y as usize * self.size[0] as usize)
     }
 
+    /// Lays another picture over this one, its top-left corner at `corner`; what reaches beyond this one is left out.
+    pub fn put(&mut self, part: &Self, corner: [u32; 2]) {
+        let width = part.size[0].min(self.size[0].saturating_sub(corner[0])) as usize;
+        for y in 0..part.size[1].min(self.size[1].saturating_sub(corner[1])) {
+            let from = (y * part.size[0]) as usize;
+            let to = corner[0] as usize + (corner[1] + y) as usize * self.size[0] as usize;
+            self.colour[to..to + width].copy_from_slice(&part.colour[from..from + width]);
+            self.depth_mm[to..to + width].copy_from_slice(&part.depth_mm[from..from + width]);
+            self.object[to..to + width].copy_from_slice(&part.object[from..from + width]);
+        }
+    }
+
+    /// `factor`² pixels made one: the mean of their display-referred colours as they are shown (0 to 1), which is how the caster
+    /// composites too, so that a picture over a background is the mean of the large picture over it. Depth and object stay together and are those of the
+    /// pixel in the middle; of the four about the middle where `factor` is even, of the nearest. Sides are divided without rest.
+    #[must_use]
+    pub fn averaged(self, factor: u32) -> Self {
+        if factor <= 1 {
+            return self;
+        }
+        let [width, f] = [self.size[0] as usize, factor as usize];
+        let mut small = Self::empty(self.size.map(|s| s / factor));
+        let share = 1.0 / (f * f) as f64;
+        let across = (small.size[0] as usize).max(1);
+        for i in 0..small.colour.len() {
+            let first = i % across * f + i / across * f * width;
+            let mut sum = [0.0; 4];
+            for row in 0..f {
+                for &[r, g, b, a] in &self.colour[first + row * width..][..f] {
+                    // A highlight is no whiter than white: its rim would stay ragged.
+                    let shown = [r.min(a).max(0.0), g.min(a).max(0.0), b.min(a).max(0.0), a];
+                    sum.iter_mut().zip(shown).for_each(|(s, c)| *s += f64::from(c));
+                }
+            }
+            small.colour[i] = sum.map(|s| (s * share) as f32);
+            let middle = (f - 1) / 2..=f / 2;
+            let about = middle.clone().flat_map(|y| middle.clone().map(move |x| first + x + y * width));
+            if let Some(at) = about.min_by(|&a, &b| self.depth_mm[a].total_cmp(&self.depth_mm[b])) {
+                (small.depth_mm[i], small.object[i]) = (self.depth_mm[at], self.object[at]);
+            }
+        }
+        small
+    }
+
     /// Eight bits a channel, not multiplied by alpha: over `background` and opaque, or with alpha if there is none.
     pub fn to_rgba8(&self, background: Option<[f32; 3]>) -> Vec<u8> {
         let byte = |x: f32| (x.clamp(0.0, 1.0) * 255.0).round() as u8;
@@ -115,7 +159,8 @@ impl Image {
         let layer = exr::Layer::new(
             (self.size[0] as usize, self.size[1] as usize),
             exr::LayerAttributes::default(),
-            exr::Encoding::FAST_LOSSLESS,
+            // In order: chunks that are compressed on several threads would lie in the file as they came, otherwise.
+            exr::Encoding { line_order: exr::LineOrder::Increasing, ..exr::Encoding::FAST_LOSSLESS },
             exr::AnyChannels::sort(channels),
         );
         use exr::WritableImage;

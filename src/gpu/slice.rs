@@ -56,6 +56,13 @@ impl SliceFrame {
         let half = 0.5 * width.max(f64::MIN_POSITIVE);
         Self { axis, index, size, top_left, per_x, per_y, window: [level - half, level + half], overlay }
     }
+
+    /// A rectangle of the picture, as a picture of its own: its top-left corner in pixels, and its size.
+    #[must_use]
+    pub fn part(&self, corner: [u32; 2], size: [u32; 2]) -> Self {
+        let top_left = self.top_left + self.per_x * f64::from(corner[0]) + self.per_y * f64::from(corner[1]);
+        Self { size, top_left, ..self.clone() }
+    }
 }
 
 shared_struct! {

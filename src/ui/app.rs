@@ -234,6 +234,8 @@ impl App {
                 size: None,
                 camera: None,
                 transparent: false,
+                background: None,
+                supersample: 1,
             })),
             Chosen::Selection(path) => {
                 let import = crate::document::SelectionCommand::Import { path, threshold: 0.0, soften_mm: 0.0 };

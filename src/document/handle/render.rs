@@ -1,15 +1,22 @@
 //! Pictures: to files by command, and for the window.
 
 use super::place::check_size;
-use super::view::checked;
+use super::view::{checked, checked_colour};
 use super::{Document, DocumentError, RenderCommand, ViewName};
 use crate::gpu::Image;
 use crate::math::Camera;
 use serde_json::{Value, json};
 
+/// Times that a picture for a file may be drawn larger than it becomes.
+const MOST_SAMPLES: u32 = 8;
+
+/// Pixels along an edge of the pieces in which a picture for a file is drawn: what is held on the device is a piece's, however
+/// large the picture.
+const PIECE: u32 = 2048;
+
 impl Document {
     pub(in crate::document) fn render(&mut self, command: RenderCommand) -> Result<Value, DocumentError> {
-        let RenderCommand::Image { path, view, size, camera, transparent } = command;
+        let RenderCommand::Image { path, view, size, camera, transparent, background, supersample } = command;
         let views = &self.open()?.scene.views;
         let size = check_size(size.unwrap_or(views.slice(view).map_or(views.size, |s| s.size)))?;
         if view != ViewName::ThreeD && camera.is_some() {
@@ -19,11 +26,69 @@ impl Document {
                 "none for a slice",
             ));
         }
-        let image = self.picture(view, size, camera)?;
-        let background = self.open()?.scene.look.background;
+        if !(1..=MOST_SAMPLES).contains(&supersample) {
+            return Err(DocumentError::invalid("supersample", supersample, format!("1 to {MOST_SAMPLES}")));
+        }
+        if transparent && background.is_some() {
+            return Err(DocumentError::invalid("background", "one for a transparent picture", "one of the two"));
+        }
+        let background = match background {
+            Some(colour) => checked_colour("background", colour)?,
+            None => self.open()?.scene.look.background,
+        };
+        let image = self.fine_picture(view, size, camera, supersample)?;
         image.write(&path, (!transparent).then_some(background))?;
         let shown = image.colour.iter().filter(|c| c[3] > 0.0).count();
-        Ok(json!({ "path": path, "size": size, "covered": shown as f64 / image.colour.len() as f64 }))
+        let written = std::path::absolute(&path).unwrap_or(path);
+        Ok(json!({
+            "path": written.display().to_string(),
+            "view": view,
+            "size": size,
+            "supersample": supersample,
+            "covered": shown as f64 / image.colour.len() as f64,
+        }))
+    }
+
+    /// A view at rest, drawn `supersample` times larger either way, piece by piece, and averaged.
+    fn fine_picture(
+        &mut self,
+        view: ViewName,
+        size: [u32; 2],
+        camera: Option<Camera>,
+        supersample: u32,
+    ) -> Result<Image, DocumentError> {
+        let edge = PIECE / supersample;
+        let [across, down] = size.map(|s| s.div_ceil(edge));
+        let mut image = Image::empty(size);
+        for piece in 0..across * down {
+            if !self.watch.go_on(piece as f32 / (across * down) as f32) {
+                return Err(DocumentError::Stopped);
+            }
+            let at = [piece % across * edge, piece / across * edge];
+            let part: [u32; 2] = std::array::from_fn(|a| edge.min(size[a] - at[a]));
+            let larger = |s: [u32; 2]| s.map(|s| s * supersample);
+            let drawn = self.part_of_picture(view, larger(size), camera, (larger(at), larger(part)))?;
+            image.put(&drawn.averaged(supersample), at);
+        }
+        Ok(image)
+    }
+
+    /// A rectangle of a view's picture in `size` pixels, given by its top-left corner and its size, with all bricks it needs.
+    fn part_of_picture(
+        &mut self,
+        view: ViewName,
+        size: [u32; 2],
+        camera: Option<Camera>,
+        (corner, part): ([u32; 2], [u32; 2]),
+    ) -> Result<Image, DocumentError> {
+        let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
+        match state.slice_frame(view, size) {
+            Some(frame) => self.graphics.slice(state, &frame.part(corner, part)),
+            None => {
+                let camera = checked(camera.unwrap_or(state.scene.views.camera), &state.grid().world_bounds())?;
+                self.graphics.part(state, &state.frame(&camera, size), corner, part)
+            }
+        }
     }
 
     /// A view as it is now, with a running stroke, in `size` pixels; by another camera than the 3D view's if given.

@@ -140,11 +140,7 @@ impl Document {
                     look.step_voxels = step;
                 }
                 if let Some(background) = background {
-                    if background.iter().any(|c| !(0.0..=1.0).contains(c)) {
-                        let found = format!("{background:?}");
-                        return Err(DocumentError::invalid("background", found, "red, green and blue of 0 to 1"));
-                    }
-                    look.background = background;
+                    look.background = checked_colour("background", background)?;
                 }
                 state.scene.look = look;
                 Ok(json!({ "look": look }))
@@ -258,6 +254,14 @@ pub(in crate::document) fn checked(camera: Camera, bounds: &Aabb) -> Result<Came
             invalid("camera.projection.height_mm", height_mm.to_string(), "a positive length")
         }
         _ => Ok(camera),
+    }
+}
+
+pub(in crate::document) fn checked_colour(field: &str, colour: [f32; 3]) -> Result<[f32; 3], DocumentError> {
+    if colour.iter().all(|c| (0.0..=1.0).contains(c)) {
+        Ok(colour)
+    } else {
+        Err(DocumentError::invalid(field, format!("{colour:?}"), "red, green and blue of 0 to 1"))
     }
 }
 
