@@ -38,7 +38,7 @@ pub enum Command {
     Part(PartCommand),
     /// The forces that move them.
     Explosion(ExplosionCommand),
-    /// Undo and redo of everything but views, which have `view.back`, and the brush.
+    /// Undo and redo of everything but views, looks, layers and window, which have `view.back`, and the brush.
     History(HistoryCommand),
     /// Questions; they change nothing.
     Ask(Question),
@@ -148,6 +148,9 @@ pub enum ViewCommand {
         #[serde(default)]
         zoom: Option<f64>,
     },
+    /// Fits a view: the whole slice as large as its picture holds, or in 3D all visible parts where they stand now; direction and
+    /// projection stay.
+    Fit { view: ViewName },
     /// Turns about the target, degrees.
     Orbit { azimuth_deg: f64, elevation_deg: f64 },
     /// Shifts a view by pixels.
@@ -178,10 +181,27 @@ pub enum ViewCommand {
     Window { level: f64, width: f64 },
     /// How a field is shown.
     Layer(Layer),
-    /// The view before the last change of view.
-    Back {},
+    /// What was seen before the last change of view, look, layer, window or transfer function; with `of` before the last change of
+    /// views or of looks alone.
+    Back {
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        of: Option<PastOf>,
+    },
     /// Undoes `back`.
-    Forward {},
+    Forward {
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        of: Option<PastOf>,
+    },
+}
+
+/// What `view.back` walks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum PastOf {
+    /// Cameras, slices, crosshair.
+    Views,
+    /// Transfer function, look, window, layers.
+    Looks,
 }
 
 /// See [`Command::Brush`].

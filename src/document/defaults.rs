@@ -1,6 +1,6 @@
 //! What a volume that was just opened looks like.
 
-use super::{DocumentError, Layer, Look, Origin, Scene, SliceView, ViewName, Views, Window};
+use super::{DocumentError, Layer, Look, Looks, Origin, Scene, SliceView, ViewName, Views, Window};
 use crate::explode::Explosion;
 use crate::math::{Camera, DVec3};
 use crate::paint::Brush;
@@ -20,6 +20,32 @@ impl Scene {
             brush: Brush::default(),
             explosion: Explosion::whole(grid),
         }
+    }
+}
+
+impl Scene {
+    /// How everything is shown.
+    pub fn looks(&self) -> Looks {
+        let Self { transfer, look, window, layers, .. } = self;
+        Looks { transfer: transfer.clone(), look: *look, window: *window, layers: layers.clone() }
+    }
+}
+
+impl Looks {
+    /// Whether a scene is shown so.
+    pub(super) fn are_of(&self, scene: &Scene) -> bool {
+        self.transfer == scene.transfer
+            && self.look == scene.look
+            && self.window == scene.window
+            && self.layers == scene.layers
+    }
+
+    /// Shows a scene so, and holds how it was shown.
+    pub(super) fn exchange(&mut self, scene: &mut Scene) {
+        std::mem::swap(&mut self.transfer, &mut scene.transfer);
+        std::mem::swap(&mut self.look, &mut scene.look);
+        std::mem::swap(&mut self.window, &mut scene.window);
+        std::mem::swap(&mut self.layers, &mut scene.layers);
     }
 }
 

@@ -34,6 +34,11 @@ impl Edit {
         self.step.name = name.into();
     }
 
+    /// What the step is called so far.
+    pub(super) fn called(&self) -> &str {
+        &self.step.name
+    }
+
     /// The scene follows what was set before (parts that a simulation moves): its change is no step of its own.
     pub(super) fn follows(&mut self) {
         self.follows = true;
@@ -103,6 +108,7 @@ impl Edit {
     /// Takes everything back.
     pub(super) fn roll_back(mut self, state: &mut State) -> Result<Refreshed, SourceError> {
         if let Some(before) = self.scene.take() {
+            before.looks().exchange(&mut state.scene);
             SceneDelta::between(before, &state.scene).exchange(&mut state.scene);
         }
         let mut refreshed = self.step.exchange(state)?;

@@ -2,7 +2,8 @@
 //!
 //! One command set. Buttons, shortcuts, tools, scripts and tests all call [`Document::apply`] with a [`Command`]; every command
 //! answers with what it did, and one that fails has changed nothing. Each noun has its handler file in `handle`; `keep` is the disk. Views and the brush are
-//! tools: they are saved, views have a past of their own (`view.back`), and undo leaves both alone. Everything else is undone.
+//! tools: they are saved, and undo leaves both alone. Views, looks, layers and window have a past of their own (`view.back`). Everything
+//! else is undone.
 
 mod command;
 mod command_parts;
@@ -17,13 +18,13 @@ mod keep;
 mod motion;
 mod open;
 mod packed;
+mod past;
 mod place;
 mod scene;
 mod slice_plane;
 mod spill;
 mod state;
 mod step;
-mod view_history;
 mod watch;
 
 pub use command::*;
@@ -37,6 +38,7 @@ pub use keep::recovery;
 pub use keep::store::{DensityKeeping, LoadedDensity, Saved};
 pub use keep::store_source::ZarrSource;
 pub use open::Opened;
+pub use past::Past;
 pub use scene::*;
 pub use slice_plane::{SlicePlane, side_letter};
 pub use spill::remove_dead_history;
@@ -47,17 +49,18 @@ use edit::Edit;
 use graphics::Graphics;
 use handle::stroke::Running;
 use motion::Motion;
+use past::{PastDelta, PastGroup};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use step::Refreshed;
-use view_history::ViewHistory;
 
 /// See the module's head.
 #[derive(Debug, Default)]
 pub struct Document {
     state: Option<State>,
     history: History,
-    views: ViewHistory,
+    /// What the open group of history has changed of views and looks.
+    past_group: PastGroup,
     graphics: Graphics,
     motion: Motion,
     running: Option<Running>,
@@ -84,7 +87,7 @@ impl Document {
         self.leave_place();
         self.unsaved = false;
         self.history.clear();
-        self.views.clear();
+        self.past_group = PastGroup::default();
         self.revision += 1;
     }
 
@@ -138,8 +141,7 @@ impl Document {
     fn record(&mut self, command: Command) -> Result<Value, DocumentError> {
         let mut edit = Edit::new(self.state.as_ref());
         let said = command.clone();
-        let views = self.state.as_ref().map(|s| s.scene.views.clone());
-        let moves_view = matches!(&command, Command::View(c) if c.moves_view());
+        let before = self.state.as_ref().map(|s| (s.scene.views.clone(), s.scene.looks()));
         let result = match command {
             Command::Transfer(command) => self.transfer(command, &mut edit),
             Command::View(command) => self.view(command, &mut edit),
@@ -166,18 +168,18 @@ impl Document {
             }
         };
         let (voxels, bricks) = edit.counts();
+        let called = edit.called().to_owned();
         let (step, refreshed) = edit.finish(state);
         self.mirror(&refreshed);
-        if let (Some(before), true, Some(state)) = (views, moves_view, &self.state) {
-            self.views.moved(before, &state.scene.views, self.history.in_group());
-        }
+        let new_looks = before.is_some_and(|(views, looks)| self.remember(&said, &called, views, looks));
         answer["step"] = json!(step.as_ref().map(|s| s.name.clone()));
         if bricks > 0 {
             answer["voxels_changed"] = json!(voxels);
             answer["bricks_touched"] = json!(bricks);
         }
         let mut warnings = Vec::new();
-        let synced = step.is_some();
+        let synced = step.is_some() || new_looks;
+        self.unsaved |= new_looks;
         if let Some(step) = step {
             self.unsaved = true;
             warnings.extend(self.history.push(step)?);
@@ -188,6 +190,24 @@ impl Document {
         }
         warn(&mut answer, warnings);
         Ok(answer)
+    }
+
+    /// Notes what a command changed of views and looks, unless it walked their past. Answers whether looks are other ones.
+    fn remember(&mut self, said: &Command, called: &str, views: Views, looks: Looks) -> bool {
+        let Some(State { scene, past, .. }) = &mut self.state else { return false };
+        let new_looks = !looks.are_of(scene);
+        let mut group = self.history.in_group().then_some(&mut self.past_group);
+        match said {
+            Command::View(ViewCommand::Back { .. } | ViewCommand::Forward { .. }) => return new_looks,
+            Command::View(view) if view.moves_view() => {
+                past.viewed(view.change_name(), views, &scene.views, group.as_deref_mut());
+            }
+            _ => {}
+        }
+        if new_looks {
+            past.looked(called, looks, group);
+        }
+        new_looks
     }
 
     /// Hands changed voxels on to their mirrors.

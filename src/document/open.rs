@@ -101,8 +101,10 @@ impl Opened {
     ) -> Result<Self, DocumentError> {
         let recovered = kept.recovered.clone();
         let linked = |origin: &Origin| Ok(io::open(&origin.path)?.source(origin.component, origin.frame, &|_| true)?);
-        let state = kept.into_state(linked, progress)?;
+        let mut state = kept.into_state(linked, progress)?;
         state.scene.check(state.grid())?;
+        let grid = *state.grid();
+        state.past.retain(&state.scene, |scene| scene.check(&grid).is_ok());
         let mut warnings = Vec::new();
         if let Some((path, reason)) = &recovered.set_aside {
             warnings.push(format!("the journal was damaged and put aside as {}: {reason}", path.display()));

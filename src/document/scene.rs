@@ -1,4 +1,4 @@
-//! What a project is beside its voxels: everything here is saved, journaled and undone.
+//! What a project is beside its voxels: everything here is saved and journaled; undo knows segments, parts and forces.
 
 use crate::explode::Explosion;
 use crate::math::{Camera, DVec3};
@@ -53,7 +53,7 @@ pub struct SliceView {
     pub size: [u32; 2],
 }
 
-/// All views. Saved and journaled; they have a history of their own (`view.back`), so that undo never moves the camera.
+/// All views. Saved and journaled; they have a past of their own (`view.back`), so that undo never moves the camera.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Views {
     /// Camera of the 3D view.
@@ -85,6 +85,19 @@ pub struct Layer {
     pub visible: bool,
     /// Strength of its overlay, 0..1. Density has 1: what it lies over is black.
     pub opacity: f32,
+}
+
+/// How everything is shown. It has a past of its own, as views have (`view.back`); undo leaves it alone.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Looks {
+    /// Colour and opacity.
+    pub transfer: TransferFunction,
+    /// The 3D view's appearance.
+    pub look: Look,
+    /// Grey window of the slices.
+    pub window: Window,
+    /// Fields' display.
+    pub layers: Vec<Layer>,
 }
 
 /// The file that the density comes from.

@@ -1,9 +1,9 @@
-//! What is open: the scene, the four fields and the source behind the density.
+//! What is open: the scene with its past, the four fields and the source behind the density.
 //!
 //! This is all that a save writes and all that undo brings back. Knows neither history nor the GPU, and can be built on a
 //! thread of its own, since reading a volume takes seconds.
 
-use super::{DocumentError, Scene};
+use super::{DocumentError, Past, Scene};
 use crate::volume::{BrickSource, DensityMap, Field, FieldKind, Grid, Histogram, Statistics, TexelFormat};
 use std::sync::Arc;
 
@@ -12,6 +12,8 @@ use std::sync::Arc;
 pub struct State {
     /// Everything but voxels.
     pub scene: Scene,
+    /// Earlier views and looks.
+    pub past: Past,
     /// The volume's values with their edits.
     pub density: Field,
     /// Painted colour.
@@ -47,6 +49,7 @@ impl State {
         let grid = *source.grid();
         Ok(Self {
             scene: Scene::new(&grid, &histogram, origin),
+            past: Past::default(),
             density,
             colour: Field::blank(FieldKind::Colour, &grid),
             selection: Field::blank(FieldKind::Selection, &grid),

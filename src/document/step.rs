@@ -3,66 +3,23 @@
 //! So undo and redo are the same swap, and what a simulation moved in between comes back as it was when undo was pressed. A
 //! step holds only what changed: components of the scene, bricks of fields, and the density's map when painting widened it.
 
-use super::{Layer, Look, Scene, State, Window};
+use super::{Scene, State};
 use crate::explode::Explosion;
-use crate::volume::{
-    Brick, BrickIndex, Changes, DensityMap, Field, FieldKind, Refresh, Segments, SourceError, TransferFunction,
-};
+use crate::volume::{Brick, BrickIndex, Changes, DensityMap, Field, FieldKind, Refresh, Segments, SourceError};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The parts of a scene that undo knows; views and brush are not among them.
+/// The parts of a scene that undo knows; views and looks have a past of their own, the brush has none.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct SceneDelta {
-    transfer: Option<TransferFunction>,
-    look: Option<Look>,
-    window: Option<Window>,
-    layers: Option<Vec<Layer>>,
     segments: Option<Segments>,
     explosion: Option<Explosion>,
-}
-
-/// Runs `$body` for every component, `$slot` bound to the delta's and `$now` to the scene's.
-macro_rules! components {
-    ($delta:expr, $scene:expr, $slot:ident, $now:ident => $body:expr) => {{
-        {
-            let ($slot, $now) = (&mut $delta.transfer, &mut $scene.transfer);
-            $body
-        }
-        {
-            let ($slot, $now) = (&mut $delta.look, &mut $scene.look);
-            $body
-        }
-        {
-            let ($slot, $now) = (&mut $delta.window, &mut $scene.window);
-            $body
-        }
-        {
-            let ($slot, $now) = (&mut $delta.layers, &mut $scene.layers);
-            $body
-        }
-        {
-            let ($slot, $now) = (&mut $delta.segments, &mut $scene.segments);
-            $body
-        }
-        {
-            let ($slot, $now) = (&mut $delta.explosion, &mut $scene.explosion);
-            $body
-        }
-    }};
 }
 
 impl SceneDelta {
     /// What `before` holds where `after` differs from it.
     pub(super) fn between(before: Scene, after: &Scene) -> Self {
-        let mut delta = Self {
-            transfer: Some(before.transfer),
-            look: Some(before.look),
-            window: Some(before.window),
-            layers: Some(before.layers),
-            segments: Some(before.segments),
-            explosion: Some(before.explosion),
-        };
+        let mut delta = Self { segments: Some(before.segments), explosion: Some(before.explosion) };
         delta.prune(after);
         delta
     }
@@ -74,10 +31,6 @@ impl SceneDelta {
                 *slot = None;
             }
         }
-        drop_equal(&mut self.transfer, &scene.transfer);
-        drop_equal(&mut self.look, &scene.look);
-        drop_equal(&mut self.window, &scene.window);
-        drop_equal(&mut self.layers, &scene.layers);
         drop_equal(&mut self.segments, &scene.segments);
         drop_equal(&mut self.explosion, &scene.explosion);
     }
@@ -88,15 +41,17 @@ impl SceneDelta {
 
     /// Exchanges what it holds with what the scene holds.
     pub(super) fn exchange(&mut self, scene: &mut Scene) {
-        components!(self, scene, slot, now => if let Some(held) = slot { std::mem::swap(held, now) });
+        fn swap<T>(slot: &mut Option<T>, now: &mut T) {
+            if let Some(held) = slot {
+                std::mem::swap(held, now);
+            }
+        }
+        swap(&mut self.segments, &mut scene.segments);
+        swap(&mut self.explosion, &mut scene.explosion);
     }
 
     /// Joins a later delta: what was there first comes back.
     fn absorb(&mut self, later: Self) {
-        self.transfer = self.transfer.take().or(later.transfer);
-        self.look = self.look.take().or(later.look);
-        self.window = self.window.take().or(later.window);
-        self.layers = self.layers.take().or(later.layers);
         self.segments = self.segments.take().or(later.segments);
         self.explosion = self.explosion.take().or(later.explosion);
     }

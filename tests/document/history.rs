@@ -1,10 +1,10 @@
 //! Undo and redo: every byte back, within a budget, in groups.
 
-use super::maker::{bytes, labelled, run};
+use super::maker::{labelled, run, undone};
 use burin::document::{Document, remove_dead_history};
 use rand::{Rng, SeedableRng, seq::IndexedRandom};
 
-/// A command that changes something undoable, or a view, at random.
+/// A command that changes something undoable, a look or a view, at random.
 fn random_line(rng: &mut impl Rng) -> String {
     let id = rng.random_range(1..5);
     let n = rng.random_range(0..100);
@@ -31,14 +31,14 @@ fn walk(seed: u64, budget: u64) {
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
     let mut document = labelled();
     run(&mut document, &format!(r#"{{"history":{{"budget":{{"bytes":{budget}}}}}}}"#)).unwrap();
-    let start = bytes(&document);
+    let start = undone(&document);
     for _ in 0..60 {
         let steps = document.history().undo_names().len();
-        let before = bytes(&document);
+        let before = undone(&document);
         let line = random_line(&mut rng);
         // What is refused (an unknown segment, an end without begin) must change nothing.
         if run(&mut document, &line).is_err() {
-            assert_eq!(bytes(&document), before, "{line}");
+            assert_eq!(undone(&document), before, "{line}");
             assert_eq!(document.history().undo_names().len(), steps, "{line}");
         }
         if rng.random_range(0..6) == 0 {
@@ -46,17 +46,17 @@ fn walk(seed: u64, budget: u64) {
             run(&mut document, line).unwrap();
         }
     }
-    let end = bytes(&document);
+    let end = undone(&document);
     let all = |d: &mut Document, way: &str| {
         run(d, &format!(r#"{{"history":{{"{way}":{{"steps":1000}}}}}}"#)).unwrap();
     };
     all(&mut document, "redo");
-    let newest = bytes(&document);
+    let newest = undone(&document);
     for _ in 0..2 {
         all(&mut document, "undo");
-        assert_eq!(bytes(&document), start, "seed {seed}");
+        assert_eq!(undone(&document), start, "seed {seed}");
         all(&mut document, "redo");
-        assert_eq!(bytes(&document), newest, "seed {seed}");
+        assert_eq!(undone(&document), newest, "seed {seed}");
     }
     assert_ne!(end, start, "seed {seed}: a walk that changed nothing tests nothing");
     assert!(document.history().bytes().0 <= budget);
@@ -90,26 +90,27 @@ fn a_command_that_changes_nothing_is_no_step() {
 #[test]
 fn a_group_is_one_step_and_one_that_returns_is_none() {
     let mut document = labelled();
-    let window = |d: &mut Document, w: u32| {
-        run(d, &format!(r#"{{"view":{{"window":{{"level":1,"width":{w}}}}}}}"#)).unwrap();
+    let seed = |d: &mut Document, n: u32| {
+        run(d, &format!(r#"{{"explosion":{{"seed":{{"value":{n}}}}}}}"#)).unwrap();
     };
-    window(&mut document, 5);
+    let now = |d: &Document| d.state().unwrap().scene.explosion.seed;
+    seed(&mut document, 5);
     run(&mut document, r#"{"history":{"begin":{}}}"#).unwrap();
-    (6..20).for_each(|w| window(&mut document, w));
-    assert_eq!(run(&mut document, r#"{"history":{"end":{}}}"#).unwrap()["step"], "Window");
+    (6..20).for_each(|n| seed(&mut document, n));
+    assert_eq!(run(&mut document, r#"{"history":{"end":{}}}"#).unwrap()["step"], "Seed of explosion points");
     assert_eq!(document.history().undo_names().len(), 2);
     run(&mut document, r#"{"history":{"undo":{}}}"#).unwrap();
-    assert_eq!(document.state().unwrap().scene.window.width, 5.0);
+    assert_eq!(now(&document), 5);
     run(&mut document, r#"{"history":{"begin":{}}}"#).unwrap();
-    window(&mut document, 9);
-    window(&mut document, 5);
+    seed(&mut document, 9);
+    seed(&mut document, 5);
     assert_eq!(run(&mut document, r#"{"history":{"end":{}}}"#).unwrap()["step"], serde_json::Value::Null);
     // Redo is still there: the group did nothing.
     assert_eq!(document.history().redo_names().len(), 1);
     run(&mut document, r#"{"history":{"begin":{}}}"#).unwrap();
-    window(&mut document, 9);
+    seed(&mut document, 9);
     run(&mut document, r#"{"history":{"cancel":{}}}"#).unwrap();
-    assert_eq!(document.state().unwrap().scene.window.width, 5.0);
+    assert_eq!(now(&document), 5);
 }
 
 #[test]
@@ -119,7 +120,7 @@ fn steps_on_disk_go_with_their_process_however_it_ended() {
     let mut document = labelled();
     document.keep_history_in(parent.path().to_owned());
     run(&mut document, r#"{"history":{"budget":{"bytes":0}}}"#).unwrap();
-    let start = bytes(&document);
+    let start = undone(&document);
     run(&mut document, r#"{"selection":{"from_label":{"label":1}}}"#).unwrap();
     assert_eq!(folders(), 1);
     // What a crash leaves is the same without the process that held its lock.
@@ -146,7 +147,7 @@ fn steps_on_disk_go_with_their_process_however_it_ended() {
     assert_eq!(folders(), before - 1);
     assert!(!dead.exists());
     run(&mut document, r#"{"history":{"undo":{}}}"#).unwrap();
-    assert_eq!(bytes(&document), start);
+    assert_eq!(undone(&document), start);
     drop(document);
     assert_eq!(folders(), before - 2);
 }
@@ -159,9 +160,9 @@ fn a_full_disk_is_an_answer_and_loses_no_step() {
     std::fs::write(&file, b"").unwrap();
     document.keep_history_in(file);
     run(&mut document, r#"{"history":{"budget":{"bytes":0}}}"#).unwrap();
-    let start = bytes(&document);
+    let start = undone(&document);
     let answer = run(&mut document, r#"{"selection":{"from_label":{"label":1}}}"#).unwrap();
     assert!(answer["warning"].as_str().unwrap().contains("older steps of history cannot go to"), "{answer}");
     run(&mut document, r#"{"history":{"undo":{}}}"#).unwrap();
-    assert_eq!(bytes(&document), start);
+    assert_eq!(undone(&document), start);
 }

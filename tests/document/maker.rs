@@ -73,6 +73,13 @@ pub fn bytes(document: &Document) -> (Vec<Vec<u8>>, String) {
     (all, serde_json::to_string(&scene).unwrap())
 }
 
+/// The same without what `view.back` answers for.
+pub fn undone(document: &Document) -> (Vec<Vec<u8>>, String) {
+    let (fields, _) = bytes(document);
+    let scene = &document.state().unwrap().scene;
+    (fields, serde_json::to_string(&(&scene.segments, &scene.explosion)).unwrap())
+}
+
 /// Writes 32-bit floats to an attached, raw NRRD.
 pub fn write_nrrd(path: &std::path::Path, grid: &Grid, value: impl Fn([u32; 3]) -> f32) {
     let m = grid.world_from_index;

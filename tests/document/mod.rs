@@ -14,6 +14,7 @@ pub mod maker_gpu;
 mod motion;
 mod nouns;
 mod parts;
+mod past;
 mod pictures;
 mod program;
 mod projects;

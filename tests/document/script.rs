@@ -14,11 +14,11 @@ fn answers(document: &mut Document, script: &str, keep_going: bool) -> (Outcome,
 
 #[test]
 fn one_answer_a_command_with_its_line() {
-    let script = "# two commands\n\n{\"view\":{\"window\":{\"level\":5,\"width\":2}}}\n  {\"history\":{\"undo\":{}}}\n";
+    let script = "# two commands\n\n{\"explosion\":{\"seed\":{\"value\":5}}}\n  {\"history\":{\"undo\":{}}}\n";
     let (outcome, lines) = answers(&mut labelled(), script, false);
     assert_eq!(outcome, Outcome { done: 2, failed: 0 });
-    assert_eq!((&lines[0]["line"], &lines[0]["ok"]["step"]), (&3.into(), &"Window".into()));
-    assert_eq!((&lines[1]["line"], &lines[1]["ok"]["undone"][0]), (&4.into(), &"Window".into()));
+    assert_eq!((&lines[0]["line"], &lines[0]["ok"]["step"]), (&3.into(), &"Seed of explosion points".into()));
+    assert_eq!((&lines[1]["line"], &lines[1]["ok"]["undone"][0]), (&4.into(), &"Seed of explosion points".into()));
 }
 
 #[test]

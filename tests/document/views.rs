@@ -2,8 +2,8 @@
 
 use super::maker::{run, state, write_nrrd};
 use super::maker_gpu::{block, select};
-use burin::document::{Document, ViewName};
-use burin::math::{Camera, DVec3, Projection};
+use burin::document::{Document, SlicePlane, ViewName};
+use burin::math::{Camera, DVec2, DVec3, Projection};
 use burin::volume::Grid;
 
 fn camera(document: &Document) -> Camera {
@@ -61,7 +61,7 @@ fn hidden_density_leaves_what_is_painted_on_black() {
     let (shown, hidden, back) = (
         slice(""),
         slice(r#"{"view":{"layer":{"field":"density","visible":false,"opacity":1}}}"#),
-        slice(r#"{"history":{"undo":{}}}"#),
+        slice(r#"{"view":{"back":{}}}"#),
     );
     let grey = |p: &[u8]| p[0] == p[1] && p[1] == p[2];
     let lit = |rgba: &[u8]| rgba.chunks_exact(4).filter(|p| p[0] > 0 && grey(p)).count();
@@ -113,4 +113,101 @@ fn paint_on_a_volume_just_opened_is_seen_where_the_brush_was() {
     let rgba = document.picture(ViewName::ThreeD, [64, 64], None).unwrap().to_rgba8(Some([0.0; 3]));
     let [r, g, b] = [0, 1, 2].map(|c| u32::from(rgba[(32 * 64 + 32) * 4 + c]));
     assert!(g > 2 * r && g > 2 * b, "green under the brush, not {r} {g} {b}");
+}
+
+#[test]
+fn a_slice_is_fitted_into_its_picture_whatever_the_grid_and_the_picture() {
+    let mut document = Document::new();
+    document.adopt(state());
+    let grid = *document.state().unwrap().grid();
+    for size in [[300, 200], [200, 300], [1000, 90], [64, 64]] {
+        for view in ["axial", "coronal", "sagittal"] {
+            for line in [
+                format!(r#"{{"view":{{"size":{{"view":"{view}","size":{size:?}}}}}}}"#),
+                format!(r#"{{"view":{{"zoom":{{"view":"{view}","factor":0.07}}}}}}"#),
+                format!(r#"{{"view":{{"pan":{{"view":"{view}","px":[40,-900]}}}}}}"#),
+                format!(r#"{{"view":{{"fit":{{"view":"{view}"}}}}}}"#),
+            ] {
+                run(&mut document, &line).unwrap();
+            }
+            let name = serde_json::from_value(serde_json::json!(view)).unwrap();
+            let plane = SlicePlane::new(&grid, &document.state().unwrap().scene.views, name).unwrap();
+            // The slice's corners, half a voxel out of the outermost centres, in pixels of the picture.
+            let [x, y] = plane.in_plane;
+            let mut corners = Vec::new();
+            for i in 0..4 {
+                let mut index = DVec3::ZERO;
+                index[plane.axis] = f64::from(plane.index);
+                for (bit, axis) in [(0, x), (1, y)] {
+                    let ends = [-0.5, f64::from(grid.dims[axis]) - 0.5];
+                    index[axis] = ends[i >> bit & 1];
+                }
+                corners.push(plane.pixel(grid.world_from_index.transform_point3(index)));
+            }
+            let lo = corners.iter().copied().reduce(|a, b| a.min(b)).unwrap();
+            let hi = corners.iter().copied().reduce(|a, b| a.max(b)).unwrap();
+            let [w, h] = size.map(f64::from);
+            let (left, right, top, bottom) = (lo.x, w - hi.x, lo.y, h - hi.y);
+            assert!((left - right).abs() < 1e-6 && (top - bottom).abs() < 1e-6, "{view} {size:?} in the middle");
+            assert!(left.min(top).abs() < 1e-6 && left.max(top) > -1e-6, "{view} {size:?} just fits: {lo} to {hi}");
+        }
+    }
+}
+
+#[test]
+fn a_fitted_3d_view_keeps_its_direction_and_holds_every_part_where_it_stands() {
+    let mut document = Document::new();
+    document.adopt(state());
+    run(&mut document, r#"{"part":{"split":{"by":{"plane":{"point":[0,0,0],"normal":[1,0.3,0]}}}}}"#).unwrap();
+    for (size, projection) in [
+        ([300, 300], r#"{"perspective":{"fov_y_deg":40}}"#),
+        ([120, 600], r#"{"perspective":{"fov_y_deg":70}}"#),
+        ([120, 600], r#"{"orthographic":{"height_mm":3}}"#),
+        ([600, 120], r#"{"orthographic":{"height_mm":3}}"#),
+    ] {
+        for away in [0.0, 70.0] {
+            let move_part = format!(
+                r#"{{"part":{{"move":{{"id":2,"pose":{{"rotation":[0,0,0,1],"translation":[{away},0,20]}}}}}}}}"#
+            );
+            let line = format!(r#"{{"view":{{"size":{{"view":"3d","size":{size:?}}}}}}}"#);
+            let set = format!(
+                r#"{{"view":{{"camera":{{"camera":{{"eye":[9,-70,40],"target":[5,0,1],"up":[0.1,0,1],"projection":{projection}}}}}}}}}"#
+            );
+            for line in [&move_part, &line, &set] {
+                run(&mut document, line).unwrap();
+            }
+            let before = camera(&document);
+            run(&mut document, r#"{"view":{"fit":{"view":"3d"}}}"#).unwrap();
+            let after = camera(&document);
+            assert!(after.forward().distance(before.forward()) < 1e-12 && after.up == before.up, "the direction stays");
+            let parts = &document.state().unwrap().scene.explosion.parts;
+            let corners: Vec<DVec3> = parts.iter().flat_map(|p| p.vertices.iter().map(|&v| p.pose.apply(v))).collect();
+            for &corner in &corners {
+                let (px, _) = after.project(corner, size).unwrap();
+                let inside = px.cmpge(DVec2::ZERO).all() && px.x <= f64::from(size[0]) && px.y <= f64::from(size[1]);
+                assert!(inside, "{corner} at {px} of {size:?}, {projection}, {away}");
+            }
+            // Not from far away either: the sphere about them touches the nearer pair of borders.
+            let lo = corners.iter().copied().reduce(|a, b| a.min(b)).unwrap();
+            let hi = corners.iter().copied().reduce(|a, b| a.max(b)).unwrap();
+            let radius = (hi - lo).length() * 0.5;
+            let narrow = f64::from(size[0].min(size[1])) / f64::from(size[1]);
+            let touches = match after.projection {
+                Projection::Orthographic { height_mm } => height_mm * 0.5 * narrow,
+                Projection::Perspective { fov_y_deg } => {
+                    let half = ((fov_y_deg * 0.5).to_radians().tan() * narrow).atan();
+                    after.eye.distance(after.target) * half.sin()
+                }
+            };
+            assert!((touches / radius - 1.0).abs() < 1e-9, "{touches} for {radius}");
+        }
+    }
+    let hide = r#"{"part":{"set":{"id":2,"visible":false}}}"#;
+    let near = |document: &mut Document| {
+        run(document, r#"{"view":{"fit":{"view":"3d"}}}"#).unwrap();
+        camera(document).half_height()
+    };
+    let all = near(&mut document);
+    run(&mut document, hide).unwrap();
+    assert!(near(&mut document) < all * 0.9, "what is hidden needs no room");
 }

@@ -3,7 +3,7 @@
 use super::frame::WHOLE;
 use super::place::check_size;
 use super::view::checked;
-use super::{Document, DocumentError, Question, State};
+use super::{Document, DocumentError, PastOf, Question, State};
 use crate::math::DVec2;
 use crate::volume::{BRICK, BrickKey, FieldKind, SourceError};
 use rayon::prelude::*;
@@ -26,12 +26,18 @@ impl Document {
             Question::Field { field } => Ok(sums(self.open()?, field)?),
             Question::History {} => {
                 let (memory, disk) = self.history.bytes();
+                let past = |of| {
+                    let (back, forward) = self.state.as_ref().map_or((0, 0), |s| s.past.counts(Some(of)));
+                    json!({ "back": back, "forward": forward })
+                };
                 Ok(json!({
                     "undo": self.history.undo_names().rev().collect::<Vec<_>>(),
                     "redo": self.history.redo_names().collect::<Vec<_>>(),
                     "memory": memory,
                     "disk": disk,
                     "budget": self.history.budget_bytes(),
+                    "views": past(PastOf::Views),
+                    "looks": past(PastOf::Looks),
                 }))
             }
             Question::Pick { px, size } => {

@@ -27,7 +27,7 @@ impl Document {
             HistoryCommand::Cancel {} => {
                 let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
                 let refreshed = self.history.cancel(state)?;
-                self.views.group_closed();
+                state.past.group_cancelled(std::mem::take(&mut self.past_group), &mut state.scene);
                 self.travelled(HistoryCommand::Cancel {}, &refreshed, &mut warnings);
                 json!({ "group": "cancelled" })
             }
@@ -81,9 +81,9 @@ impl Document {
     }
 
     fn end_group(&mut self, warnings: &mut Vec<String>) -> Result<Option<String>, DocumentError> {
-        let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
+        let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
         let (step, warning) = self.history.end(state)?;
-        self.views.group_closed();
+        state.past.group_closed(std::mem::take(&mut self.past_group), &state.scene);
         warnings.extend(warning);
         Ok(step)
     }

@@ -2,7 +2,9 @@
 
 use super::edit::Edit;
 use super::place::check_size;
-use super::{Document, DocumentError, Layer, SlicePlane, State, ViewCommand, ViewName, Views, Window};
+use super::{
+    Document, DocumentError, Layer, PastGroup, PastOf, SlicePlane, State, ViewCommand, ViewName, Views, Window,
+};
 use crate::math::{Aabb, Camera, DVec2, DVec3, Projection};
 use crate::volume::{FieldKind, Lighting, Mode};
 use serde_json::{Value, json};
@@ -14,12 +16,27 @@ impl ViewCommand {
             self,
             Self::Camera { .. }
                 | Self::Frame { .. }
+                | Self::Fit { .. }
                 | Self::Orbit { .. }
                 | Self::Pan { .. }
                 | Self::Zoom { .. }
                 | Self::Crosshair { .. }
                 | Self::Scroll { .. }
         )
+    }
+
+    /// What a change of what is looked at is called.
+    pub(in crate::document) fn change_name(&self) -> &'static str {
+        match self {
+            Self::Frame { .. } => "See from a side",
+            Self::Fit { .. } => "Fit",
+            Self::Orbit { .. } => "Turn",
+            Self::Pan { .. } => "Pan",
+            Self::Zoom { .. } => "Zoom",
+            Self::Crosshair { .. } => "Crosshair",
+            Self::Scroll { .. } => "Slice",
+            _ => "Camera",
+        }
     }
 }
 
@@ -39,11 +56,8 @@ impl Document {
             state.scene.views.crosshair = inside;
             return Ok(crosshair(state));
         }
-        if let ViewCommand::Back {} | ViewCommand::Forward {} = command {
-            let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
-            let moved = self.views.travel(&mut state.scene.views, matches!(command, ViewCommand::Back {}));
-            let (back, forward) = self.views.counts();
-            return Ok(json!({ "moved": moved, "back": back, "forward": forward, "camera": state.scene.views.camera }));
+        if let ViewCommand::Back { of } | ViewCommand::Forward { of } = command {
+            return self.walk_past(of, matches!(command, ViewCommand::Back { .. }));
         }
         let state = self.open_mut()?;
         let bounds = state.grid().world_bounds();
@@ -60,6 +74,10 @@ impl Document {
                 let framed = Camera::framing_in(&bounds, from, up, views.camera.projection);
                 views.camera = checked(framed.zoomed(zoom), &bounds)?;
                 Ok(json!({ "camera": views.camera }))
+            }
+            ViewCommand::Fit { view } => {
+                fit(state, view)?;
+                Ok(view_answer(&state.scene.views, view))
             }
             ViewCommand::Orbit { azimuth_deg, elevation_deg } => {
                 let (azimuth, elevation) =
@@ -155,8 +173,26 @@ impl Document {
                 set_layer(state, layer)?;
                 Ok(json!({ "layers": state.scene.layers }))
             }
-            ViewCommand::Crosshair { .. } | ViewCommand::Back {} | ViewCommand::Forward {} => Ok(json!({})),
+            ViewCommand::Crosshair { .. } | ViewCommand::Back { .. } | ViewCommand::Forward { .. } => Ok(json!({})),
         }
+    }
+
+    /// Shows what was seen before, or again what comes after it.
+    fn walk_past(&mut self, of: Option<PastOf>, back: bool) -> Result<Value, DocumentError> {
+        let State { scene, past, .. } = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
+        // What the open group changed is behind or ahead now: the rest of it is a change of its own.
+        self.past_group = PastGroup::default();
+        let walked = past.travel(scene, of, back);
+        let (behind, ahead) = past.counts(of);
+        let (kind, name) = walked.unzip();
+        Ok(json!({
+            "moved": kind.is_some(),
+            "of": kind,
+            "change": name,
+            "back": behind,
+            "forward": ahead,
+            "camera": scene.views.camera,
+        }))
     }
 }
 
@@ -191,6 +227,41 @@ fn pan(state: &mut State, view: ViewName, px: DVec2) -> Result<(), DocumentError
             views.slices[i].centre = near("px", views.slices[i].centre - shift, &bounds)?;
         }
         _ => views.camera = checked(views.camera.panned(px, views.size[1]), &bounds)?,
+    }
+    Ok(())
+}
+
+/// All of a slice, or of what is shown in 3D, as large as the picture holds.
+fn fit(state: &mut State, view: ViewName) -> Result<(), DocumentError> {
+    let grid = *state.grid();
+    let bounds = grid.world_bounds();
+    let views = &state.scene.views;
+    match (view.slice(), SlicePlane::new(&grid, views, view)) {
+        (Some(i), Some(plane)) => {
+            let [width, height] =
+                plane.in_plane.map(|a| f64::from(grid.dims[a]) * grid.world_from_index.matrix3.col(a).length());
+            let [w, h] = views.slices[i].size.map(|s| f64::from(s.max(1)));
+            let slice = &mut state.scene.views.slices[i];
+            slice.height_mm = height.max(width * h / w).clamp(1e-6, 1e9);
+            slice.centre = grid.world_from_index.transform_point3((grid.dims_f64() - 1.0) * 0.5);
+        }
+        _ => {
+            let shown = state.scene.explosion.parts.iter().filter(|p| p.visible);
+            let corners = shown.flat_map(|p| p.vertices.iter().map(|&v| p.pose.apply(v)));
+            let box_mm = Aabb::around(corners).unwrap_or(bounds);
+            let camera = views.camera;
+            let framed = Camera::framing_in(&box_mm, -camera.forward(), camera.up, camera.projection);
+            // A narrow picture shows as much across as a square one.
+            let narrow = (f64::from(views.size[0].max(1)) / f64::from(views.size[1].max(1))).min(1.0);
+            let further = match camera.projection {
+                Projection::Orthographic { .. } => 1.0 / narrow,
+                Projection::Perspective { fov_y_deg } => {
+                    let half = (fov_y_deg * 0.5).to_radians();
+                    half.sin() / (half.tan() * narrow).atan().sin()
+                }
+            };
+            state.scene.views.camera = checked(framed.zoomed(further), &bounds)?;
+        }
     }
     Ok(())
 }

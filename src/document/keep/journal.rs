@@ -9,7 +9,7 @@
 
 use super::journal_record::{BrickEntry, Kind, RECORD_HEAD, SamplesHead, StepHead, decode, encode, encode_brick, runs};
 use super::store_files::sync_dir;
-use super::{Command, KeepError, Scene, State};
+use super::{Command, KeepError, Past, PastDelta, Scene, State};
 use crate::paint::Sample;
 use crate::volume::{BrickIndex, DensityMap, FieldKind, TexelFormat};
 use rayon::prelude::*;
@@ -53,17 +53,26 @@ pub(in crate::document) struct Now {
     /// The scene's fields by name.
     scene: Map<String, Value>,
     map: DensityMap,
-    /// What of the two differs from the generation's.
+    past: Past,
+    /// What of scene and map differs from the generation's.
     pub changed: Map<String, Value>,
     pub new_map: Option<DensityMap>,
+    /// Whether the past differs too.
+    pub new_past: bool,
     pub steps: u64,
     pub last: Value,
 }
 
 impl Now {
-    pub fn new(scene: &Scene, map: &DensityMap) -> Result<Self, KeepError> {
+    pub fn new(scene: &Scene, past: &Past, map: &DensityMap) -> Result<Self, KeepError> {
         let (changed, last) = (Map::new(), Value::Null);
-        Ok(Self { scene: parts(scene)?, map: *map, changed, new_map: None, steps: 0, last })
+        let (scene, past) = (parts(scene)?, past.clone());
+        Ok(Self { scene, map: *map, past, changed, new_map: None, new_past: false, steps: 0, last })
+    }
+
+    /// The past now.
+    pub fn past(&self) -> &Past {
+        &self.past
     }
 
     /// The map now.
@@ -79,6 +88,10 @@ impl Now {
             self.map = map;
             self.new_map = Some(map);
         }
+        if let Some(delta) = head.past {
+            delta.apply(&mut self.past);
+            self.new_past = true;
+        }
         self.steps += head.steps;
         if !head.command.is_null() {
             self.last = head.command;
@@ -87,11 +100,17 @@ impl Now {
 }
 
 impl Journal {
-    /// An empty journal for a generation that has this scene and map. Replaces a file of that name.
-    pub fn create(path: &Path, generation: u64, scene: &Scene, map: &DensityMap) -> Result<Self, KeepError> {
+    /// An empty journal for a generation that has this scene, past and map. Replaces a file of that name.
+    pub fn create(
+        path: &Path,
+        generation: u64,
+        scene: &Scene,
+        past: &Past,
+        map: &DensityMap,
+    ) -> Result<Self, KeepError> {
         let file = start(path, generation, 1)?;
         path.parent().map_or(Ok(()), sync_dir)?;
-        Ok(Self::over(path, file, generation, 0, Now::new(scene, map)?))
+        Ok(Self::over(path, file, generation, 0, Now::new(scene, past, map)?))
     }
 
     /// A journal over an open file, before its first record.
@@ -139,7 +158,8 @@ impl Journal {
             return Ok(());
         }
         let command = serde_json::to_value(command).map_err(|e| KeepError::Scene { reason: e.to_string() })?;
-        let head = StepHead { command, steps: u64::from(!looks_about), scene: changed, map };
+        let past = PastDelta::between(&self.now.past, &state.past);
+        let head = StepHead { command, steps: u64::from(!looks_about), scene: changed, map, past };
         let bytes = head_bytes(&head)?;
         let mut places: BTreeSet<(FieldKind, BrickIndex)> = touched.iter().copied().collect();
         if map.is_some() {
@@ -248,8 +268,13 @@ impl Journal {
         let doing = |e| KeepError::io("gather", &beside)(e);
         let mut file = start(&beside, self.generation, self.sequence + 1)?;
         let now = &self.now;
-        let head =
-            StepHead { command: now.last.clone(), steps: now.steps, scene: now.changed.clone(), map: now.new_map };
+        let head = StepHead {
+            command: now.last.clone(),
+            steps: now.steps,
+            scene: now.changed.clone(),
+            map: now.new_map,
+            past: now.new_past.then(|| PastDelta::whole(&now.past)),
+        };
         let mut places: Vec<_> = self.live.values().copied().collect();
         places.sort_unstable();
         let ends = runs(places.iter().map(|(_, length)| *length));

@@ -4,6 +4,7 @@
 //! `sequence u64, kind u8, head length u32, head (JSON), bricks`; a brick is `field u8, x, y, z u32, state u8` and its content:
 //! nothing (0, the edit is gone), 4 bytes (1, uniform), `length u32` and lz4 (2, dense). All little-endian. Knows no files.
 
+use super::PastDelta;
 use crate::paint::Sample;
 use crate::volume::{BRICK_VOXELS, Brick, BrickIndex, DensityMap, FieldKind, TexelFormat};
 use serde::{Deserialize, Serialize};
@@ -43,6 +44,9 @@ pub(in crate::document) struct StepHead {
     /// How density becomes texels, from here on.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub map: Option<DensityMap>,
+    /// What is new of the past of views and looks.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub past: Option<PastDelta>,
 }
 
 /// The JSON part of samples.

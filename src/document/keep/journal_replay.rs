@@ -7,7 +7,7 @@ use super::journal::{HEADER, Journal, MAGIC, Now, VERSION, texel_format};
 use super::journal_record::{
     BrickEntry, Kind, RECORD_HEAD, Record, SamplesHead, StepHead, checksum, decode, decode_brick,
 };
-use super::{KeepError, Scene};
+use super::{KeepError, Past, Scene};
 use crate::paint::Sample;
 use crate::volume::{Brick, BrickIndex, DensityMap, FieldKind};
 use serde_json::{Map, Value};
@@ -25,6 +25,8 @@ pub(in crate::document) struct Replay {
     pub last: Value,
     /// Parts of the scene that they changed.
     pub scene: Map<String, Value>,
+    /// The past of views and looks, if they changed it.
+    pub past: Option<Past>,
     /// The density map, if they changed it: then all edited density is in `bricks`.
     pub map: Option<DensityMap>,
     /// The bricks that they touched, `None` where an edit is gone.
@@ -38,12 +40,13 @@ pub(in crate::document) struct Replay {
 }
 
 impl Journal {
-    /// Reads a journal and goes on where its last whole step ends; `scene` and `map` are the generation's. `Ok(None)` if
+    /// Reads a journal and goes on where its last whole step ends; `scene`, `past` and `map` are the generation's. `Ok(None)` if
     /// there is none.
     pub fn resume(
         path: &Path,
         generation: u64,
         scene: &Scene,
+        past: &Past,
         map: &DensityMap,
     ) -> Result<Option<(Self, Replay)>, KeepError> {
         let file = match OpenOptions::new().read(true).write(true).open(path) {
@@ -51,7 +54,7 @@ impl Journal {
             opened => opened.map_err(KeepError::io("open", path))?,
         };
         let shorten = file.try_clone().map_err(KeepError::io("open", path))?;
-        let (mut journal, mut replay, damage) = Self::read(path, file, generation, scene, map)?;
+        let (mut journal, mut replay, damage) = Self::read(path, file, generation, scene, past, map)?;
         journal.found = Some(journal.end);
         replay.set_aside = damage.map(|what| set_aside(path, what)).transpose()?;
         shorten.set_len(journal.end).map_err(KeepError::io("shorten", path))?;
@@ -59,12 +62,18 @@ impl Journal {
     }
 
     /// Reads a journal that somebody else may be writing; changes nothing.
-    pub fn look(path: &Path, generation: u64, scene: &Scene, map: &DensityMap) -> Result<Option<Replay>, KeepError> {
+    pub fn look(
+        path: &Path,
+        generation: u64,
+        scene: &Scene,
+        past: &Past,
+        map: &DensityMap,
+    ) -> Result<Option<Replay>, KeepError> {
         let file = match File::open(path) {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
             opened => opened.map_err(KeepError::io("open", path))?,
         };
-        Ok(Some(Self::read(path, file, generation, scene, map)?.1))
+        Ok(Some(Self::read(path, file, generation, scene, past, map)?.1))
     }
 
     /// The journal up to its last whole step, what it brings back, and what is wrong with the record after that if it is more
@@ -74,12 +83,13 @@ impl Journal {
         file: File,
         generation: u64,
         scene: &Scene,
+        past: &Past,
         map: &DensityMap,
     ) -> Result<(Self, Replay, Option<String>), KeepError> {
         let length = file.metadata().map_err(KeepError::io("read", path))?.len();
         let first = read_header(path, &file, generation)?;
         let reader = file.try_clone().map_err(KeepError::io("open", path))?;
-        let mut journal = Self::over(path, file, generation, first - 1, Now::new(scene, map)?);
+        let mut journal = Self::over(path, file, generation, first - 1, Now::new(scene, past, map)?);
         let mut reader = BufReader::with_capacity(1 << 20, reader);
         let (stroke, damage) = journal.read_records(&mut reader, length)?;
         let now = &journal.now;
@@ -87,6 +97,7 @@ impl Journal {
             steps: now.steps,
             last: now.last.clone(),
             scene: now.changed.clone(),
+            past: now.new_past.then(|| now.past().clone()),
             map: now.new_map,
             bricks: journal.read_bricks(&mut reader)?,
             stroke,

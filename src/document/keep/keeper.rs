@@ -41,7 +41,7 @@ impl Keeper {
         let start = || {
             let manifest = Manifest::of(0, state, Kept::Linked(link), BTreeMap::new());
             super::store_files::write_new(&dir.join(super::store::MANIFEST), &manifest.json()?)?;
-            Journal::create(&dir.join(recovery::JOURNAL), 0, &state.scene, state.density.map())
+            Journal::create(&dir.join(recovery::JOURNAL), 0, &state.scene, &state.past, state.density.map())
         };
         match start() {
             Ok(journal) => Ok(Self { journal, place: Place::Unsaved { dir, lock } }),
@@ -74,9 +74,10 @@ impl Keeper {
         let (store, loaded) = Store::open(dir)?;
         let path = dir.join(journal_name(store.generation()));
         remove_other_journals(dir, &path);
-        let (scene, map) = (&loaded.manifest.scene, &loaded.manifest.volume.map);
+        let Manifest { scene, past, volume, .. } = &loaded.manifest;
+        let map = &volume.map;
         let mut set_aside = None;
-        let resumed = match Journal::resume(&path, store.generation(), scene, map) {
+        let resumed = match Journal::resume(&path, store.generation(), scene, past, map) {
             Err(error @ KeepError::Malformed { .. }) => {
                 let aside = path.with_extension("damaged");
                 std::fs::rename(&path, &aside).map_err(KeepError::io("set aside", &path))?;
@@ -87,7 +88,7 @@ impl Keeper {
         };
         let (journal, replay) = match resumed {
             Some(resumed) => resumed,
-            None => (Journal::create(&path, store.generation(), scene, map)?, Replay::default()),
+            None => (Journal::create(&path, store.generation(), scene, past, map)?, Replay::default()),
         };
         let mut document = KeptDocument::new(loaded, replay, &path)?;
         if set_aside.is_some() {
@@ -106,8 +107,8 @@ impl Keeper {
             let loaded = read_generation(dir)?;
             let generation = loaded.manifest.generation;
             let path = dir.join(journal_name(generation));
-            let (scene, map) = (&loaded.manifest.scene, &loaded.manifest.volume.map);
-            let replay = Journal::look(&path, generation, scene, map)?;
+            let Manifest { scene, past, volume, .. } = &loaded.manifest;
+            let replay = Journal::look(&path, generation, scene, past, &volume.map)?;
             // Whoever has it open may have saved meanwhile, and the journal went with it.
             if current_generation(dir)? == generation {
                 return KeptDocument::new(loaded, replay.unwrap_or_default(), &path);
@@ -124,7 +125,8 @@ impl Keeper {
         let lock = Lock::take(&dir)?;
         let loaded = super::store::read_unsaved(&dir)?;
         let path = dir.join(recovery::JOURNAL);
-        let resumed = Journal::resume(&path, 0, &loaded.manifest.scene, &loaded.manifest.volume.map)?;
+        let Manifest { scene, past, volume, .. } = &loaded.manifest;
+        let resumed = Journal::resume(&path, 0, scene, past, &volume.map)?;
         let (journal, replay) =
             resumed.ok_or_else(|| KeepError::io("open", &path)(std::io::ErrorKind::NotFound.into()))?;
         let document = KeptDocument::new(loaded, replay, &path)?;
@@ -262,7 +264,7 @@ fn save_into(
     let dir = store.dir().to_owned();
     // Before the rename, so that there is no moment at which a generation is current and nothing can be noted.
     let start = |generation| {
-        Journal::create(&dir.join(journal_name(generation)), generation, &state.scene, state.density.map())
+        Journal::create(&dir.join(journal_name(generation)), generation, &state.scene, &state.past, state.density.map())
     };
     let next = store.generation() + 1;
     let committed = store.save(state, density, start, progress).inspect_err(|_| {

@@ -3,7 +3,7 @@
 use super::journal_replay::Replay;
 use super::store::{Loaded, LoadedDensity};
 use super::store_fields::Edits;
-use super::{DocumentError, KeepError, Origin, Scene, State};
+use super::{DocumentError, KeepError, Origin, Past, Scene, State};
 use crate::paint::Sample;
 use crate::volume::{BRICK, BrickIndex, BrickSource, DensityMap, Field, FieldKind, Grid, Histogram, Statistics};
 use serde_json::Value;
@@ -16,6 +16,8 @@ use std::sync::Arc;
 pub struct KeptDocument {
     /// Everything but voxels.
     pub scene: Scene,
+    /// Earlier views and looks.
+    pub past: Past,
     /// The lattice.
     pub grid: Grid,
     /// How density becomes texels.
@@ -80,6 +82,7 @@ impl KeptDocument {
         }
         Ok(Self {
             scene,
+            past: replay.past.unwrap_or_else(|| manifest.past.clone()),
             grid,
             map: replay.map.unwrap_or(manifest.volume.map),
             statistics: manifest.statistics(),
@@ -120,6 +123,7 @@ impl KeptDocument {
         let density = Field::from_source(source.clone(), self.map, progress)?.ok_or(DocumentError::Stopped)?;
         let mut state = State {
             scene: self.scene,
+            past: self.past,
             density,
             colour: Field::blank(FieldKind::Colour, &self.grid),
             selection: Field::blank(FieldKind::Selection, &self.grid),

@@ -2,7 +2,7 @@
 
 use super::store_arrays::rows;
 use super::store_fields::Shards;
-use super::{KeepError, Scene, State};
+use super::{KeepError, Past, Scene, State};
 use crate::math::{DAffine3, DMat3, DVec3};
 use crate::volume::{DensityMap, FieldKind, Grid, Histogram, Statistics, TexelFormat, VoxelType};
 use serde::{Deserialize, Serialize};
@@ -33,6 +33,9 @@ pub(in crate::document) struct Manifest {
     /// By array, the hash of each file that is there.
     pub shards: BTreeMap<String, Shards>,
     pub scene: Scene,
+    /// Earlier views and looks; generations of before have none.
+    #[serde(default, skip_serializing_if = "Past::is_empty")]
+    pub past: Past,
 }
 
 /// The density.
@@ -175,6 +178,7 @@ impl Manifest {
             },
             shards,
             scene: state.scene.clone(),
+            past: state.past.clone(),
         }
     }
 
