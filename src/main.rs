@@ -2,7 +2,7 @@
 //!
 //! Answers go to stdout, what is wrong to stderr; exit code 0 is done, 2 is not.
 
-use burin::document::{Document, DocumentError, Opened, Origin, ProjectCommand};
+use burin::document::{Document, DocumentError, OpenAs, Opened, Origin, ProjectCommand};
 use burin::script;
 use clap::{Parser, Subcommand};
 use serde_json::{Value, json};
@@ -180,7 +180,7 @@ fn render(
         Opened::project_to_read(path, &|_| true)
     } else {
         let (component, frame) = (component.unwrap_or(0), frame.unwrap_or(0));
-        Opened::volume(Origin { path: path.into(), component, frame }, None, None, &|_| true)
+        Opened::volume(Origin { path: path.into(), component, frame }, None, OpenAs::Image, None, &|_| true)
     };
     document.take(opened.map_err(said)?);
     let mut lines = Vec::new();

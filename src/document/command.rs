@@ -118,9 +118,33 @@ pub enum VolumeCommand {
         /// Values that the 16-bit codes span; from the data if left out.
         #[serde(default)]
         range: Option<[f64; 2]>,
+        /// What its values mean. They become the density all the same.
+        #[serde(default, rename = "as", skip_serializing_if = "OpenAs::is_image")]
+        open_as: OpenAs,
     },
     /// Writes a field to NRRD on the original grid. Density keeps the source's type, unedited voxels bit for bit.
     Export { field: FieldKind, path: PathBuf },
+}
+
+/// What the values of a file mean to whoever opens it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum OpenAs {
+    /// Measurements; nothing is labelled or selected.
+    #[default]
+    Image,
+    /// Ids of segments, 0 for none: whole numbers of any type and size, at most 65,535 different ones. The label field holds them
+    /// as ids of 1 to 65535; where that is another number, the segment's `source_value` says the file's. The answer has
+    /// `segments`, `labelled_voxels` and `warnings`.
+    Labels,
+    /// What is selected: all voxels above 0. The answer has `selected_voxels` and `warnings`.
+    Selection,
+}
+
+impl OpenAs {
+    fn is_image(&self) -> bool {
+        *self == Self::Image
+    }
 }
 
 /// See [`Command::Transfer`].
@@ -257,8 +281,9 @@ pub enum StrokeCommand {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum SelectionCommand {
-    /// Reads another volume of the same grid, resampled if the grid differs: above `threshold` is selected. A soft border of
-    /// `soften_mm` is laid about it.
+    /// Reads another volume of the same grid, resampled by world position if the grid differs: above `threshold` is selected. A
+    /// soft border of `soften_mm` is laid about it. A file that selects nothing because it lies elsewhere is refused; the answer's
+    /// `covered` is the share of the volume that the file covers, `warnings` says what was left out.
     Import {
         path: PathBuf,
         #[serde(default)]
@@ -290,6 +315,19 @@ pub enum SegmentCommand {
     },
     /// Takes a segment out of the table and its label out of the voxels.
     Remove { id: u16 },
+    /// Brings in the labels of a file, nearest voxel by world position where the grid differs. They lie over those that are there,
+    /// but for voxels of locked segments. An id that is taken by another segment becomes a free one, and the segment's
+    /// `source_value` says the file's. Answers `segments` (each with `id`, `value` in the file, `name`, `voxels`),
+    /// `labelled_voxels`, `kept_locked` (voxels left alone), `covered` (share of the volume that the file covers), `resampled`
+    /// and `warnings`.
+    Import {
+        path: PathBuf,
+        /// Of a file with several numbers a voxel: which layer.
+        #[serde(default)]
+        component: u32,
+        #[serde(default)]
+        frame: u32,
+    },
 }
 
 /// See [`Command::History`].

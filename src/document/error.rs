@@ -30,6 +30,28 @@ pub enum DocumentError {
         /// What it may hold.
         expected: String,
     },
+    /// A file of labels whose values are none.
+    #[error("{file}: label ids: found {found}; expected {expected}")]
+    Labels {
+        /// File.
+        file: String,
+        /// What it holds.
+        found: String,
+        /// What it may hold, or what to do.
+        expected: String,
+    },
+    /// A volume that is brought in and lies elsewhere.
+    #[error(
+        "{file}: place: found {found}; expected them in the volume, at {expected}; is it another scan's, or has it lost its place?"
+    )]
+    Elsewhere {
+        /// File.
+        file: String,
+        /// What there is and where it lies.
+        found: String,
+        /// Where the volume lies.
+        expected: String,
+    },
     /// The command does not fit what is going on.
     #[error("{0}")]
     NotNow(String),

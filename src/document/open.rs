@@ -1,9 +1,11 @@
 //! From a volume file to a document, in three passes over the voxels: statistics, histogram, levels.
 
 use super::state::unit;
-use super::{Document, DocumentError, Keeper, KeptDocument, Origin, Recovered, State};
+use super::{
+    Command, Document, DocumentError, KeepError, Keeper, KeptDocument, OpenAs, Origin, Recovered, State, VolumeCommand,
+};
 use crate::io;
-use crate::volume::{BrickSource, Histogram, Statistics, Value};
+use crate::volume::{BrickSource, FieldKind, Histogram, Statistics, Value};
 use crate::with_voxels;
 use rayon::prelude::*;
 use serde_json::{Value as Json, json};
@@ -42,22 +44,58 @@ pub struct Opened {
     keeper: Option<Keeper>,
     recovered: Recovered,
     warnings: Vec<String>,
+    /// What the answer says beside what `ask.volume` does.
+    said: Json,
 }
 
 impl Opened {
     /// A volume file as a new, unsaved document; noted for recovery below `unsaved_in`, if given. See [`State::open`].
     ///
     /// # Errors
-    /// As [`State::open`].
+    /// As [`State::open`]; as labels or selection also what keeps the values from being such.
     pub fn volume(
         origin: Origin,
         range: Option<[f64; 2]>,
+        open_as: OpenAs,
         unsaved_in: Option<&Path>,
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> Result<Self, DocumentError> {
-        let mut warnings = io::open(&origin.path)?.warnings;
-        let state = State::open(origin, range, progress)?;
-        let keeper = match unsaved_in.map(|folder| Keeper::unsaved(folder, &state)) {
+        let file = io::open(&origin.path)?;
+        let Origin { path, component, frame } = origin.clone();
+        let mut warnings = file.warnings.clone();
+        let share = if open_as == OpenAs::Image { 1.0 } else { 0.6 };
+        let mut state = State::open(origin, range, &|x| progress(x * share))?;
+        let go_on: &(dyn Fn(f32) -> bool + Sync) = &|x| progress(0.6 + x * 0.4);
+        let (said, filled) = match open_as {
+            OpenAs::Image => (json!({}), None),
+            OpenAs::Labels => {
+                let imported =
+                    super::handle::labels::import(&state, &*state.source, &file.labels_of(component), go_on)?;
+                state.scene.segments = imported.segments;
+                warnings.extend(imported.warnings);
+                (imported.answer, Some((FieldKind::Labels, imported.changes)))
+            }
+            OpenAs::Selection => {
+                let imported = super::handle::selection_import::import(&state, &*state.source, 0.0, 0.0, go_on)?;
+                warnings.extend(imported.warnings);
+                (json!({ "selected_voxels": imported.voxels }), Some((FieldKind::Selection, imported.changes)))
+            }
+        };
+        let mut touched = Vec::new();
+        if let Some((kind, changes)) = filled {
+            touched = changes.iter().map(|(index, _)| (kind, *index)).collect();
+            state.field_mut(kind).swap(changes)?;
+        }
+        let keep = |folder: &Path| {
+            let mut keeper = Keeper::unsaved(folder, &state)?;
+            if open_as != OpenAs::Image {
+                // What a keeper of unsaved work begins with is the file; labels and selection are laid over it.
+                let open = VolumeCommand::Open { path, component, frame, range, open_as };
+                keeper.record(&Command::Volume(open), &state, &touched, true)?;
+            }
+            Ok::<_, KeepError>(keeper)
+        };
+        let keeper = match unsaved_in.map(keep) {
             Some(Ok(keeper)) => Some(keeper),
             Some(Err(error)) => {
                 warnings.push(format!("unsaved work would not survive a crash: {error}"));
@@ -65,7 +103,7 @@ impl Opened {
             }
             None => None,
         };
-        Ok(Self { state, keeper, recovered: Recovered::default(), warnings })
+        Ok(Self { state, keeper, recovered: Recovered::default(), warnings, said })
     }
 
     /// A project, with what its journal holds beyond the last save.
@@ -109,15 +147,18 @@ impl Opened {
         if let Some((path, reason)) = &recovered.set_aside {
             warnings.push(format!("the journal was damaged and put aside as {}: {reason}", path.display()));
         }
-        Ok(Self { state, keeper, recovered, warnings })
+        Ok(Self { state, keeper, recovered, warnings, said: json!({}) })
     }
 }
 
 impl Document {
     /// Shows what was read in place of what was open; past steps are forgotten. Answers as `volume.open` and `project.open` do.
     pub fn take(&mut self, opened: Opened) -> Json {
-        let Opened { state, keeper, recovered, mut warnings } = opened;
+        let Opened { state, keeper, recovered, mut warnings, said } = opened;
         let mut answer = super::handle::ask::volume(&state);
+        if let (Json::Object(answer), Json::Object(said)) = (&mut answer, said) {
+            answer.extend(said);
+        }
         self.adopt(state);
         self.keeper = keeper;
         self.unsaved = recovered.steps > 0;

@@ -102,6 +102,7 @@ impl Layout {
             frames,
             warnings,
             files: vec![data],
+            labels: Vec::new(),
             file: self.file.clone(),
             contents: Box::new(self),
         })

@@ -28,7 +28,7 @@ mod statistics;
 pub use error::IoError;
 pub use export::{Compression, Exported, export};
 pub use info::{Info, info};
-pub use reader::{Contents, Opened, Progress, Reader, open, readers};
+pub use reader::{Contents, NamedLabel, Opened, Progress, Reader, open, readers};
 pub use regular::{FileMark, open_regular, read_regular};
 pub use replace::replace_file;
 pub use statistics::statistics;

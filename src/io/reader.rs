@@ -42,6 +42,19 @@ pub trait Contents: Send + Sync + std::fmt::Debug {
     fn statistics(&self, progress: Progress<'_>) -> Result<Statistics, IoError>;
 }
 
+/// A segment as a header names it.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct NamedLabel {
+    /// Its voxels have this value.
+    pub value: i128,
+    /// Name, if there is one.
+    pub name: Option<String>,
+    /// Display-referred red, green, blue, 0..1, if they are said.
+    pub colour: Option<[f32; 3]>,
+    /// In which of the file's components its voxels are.
+    pub component: u32,
+}
+
 /// A file whose header was read and believed.
 #[derive(Debug)]
 pub struct Opened {
@@ -59,6 +72,8 @@ pub struct Opened {
     pub warnings: Vec<String>,
     /// Every file that its header or its voxels are in, as it was when it was opened; the one that was named comes first.
     pub files: Vec<FileMark>,
+    /// Segments that the header names, of all components.
+    pub labels: Vec<NamedLabel>,
     pub(super) file: String,
     pub(super) contents: Box<dyn Contents>,
 }
@@ -76,6 +91,11 @@ impl Opened {
             }
         }
         self.contents.source(component, frame, progress)
+    }
+
+    /// The segments that the header names for one component.
+    pub fn labels_of(&self, component: u32) -> Vec<NamedLabel> {
+        self.labels.iter().filter(|l| l.component == component).cloned().collect()
     }
 
     /// Over all components of all frames.

@@ -7,7 +7,7 @@ use super::saving::{AfterSave, Coming};
 use super::session::{Gravity, Opened, Request, Session, Snapshot};
 use super::viewport::{Canvas, Grounds, Viewports};
 use super::{pictures::Pictures, theme};
-use crate::document::{Command, HistoryCommand, ProjectCommand, Scene, ViewCommand, ViewName, VolumeCommand};
+use crate::document::{Command, HistoryCommand, OpenAs, ProjectCommand, Scene, ViewCommand, ViewName, VolumeCommand};
 use crate::explode::PartId;
 use crate::interact::{Context, Event, Interaction};
 use egui::{Id, Response, Ui};
@@ -183,7 +183,13 @@ impl App {
         let command = if path.is_dir() {
             Command::Project(ProjectCommand::Open { path: path.into() })
         } else {
-            Command::Volume(VolumeCommand::Open { path: path.into(), component: 0, frame: 0, range: None })
+            Command::Volume(VolumeCommand::Open {
+                path: path.into(),
+                component: 0,
+                frame: 0,
+                range: None,
+                open_as: OpenAs::Image,
+            })
         };
         self.send(command);
     }

@@ -9,7 +9,7 @@ use super::stir::Cause;
 use super::studio::Studio;
 use crate::document::{
     Command, Document, DocumentError, ExplosionCommand, HistoryCommand, KeepError, Place, ProjectCommand, Question,
-    ViewName, VolumeCommand,
+    SegmentCommand, ViewName, VolumeCommand,
 };
 use crate::math::DVec2;
 use crate::volume::Histogram;
@@ -296,7 +296,8 @@ fn lasts(command: &Command) -> Option<String> {
         Command::Project(ProjectCommand::Save { .. }) => Some("Saving".into()),
         Command::Explosion(ExplosionCommand::Settle {}) => Some("Settling parts".into()),
         Command::Selection(_) => Some("Selecting".into()),
-        Command::Segment(crate::document::SegmentCommand::Remove { .. }) => Some("Removing a segment".into()),
+        Command::Segment(SegmentCommand::Remove { .. }) => Some("Removing a segment".into()),
+        Command::Segment(SegmentCommand::Import { .. }) => Some("Importing segments".into()),
         Command::Render(_) => Some("Drawing a picture".into()),
         Command::History(HistoryCommand::Undo { .. }) => Some("Undoing".into()),
         Command::History(HistoryCommand::Redo { .. }) => Some("Redoing".into()),

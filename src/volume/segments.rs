@@ -15,6 +15,26 @@ pub struct Segment {
     pub visible: bool,
     /// Whether brushes leave its voxels alone.
     pub locked: bool,
+    /// The label that the file it came from has for it, where that is another number than `id` (any 64-bit integer): exports write
+    /// it again.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub source_value: Option<i128>,
+}
+
+impl Segment {
+    /// A segment as it is until somebody says otherwise.
+    pub fn new(id: u16) -> Self {
+        // Hues a golden ratio apart never come close to those just before.
+        let hue = (f32::from(id) * 0.618_034).fract() * 6.0;
+        let ramp = |shift: f32| (((hue + shift) % 6.0 - 3.0).abs() - 1.0).clamp(0.0, 1.0) * 0.65 + 0.3;
+        let colour = [ramp(0.0), ramp(4.0), ramp(2.0)];
+        Self { id, name: format!("Segment {id}"), colour, visible: true, locked: false, source_value: None }
+    }
+
+    /// The label that files have for it.
+    pub fn file_value(&self) -> i128 {
+        self.source_value.unwrap_or(i128::from(self.id))
+    }
 }
 
 /// All segments, by rising id.
@@ -43,11 +63,7 @@ impl Segments {
     /// A segment of that id if there is none, with a colour that differs from its neighbours'.
     pub fn ensure(&mut self, id: u16) {
         if id != 0 && self.get(id).is_none() {
-            // Hues a golden ratio apart never come close to those just before.
-            let hue = (f32::from(id) * 0.618_034).fract() * 6.0;
-            let ramp = |shift: f32| (((hue + shift) % 6.0 - 3.0).abs() - 1.0).clamp(0.0, 1.0) * 0.65 + 0.3;
-            let colour = [ramp(0.0), ramp(4.0), ramp(2.0)];
-            self.put(Segment { id, name: format!("Segment {id}"), colour, visible: true, locked: false });
+            self.put(Segment::new(id));
         }
     }
 }

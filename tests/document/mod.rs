@@ -9,6 +9,7 @@ mod keep_kill;
 mod keep_program;
 mod keep_support;
 mod keep_zarr;
+mod labels;
 pub mod maker;
 pub mod maker_gpu;
 mod motion;

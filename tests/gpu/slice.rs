@@ -51,7 +51,8 @@ impl Painted {
 }
 
 fn overlay(colour: f32, labels: f32, selection: f32) -> Overlay {
-    let segment = |id, colour, visible| Segment { id, name: String::new(), colour, visible, locked: false };
+    let segment =
+        |id, colour, visible| Segment { id, name: String::new(), colour, visible, locked: false, source_value: None };
     Overlay {
         colour,
         labels,

@@ -155,7 +155,9 @@ fn selection_labels_and_colour_leave_as_they_are_kept() {
     let folder = tempfile::tempdir().unwrap();
     let grid = Grid { dims: DIMS, world_from_index: oblique(5) };
     let mut segments = Segments::default();
-    segments.put(Segment { id: 3, name: "a\nb\\c".into(), colour: [1.0, 0.5, 0.0], visible: true, locked: false });
+    segments.ensure(3);
+    let segment = segments.get_mut(3).unwrap();
+    (segment.name, segment.colour) = ("a\nb\\c".into(), [1.0, 0.5, 0.0]);
     for kind in [FieldKind::Selection, FieldKind::Labels, FieldKind::Colour] {
         let mut field = Field::blank(kind, &grid);
         let texels = [([0, 0, 0], [255, 2, 9, 7]), ([44, 33, 69], [127, 255, 3, 4]), ([32, 31, 5], [1, 0, 0, 255])];

@@ -40,7 +40,7 @@ fn a_stopped_opening_leaves_open_what_was() {
     bytes.extend((0..256 * 256 * 160).map(|i| (i % 251) as u8));
     std::fs::write(&path, bytes).unwrap();
     let (mut session, thread) = spawn(labelled(), egui::Context::default()).unwrap();
-    let open = VolumeCommand::Open { path, component: 0, frame: 0, range: None };
+    let open = VolumeCommand::Open { path, component: 0, frame: 0, range: None, open_as: Default::default() };
     assert!(session.send(Request::Apply(Command::Volume(open))));
     let (mut told, mut notes, mut name) = (Vec::new(), Vec::new(), String::new());
     let begun = Instant::now();

@@ -1,7 +1,9 @@
 //! Commands on the table of segments.
 
 use super::edit::Edit;
+use super::labels::import;
 use super::{Document, DocumentError, SegmentCommand, State};
+use crate::io;
 use crate::volume::{Brick, BrickIndex, Changes, FieldKind, SourceError};
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -12,8 +14,21 @@ impl Document {
         command: SegmentCommand,
         edit: &mut Edit,
     ) -> Result<Value, DocumentError> {
+        let watch = self.watch.clone();
         let state = self.open_mut()?;
         match command {
+            SegmentCommand::Import { path, component, frame } => {
+                edit.name("Import segments");
+                let opened = io::open(&path)?;
+                let other = opened.source(component, frame, &|x| watch.go_on(x * 0.3))?;
+                let named = opened.labels_of(component);
+                let imported = import(state, other.as_ref(), &named, &|x| watch.go_on(0.3 + x * 0.7))?;
+                state.scene.segments = imported.segments;
+                edit.swap(state, FieldKind::Labels, imported.changes)?;
+                let mut answer = imported.answer;
+                answer["warnings"] = json!([opened.warnings, imported.warnings].concat());
+                Ok(answer)
+            }
             SegmentCommand::Set { id, name, colour, visible, locked } => {
                 if id == 0 {
                     return Err(DocumentError::invalid("id", 0, "1 to 65535; label 0 is unlabelled matter"));

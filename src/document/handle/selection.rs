@@ -20,6 +20,7 @@ impl Document {
     ) -> Result<Value, DocumentError> {
         let watch = self.watch.clone();
         let state = self.open_mut()?;
+        let mut answer = json!({});
         let changes = match command {
             SelectionCommand::FromLabel { label } => {
                 edit.name(format!("Select label {label}"));
@@ -36,12 +37,17 @@ impl Document {
                 if !(0.0..=most).contains(&soften_mm) {
                     return Err(DocumentError::invalid("soften_mm", soften_mm, format!("0 to {most} mm")));
                 }
-                let other = io::open(&path)?.source(0, 0, &|x| watch.go_on(x * 0.3))?;
-                import(state, other.as_ref(), threshold, soften_mm, &|x| watch.go_on(0.3 + x * 0.7))?
+                let opened = io::open(&path)?;
+                let other = opened.source(0, 0, &|x| watch.go_on(x * 0.3))?;
+                let imported = import(state, other.as_ref(), threshold, soften_mm, &|x| watch.go_on(0.3 + x * 0.7))?;
+                answer["covered"] = json!(imported.covered);
+                answer["warnings"] = json!([opened.warnings, imported.warnings].concat());
+                imported.changes
             }
         };
         replace(state, edit, changes)?;
-        Ok(json!({ "selected_bricks": state.selection.edits().len() }))
+        answer["selected_bricks"] = json!(state.selection.edits().len());
+        Ok(answer)
     }
 }
 

@@ -5,6 +5,7 @@
 //! are measured along the voxel axes at their spacings, so a sheared grid counts as a straight one. Works block by block, each
 //! with as much around it as the ramp reaches, so that memory does not grow with the volume.
 
+use super::overlap::{Rows, Spread, scan};
 use super::{DocumentError, State};
 use crate::math::{DAffine3, DVec3};
 use crate::volume::{BRICK, BRICK_VOXELS, Brick, BrickIndex, BrickSource, Changes, Grid, SourceError, Voxels};
@@ -14,18 +15,32 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Bricks along an edge of a block: larger blocks read less of their surroundings twice.
 const BLOCK: u32 = 2;
 
+/// What an import leads to; nothing is changed yet.
+#[derive(Debug)]
+pub(in crate::document) struct Imported {
+    /// All bricks of the new selection.
+    pub changes: Changes,
+    /// Voxels selected at all.
+    pub voxels: u64,
+    /// Share of the volume that the file covers.
+    pub covered: f64,
+    /// What was left out.
+    pub warnings: Vec<String>,
+}
+
 /// The bricks of a selection of all voxels whose value in `other` is above `threshold`. Where `other` ends, nothing is selected.
 ///
 /// # Errors
-/// If `other` fails, or `progress` said no.
+/// If `other` fails, if what it selects lies elsewhere, or `progress` said no.
 pub(in crate::document) fn import(
     state: &State,
     other: &dyn BrickSource,
     threshold: f64,
     soften_mm: f64,
     progress: &(dyn Fn(f32) -> bool + Sync),
-) -> Result<Changes, DocumentError> {
+) -> Result<Imported, DocumentError> {
     let grid = *state.grid();
+    let mut spread = above(state, other, threshold, &|x| progress(x * 0.3))?;
     let bricks = state.selection.brick_dims(0);
     let blocks = bricks.map(|b| b.div_ceil(BLOCK));
     let other_from_index = other.grid().index_from_world() * grid.world_from_index;
@@ -37,7 +52,7 @@ pub(in crate::document) fn import(
     let done = all
         .into_par_iter()
         .map(|block| {
-            if !progress(begun.fetch_add(1, Ordering::Relaxed) as f32 / count) {
+            if !progress(0.3 + 0.7 * begun.fetch_add(1, Ordering::Relaxed) as f32 / count) {
                 return Err(DocumentError::Stopped);
             }
             let first = block.map(|b| b * BLOCK * BRICK);
@@ -51,7 +66,51 @@ pub(in crate::document) fn import(
             Ok(cut(&selected, around, ramp.reach, first, size))
         })
         .collect::<Result<Vec<_>, DocumentError>>()?;
-    Ok(done.into_iter().flatten().collect())
+    let changes: Changes = done.into_iter().flatten().collect();
+    let mut warnings = Vec::new();
+    if changes.is_empty() && spread.inside > 0 {
+        warnings
+            .push(format!("nothing is selected: what {} has above {threshold} is finer than a voxel", other.name()));
+    }
+    // Between voxels the value falls off gently: a voxel beside the volume may select one in it.
+    spread.inside = spread.inside.max(u64::from(!changes.is_empty()));
+    let what = format!("values above {threshold}");
+    let covered = spread.check(other.name(), &what, &grid, other.grid(), &mut warnings)?;
+    let selected = |brick: &Option<Brick>| {
+        let texels = brick.as_ref().map(|b| b.to_texels(1)).unwrap_or_default();
+        texels.iter().filter(|&&t| t > 0).count() as u64
+    };
+    let voxels = changes.iter().map(|(_, brick)| selected(brick)).sum();
+    Ok(Imported { changes, voxels, covered, warnings })
+}
+
+/// The voxels of a file above a threshold.
+fn above(
+    state: &State,
+    other: &dyn BrickSource,
+    threshold: f64,
+    progress: &(dyn Fn(f32) -> bool + Sync),
+) -> Result<Spread, DocumentError> {
+    let rows = Rows::new(other.grid(), state.grid());
+    let (slope, intercept) = other.scaling();
+    let add = |spread: &mut Spread, voxels: &Voxels, lo: [u32; 3], size: [u32; 3]| {
+        let width = size[0] as usize;
+        for n in 0..voxels.len() / width {
+            let (j, k) = (lo[1] + n as u32 % size[1], lo[2] + n as u32 / size[1]);
+            let inside = rows.inside(j, k);
+            for i in 0..size[0] {
+                if voxels.get(n * width + i as usize) * slope + intercept > threshold {
+                    spread.add([i, j, k], inside.contains(&i));
+                }
+            }
+        }
+        Ok(())
+    };
+    let join = |mut a: Spread, b: Spread| {
+        a.join(b);
+        Ok(a)
+    };
+    scan(other, add, join, progress)
 }
 
 /// Which side of the threshold a voxel is on.

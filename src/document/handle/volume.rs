@@ -9,10 +9,10 @@ use std::path::Path;
 impl Document {
     pub(in crate::document) fn volume(&mut self, command: VolumeCommand) -> Result<Value, DocumentError> {
         match command {
-            VolumeCommand::Open { path, component, frame, range } => {
+            VolumeCommand::Open { path, component, frame, range, open_as } => {
                 let origin = Origin { path, component, frame };
                 let watch = self.watch.clone();
-                let opened = Opened::volume(origin, range, self.unsaved_in.as_deref(), &|x| watch.go_on(x))?;
+                let opened = Opened::volume(origin, range, open_as, self.unsaved_in.as_deref(), &|x| watch.go_on(x))?;
                 Ok(self.take(opened))
             }
             VolumeCommand::Export { field, path } => {
