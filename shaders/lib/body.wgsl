@@ -1,6 +1,9 @@
 #define_import_path burin::body
 // Bodies and rays: from a pixel to the half-open interval of lattice samples in which its ray is inside a body.
 // Samples lie at t = k·step_mm along the unit ray; k counts from the eye (from the image plane in orthographic projection).
+//
+// No branch here hangs on a uniform's value alone: Mesa's software Vulkan (22.3) takes such a value for a constant, compiles the
+// whole shader anew for every draw, and keeps each one, a megabyte and more, as long as the pipeline lives.
 
 #import burin::field::{Page, brick_of, density_page, density_texel, skip_all, skip_selection, skip_background, info}
 
@@ -73,10 +76,12 @@ struct BodyRay {
 
 fn sight_of(px: vec2<f32>) -> Sight {
     let v = view.corner + view.dx * px.x + view.dy * px.y;
-    if (view.perspective != 0u) {
-        return Sight(vec3<f32>(0.0), normalize(v));
-    }
-    return Sight(v - view.forward, view.forward);
+    // Chosen, not branched on; see the head.
+    let diverging = view.perspective != 0u;
+    return Sight(
+        select(v - view.forward, vec3<f32>(0.0), diverging),
+        select(view.forward, normalize(v), diverging),
+    );
 }
 
 fn head_of(px: vec2<f32>) -> vec2<u32> {

@@ -12,6 +12,7 @@ mod keep_zarr;
 mod labels;
 pub mod maker;
 pub mod maker_gpu;
+mod memory;
 mod motion;
 mod nouns;
 mod parts;

@@ -1,0 +1,86 @@
+//! Hours of work take no more memory than minutes.
+//!
+//! The child is this test binary again, so that no other test's memory is counted: it draws, picks, slices, strokes and undoes,
+//! and says how much of its memory is resident on the way.
+
+use super::maker::run;
+use super::maker_gpu::{block, cut};
+use burin::document::ViewName;
+use serde_json::{Value, json};
+use std::process::Command as Process;
+
+/// Of pictures, slices and picks each, with a stroke and an undo in every fifth.
+const ROUNDS: usize = 2000;
+/// Targets and operations that take turns.
+const BRUSHES: [(&str, &str); 8] = [
+    (r#"{"selection": 1.0}"#, "replace"),
+    (r#"{"density": 30.0}"#, "add"),
+    (r#"{"colour": [0.9, 0.1, 0.2, 0.7]}"#, "blend"),
+    (r#"{"label": 3}"#, "replace"),
+    (r#"{"selection": 0.5}"#, "subtract"),
+    (r#"{"density": 77.0}"#, "replace"),
+    (r#"{"colour": [0.1, 0.8, 0.3, 1.0]}"#, "add"),
+    (r#"{"label": 2}"#, "subtract"),
+];
+/// What may be more after the last round than after the hundredth.
+const MOST_GROWTH_KB: u64 = 64 << 10;
+
+/// Resident memory of this process.
+#[cfg(target_os = "linux")]
+fn resident_kb() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap();
+    let line = status.lines().find(|l| l.starts_with("VmRSS:")).unwrap();
+    line.split_whitespace().nth(1).unwrap().parse().unwrap()
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "a child process of an_hour_of_pictures_and_strokes_takes_no_more_memory_than_its_first_minute"]
+fn draws_paints_and_says_its_memory() {
+    let Some(mut document) = block() else { return };
+    cut(&mut document);
+    for round in 1..=ROUNDS {
+        let mut say = |line: Value| drop(run(&mut document, &line.to_string()).unwrap());
+        // Another mode, projection and size each time, as hands on the panels, the mouse and the window's border give them.
+        let mode = [json!("dvr"), json!({"iso": 100.0}), json!("mip"), json!("dvr")][round % 4].clone();
+        say(json!({"view": {"look": {"mode": mode, "shaded": round % 8 < 4}}}));
+        say(json!({"view": {"orbit": {"azimuth_deg": round % 17, "elevation_deg": 0.3}}}));
+        say(json!({"ask": {"pick": {"px": [8.0, 8.0], "size": [16, 16]}}}));
+        if round % 5 == 0 {
+            let (target, operation) = BRUSHES[round / 5 % BRUSHES.len()];
+            let target: Value = serde_json::from_str(target).unwrap();
+            let radius = 1.0 + (round % 4) as f64;
+            say(json!({"brush": {"set": {"radius_mm": radius, "target": target, "operation": operation}}}));
+            say(json!({"stroke": {"paint": {"points": [{"at": {"index": [10 + round % 40, 20, 20]}}]}}}));
+            say(json!({"history": {"undo": {}}}));
+        }
+        let edge = 16 + (round % 5) as u32;
+        document.picture(ViewName::ThreeD, [edge, 16], None).unwrap();
+        let slice = [ViewName::Axial, ViewName::Coronal, ViewName::Sagittal][round % 3];
+        document.picture(slice, [16, edge], None).unwrap();
+        if round % 100 == 0 {
+            println!("resident {round} {}", resident_kb());
+        }
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn an_hour_of_pictures_and_strokes_takes_no_more_memory_than_its_first_minute() {
+    if crate::common::gpu::gpu().is_none() {
+        return;
+    }
+    let child = Process::new(std::env::current_exe().unwrap())
+        .args(["--exact", "document::memory::draws_paints_and_says_its_memory", "--ignored", "--nocapture"])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&child.stdout);
+    let resident: Vec<u64> = said
+        .lines()
+        .filter_map(|l| l.split_once("resident "))
+        .map(|(_, numbers)| numbers.split_whitespace().nth(1).unwrap().parse().unwrap())
+        .collect();
+    assert_eq!(resident.len(), ROUNDS / 100, "{said}{}", String::from_utf8_lossy(&child.stderr));
+    let grown = resident[resident.len() - 1].saturating_sub(resident[0]);
+    assert!(grown <= MOST_GROWTH_KB, "{grown} kB more after {ROUNDS} rounds than after 100: {resident:?}");
+}
