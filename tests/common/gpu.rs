@@ -3,17 +3,22 @@
 use burin::gpu::{FieldPools, Gpu, shader};
 use std::sync::OnceLock;
 
-/// The device, or `None` with a printed reason where there is none: such tests end early.
+/// Says that a test cannot run for want of something. That fails, unless `BURIN_WITHOUT_GPU=1` says that it is known: a suite
+/// that passes because nothing ran tells nobody anything.
+///
+/// # Panics
+/// Where the variable does not say so.
+pub fn missing(reason: impl std::fmt::Display) {
+    let known = std::env::var("BURIN_WITHOUT_GPU").is_ok_and(|v| v == "1");
+    assert!(known, "{reason}; BURIN_WITHOUT_GPU=1 leaves out the tests that need it");
+    println!("skipped: {reason}");
+}
+
+/// The device, or `None` where there is none and that is known: such tests end early.
 pub fn gpu() -> Option<Gpu> {
-    static GPU: OnceLock<Option<Gpu>> = OnceLock::new();
-    GPU.get_or_init(|| match Gpu::headless() {
-        Ok(gpu) => Some(gpu),
-        Err(error) => {
-            println!("skipped: {error}");
-            None
-        }
-    })
-    .clone()
+    static GPU: OnceLock<Result<Gpu, String>> = OnceLock::new();
+    let gpu = GPU.get_or_init(|| Gpu::headless().map_err(|e| e.to_string()));
+    gpu.as_ref().map_err(missing).ok().cloned()
 }
 
 /// What a field's texel is at a place, as the shader sees it.

@@ -1,4 +1,4 @@
-//! A block of matter in clear space, and a document that can paint it; nothing where there is no GPU.
+//! A block of matter in clear space, and a document that can paint it; nothing where there is no GPU and that is known.
 
 use super::maker::run;
 use burin::document::{Document, Origin, State};
@@ -10,7 +10,7 @@ use std::sync::Arc;
 pub fn block() -> Option<Document> {
     let mut document = Document::new();
     if let Err(reason) = document.describe_gpu() {
-        eprintln!("skipped: {reason}");
+        crate::common::gpu::missing(reason);
         return None;
     }
     let dims = [64, 48, 40];

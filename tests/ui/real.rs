@@ -1,5 +1,6 @@
 //! The program in a real window with a real pointer: a volume is opened, painted on and saved.
 
+use crate::common::gpu::missing;
 use burin::document::{Command, Document, ProjectCommand, Question};
 use burin::volume::FieldKind;
 use std::io::{BufRead, BufReader};
@@ -26,7 +27,7 @@ struct Desk {
 }
 
 impl Desk {
-    /// A screen of its own; `None`, with the reason printed, where the tools are missing.
+    /// A screen of its own; `None` where the tools are missing and that is known.
     fn new() -> Option<Self> {
         // Without -noreset the server starts anew whenever its last client leaves, as xdotool does at every look, and turns away
         // a program that connects at that moment.
@@ -36,18 +37,18 @@ impl Desk {
             .stderr(Stdio::null())
             .spawn();
         let Ok(mut server) = server else {
-            println!("skipped: Xvfb is not installed");
+            missing("Xvfb is not installed");
             return None;
         };
         let mut number = String::new();
         BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
         let desk = Self { display: format!(":{}", number.trim()), _server: Running(server) };
         if number.trim().is_empty() {
-            println!("skipped: Xvfb gave no display");
+            missing("Xvfb gave no display");
             return None;
         }
         if desk.xdotool(&["version"]).is_none() {
-            println!("skipped: xdotool is not installed");
+            missing("xdotool is not installed");
             return None;
         }
         Some(desk)
