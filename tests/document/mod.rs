@@ -1,6 +1,7 @@
 //! Commands, history, journal, projects.
 
 mod exploded;
+mod fixtures;
 mod history;
 mod keep;
 mod keep_faults;
