@@ -20,7 +20,7 @@ pub fn document(n: u32, folder: &Path) -> Result<Document, Failure> {
     let source = Arc::new(MemorySource::new("cube", grid, u8::wrap(voxels), (1.0, 0.0))?);
     let path = folder.join("origin");
     std::fs::write(&path, b"made in memory")?;
-    let statistics = Statistics { min: 0.0, max: 255.0, sum: 0.0, nan_count: 0 };
+    let statistics = Statistics { min: 0.0, max: 255.0, ..Statistics::default() };
     let histogram = Histogram { min: 0.0, max: 255.0, bins: vec![1; 256] };
     let origin = Origin { path, component: 0, frame: 0 };
     let mut document = Document::new();

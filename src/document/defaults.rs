@@ -92,7 +92,7 @@ impl Window {
     /// Black at the smallest value, white where 99.5 % of the values lie below.
     pub fn from_histogram(histogram: &Histogram) -> Self {
         let total: u64 = histogram.bins.iter().sum();
-        let bin = (histogram.max - histogram.min) / histogram.bins.len().max(1) as f64;
+        let bin = histogram.bin_width();
         let mut seen = 0;
         let top = histogram.bins.iter().position(|n| {
             seen += n;

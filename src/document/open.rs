@@ -14,6 +14,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Most bins of a histogram.
 const BINS: u64 = 1024;
+/// Steps between integers that are counted one by one.
+const MOST_STEPS: f64 = 9_007_199_254_740_992.0;
 /// Voxels read at once.
 const SLAB_VOXELS: u64 = 1 << 20;
 
@@ -206,14 +208,17 @@ pub(super) fn histogram(
     if !(min.is_finite() && max.is_finite()) {
         return Ok(Histogram { min: 0.0, max: 1.0, bins: vec![0] });
     }
-    let (lo, width, bins) = match unit(source) {
-        Some(unit) => {
-            let values = ((max - min) / unit).round() as u64 + 1;
+    // Where integers lie too far apart to be told one by one in f64, they are spread like numbers with a fraction.
+    let steps = unit(source).map(|unit| ((max - min) / unit).round()).filter(|&steps| steps < MOST_STEPS);
+    let (lo, hi, bins) = match (unit(source), steps) {
+        (Some(unit), Some(steps)) => {
+            let values = steps as u64 + 1;
             let per_bin = values.div_ceil(BINS);
-            (min - unit * 0.5, unit * per_bin as f64, values.div_ceil(per_bin))
+            let (lo, bins) = (min - unit * 0.5, values.div_ceil(per_bin));
+            (lo, lo + unit * (per_bin * bins) as f64, bins)
         }
-        None if max > min => (min, (max - min) / BINS as f64, BINS),
-        None => (min, 1.0, 1),
+        _ if max > min => (min, max, BINS),
+        _ => (min, min + 1.0, 1),
     };
     let [nx, ny, nz] = source.grid().dims;
     let thick = (SLAB_VOXELS / (u64::from(nx) * u64::from(ny)).max(1)).clamp(1, u64::from(nz)) as u32;
@@ -229,10 +234,12 @@ pub(super) fn histogram(
             fn count<T: Value>(voxels: &[T], bin_of: impl Fn(f64) -> Option<usize>, counts: &mut [u64]) {
                 voxels.iter().filter_map(|v| bin_of(v.to_f64())).for_each(|bin| counts[bin] += 1);
             }
-            let (scale, shift, last) = (slope / width, (intercept - lo) / width, bins as usize - 1);
+            // Halves, since the distance of two numbers may be beyond all numbers; no less than f64 has a reciprocal of.
+            let half_width = (hi / bins as f64 * 0.5 - lo / bins as f64 * 0.5).max(f64::MIN_POSITIVE);
+            let (per_half, half_lo, last) = (1.0 / half_width, lo * 0.5, bins as usize - 1);
             let bin_of = |stored: f64| {
-                let at = stored * scale + shift;
-                at.is_finite().then(|| (at.max(0.0) as usize).min(last))
+                let value = stored * slope + intercept;
+                value.is_finite().then(|| (((value * 0.5 - half_lo) * per_half).max(0.0) as usize).min(last))
             };
             let mut counts = vec![0; bins as usize];
             let voxels = source.read([0, 0, z], [nx, ny, thick.min(nz - z)])?;
@@ -246,7 +253,7 @@ pub(super) fn histogram(
                 Ok(a)
             },
         )?;
-    Ok(Histogram { min: lo, max: lo + width * bins as f64, bins: counts })
+    Ok(Histogram { min: lo, max: hi, bins: counts })
 }
 
 impl From<io::IoError> for DocumentError {

@@ -65,6 +65,23 @@ impl State {
         self.source.grid()
     }
 
+    /// The most by which a painted value may differ from what comes back of it, anywhere in the volume as it is now. What was not
+    /// painted comes back as the source has it.
+    pub fn half_step(&self) -> f64 {
+        let painted = self.density.extremes().map(f64::from);
+        let largest = [self.statistics.min, self.statistics.max, painted[0], painted[1]]
+            .into_iter()
+            .map(f64::abs)
+            .filter(|v| v.is_finite())
+            .fold(0.0, f64::max);
+        self.half_step_at(largest)
+    }
+
+    /// The same of a voxel painted to a value.
+    pub fn half_step_at(&self, value: f64) -> f64 {
+        self.density.map().error_at(value, unit(self.source.as_ref()).is_some())
+    }
+
     /// A field by its kind.
     pub fn field(&self, kind: FieldKind) -> &Field {
         match kind {
@@ -127,7 +144,7 @@ pub(super) fn map_over(min: f64, max: f64, unit: Option<f64>, middle: Option<f64
 /// From the first to the last hundredth of the values, never less than a bin.
 fn middle(histogram: &Histogram) -> f64 {
     let total: u64 = histogram.bins.iter().sum();
-    let width = (histogram.max - histogram.min) / histogram.bins.len().max(1) as f64;
+    let width = histogram.bin_width();
     let bin_at = |share: f64| {
         let mut seen = 0;
         histogram.bins.iter().position(|n| {

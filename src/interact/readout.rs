@@ -1,5 +1,6 @@
 //! Numbers and answers as a person reads them in passing: lengths of scale bars, values under the pointer, what a crash left.
 
+use crate::volume::{Number, VoxelType};
 use serde_json::Value;
 
 /// The largest 1, 2 or 5 × 10ⁿ that is not longer.
@@ -18,6 +19,26 @@ pub fn short(value: f64) -> String {
     } else {
         format!("{value:.4e}")
     }
+}
+
+/// A voxel's value: what its type holds to the last digit, so that it can be typed in again; six digits of what was painted
+/// between two of the type's numbers.
+pub fn value(number: Number, voxel_type: VoxelType) -> String {
+    match number {
+        Number::Real(x) if x.is_nan() => "not a number".into(),
+        Number::Real(x) if x.is_infinite() => if x > 0.0 { "infinite" } else { "−infinite" }.into(),
+        Number::Real(x) if voxel_type == VoxelType::F32 && f64::from(x as f32) == x => {
+            digits(format!("{:?}", x as f32))
+        }
+        Number::Real(x) if voxel_type == VoxelType::F64 => digits(format!("{x:?}")),
+        Number::Real(x) => short(x),
+        Number::Whole(n) => n.to_string(),
+    }
+}
+
+/// Without the fraction of a whole number.
+fn digits(text: String) -> String {
+    text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
 }
 
 /// How long ago something was, to the unit that one would say aloud.

@@ -12,7 +12,7 @@ use super::layout::to_native;
 use super::replace::replace;
 use super::{IoError, Progress};
 use crate::math::{DAffine3, DMat3, DVec3};
-use crate::volume::{BRICK, BrickSource, DensityMap, Field, FieldKind, Grid, Segments, Value, VoxelType, Voxels};
+use crate::volume::{BRICK, Field, FieldKind, Grid, Segments, Value, Values, VoxelType, Voxels, is_plain};
 use crate::with_voxels;
 use std::fmt::Write as _;
 use std::io::Write;
@@ -105,11 +105,6 @@ fn found_extension(path: &Path) -> std::borrow::Cow<'_, str> {
     path.extension().unwrap_or_default().to_string_lossy()
 }
 
-/// Whether stored numbers are values.
-fn is_plain(source: &dyn BrickSource) -> bool {
-    source.scaling() == (1.0, 0.0)
-}
-
 /// The bytes of planes `z` and on, and how many of their voxels count as changed.
 fn slab(field: &Field, z: u32, size: [u32; 3]) -> Result<(Vec<u8>, u64), IoError> {
     let lo = [0, 0, z];
@@ -120,45 +115,22 @@ fn slab(field: &Field, z: u32, size: [u32; 3]) -> Result<(Vec<u8>, u64), IoError
         let changed = texels.chunks_exact(texel_bytes).filter(|t| t.iter().any(|&b| b != 0)).count();
         return Ok((texels, changed as u64));
     };
-    let mut voxels = source.read(lo, size)?;
-    let mut changed = 0;
-    let edited = field.edits().keys().any(|b| b.origin()[2] < z + size[2] && z < b.origin()[2] + BRICK);
-    if edited {
-        let texels = texels()?;
-        let mut own = Vec::with_capacity(texels.len());
-        field.map().encode_voxels(&voxels, source.scaling(), &mut own);
-        with_voxels!(&mut voxels, v => {
-            changed = take_edits(v, &texels, &own, texel_bytes, field.map(), source.scaling());
-        });
-    }
+    let (slope, intercept) = source.scaling();
+    let Values { own: mut voxels, painted, .. } = field.values(lo, size)?;
+    with_voxels!(&mut voxels, v => take_edits(v, &painted, source.scaling()));
+    let changed = painted.len() as u64;
     if is_plain(&**source) {
         return Ok((voxels.as_bytes().to_vec(), changed));
     }
-    let (slope, intercept) = source.scaling();
     let values: Vec<f64> = with_voxels!(&voxels, v => v.iter().map(|x| x.to_f64() * slope + intercept).collect());
     Ok((Voxels::F64(values).as_bytes().to_vec(), changed))
 }
 
-/// Puts edited values in place of the source's numbers.
-fn take_edits<T: Value>(
-    voxels: &mut [T],
-    texels: &[u8],
-    own: &[u8],
-    texel_bytes: usize,
-    map: &DensityMap,
-    (slope, intercept): (f64, f64),
-) -> u64 {
-    let mut changed = 0;
-    let pairs = texels.chunks_exact(texel_bytes).zip(own.chunks_exact(texel_bytes));
-    for (voxel, (texel, own)) in voxels.iter_mut().zip(pairs) {
-        if texel != own {
-            let mut bytes = [0; 4];
-            bytes[..texel_bytes].copy_from_slice(texel);
-            *voxel = T::from_f64((map.decode(bytes) - intercept) / slope);
-            changed += 1;
-        }
+/// Puts painted values in place of the source's numbers.
+fn take_edits<T: Value>(voxels: &mut [T], painted: &[(usize, f64)], (slope, intercept): (f64, f64)) {
+    for &(place, value) in painted {
+        voxels[place] = T::from_f64((value - intercept) / slope);
     }
-    changed
 }
 
 fn header(

@@ -1,11 +1,12 @@
 //! What `burin info` tells of a file.
 
 use super::{IoError, Progress, open};
+use crate::volume::Number;
 use serde::Serialize;
 use std::path::Path;
 
 /// A file's header and the range of its values. In JSON a number that does not exist (`min` and `max` of a file whose values
-/// are all NaN or infinite) is `null`.
+/// are all NaN or infinite) is `null`; 64-bit integers are given to the last digit, a sum beyond all numbers as `"inf"`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Info {
     /// Voxels along i (fastest in the file), j, k.
@@ -19,11 +20,11 @@ pub struct Info {
     /// Rows x, y, z of the 3×4 matrix from (i, j, k, 1), centres at integers, to RAS+ mm.
     pub world_from_index: [[f64; 4]; 3],
     /// Smallest finite value, after slope and intercept, over all components of all frames.
-    pub min: Option<f64>,
+    pub min: Option<Number>,
     /// Largest finite value, likewise.
-    pub max: Option<f64>,
+    pub max: Option<Number>,
     /// Sum of all finite values, likewise; 0 if there is none.
-    pub sum: f64,
+    pub sum: Number,
     /// How many values are NaN, likewise.
     pub nan_count: u64,
     /// What was odd about the file and how it was taken.
@@ -37,6 +38,7 @@ pub struct Info {
 pub fn info(path: impl AsRef<Path>, progress: Progress<'_>) -> Result<Info, IoError> {
     let opened = open(path)?;
     let statistics = opened.statistics(progress)?;
+    let [min, max, sum] = statistics.numbers();
     let (m, t) = (opened.grid.world_from_index.matrix3, opened.grid.world_from_index.translation);
     Ok(Info {
         dims: opened.grid.dims,
@@ -44,9 +46,9 @@ pub fn info(path: impl AsRef<Path>, progress: Progress<'_>) -> Result<Info, IoEr
         frames: opened.frames,
         voxel_type: opened.voxel_type.name(),
         world_from_index: std::array::from_fn(|r| [m.x_axis[r], m.y_axis[r], m.z_axis[r], t[r]]),
-        min: Some(statistics.min).filter(|v| v.is_finite()),
-        max: Some(statistics.max).filter(|v| v.is_finite()),
-        sum: statistics.sum,
+        min: Some(min).filter(|n| !n.is_nan()),
+        max: Some(max).filter(|n| !n.is_nan()),
+        sum,
         nan_count: statistics.nan_count,
         warnings: opened.warnings,
     })

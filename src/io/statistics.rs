@@ -39,17 +39,20 @@ const SLAB_VOXELS: u64 = 1 << 21;
 const EXACT_RUN: usize = 1 << 18;
 
 /// Gathers stored voxels of one type. Integers are summed as such and scaled at the end; fractions are scaled first and
-/// summed with Neumaier's compensation.
+/// summed with Neumaier's compensation, and so are integers whose scaled values `f64` may not hold.
 #[derive(Debug)]
 pub(super) struct Accumulator {
     scaling: (f64, f64),
     min: f64,
     max: f64,
     integers: i128,
+    /// Least and greatest of 64-bit integers.
+    long: Option<[i128; 2]>,
     count: u64,
     sum: f64,
     lost: f64,
     nan_count: u64,
+    infinite_count: u64,
 }
 
 impl Accumulator {
@@ -59,19 +62,22 @@ impl Accumulator {
             min: f64::INFINITY,
             max: f64::NEG_INFINITY,
             integers: 0,
+            long: None,
             count: 0,
             sum: 0.0,
             lost: 0.0,
             nan_count: 0,
+            infinite_count: 0,
         }
     }
 
     pub(super) fn add(&mut self, voxels: &Voxels) {
+        let (slope, intercept) = self.scaling;
+        let fits = |limits: [f64; 2]| limits.iter().all(|stored| (stored * slope + intercept).is_finite());
         match voxels {
+            other if !other.voxel_type().limits().is_some_and(fits) => with_voxels!(other, v => self.add_fractions(v)),
             Voxels::U64(v) => self.add_long(v.iter().map(|&x| i128::from(x))),
             Voxels::I64(v) => self.add_long(v.iter().map(|&x| i128::from(x))),
-            Voxels::F32(v) => self.add_fractions(v),
-            Voxels::F64(v) => self.add_fractions(v),
             integers => with_voxels!(integers, v => self.add_integers(v)),
         }
     }
@@ -94,8 +100,8 @@ impl Accumulator {
 
     fn add_long(&mut self, voxels: impl Iterator<Item = i128>) {
         for x in voxels {
-            self.min = self.min.min(x as f64);
-            self.max = self.max.max(x as f64);
+            let [min, max] = self.long.unwrap_or([x, x]);
+            self.long = Some([min.min(x), max.max(x)]);
             self.integers += x;
             self.count += 1;
         }
@@ -111,6 +117,7 @@ impl Accumulator {
                 self.compensated(x);
             } else {
                 self.nan_count += u64::from(x.is_nan());
+                self.infinite_count += u64::from(x.is_infinite());
             }
         }
     }
@@ -125,20 +132,34 @@ impl Accumulator {
         self.min = self.min.min(other.min);
         self.max = self.max.max(other.max);
         self.integers += other.integers;
+        self.long = match (self.long, other.long) {
+            (Some([a, b]), Some([c, d])) => Some([a.min(c), b.max(d)]),
+            (a, b) => a.or(b),
+        };
         self.count += other.count;
         self.compensated(other.sum);
         self.lost += other.lost;
         self.nan_count += other.nan_count;
+        self.infinite_count += other.infinite_count;
     }
 
     pub(super) fn finish(&self) -> Statistics {
         // Integers are still unscaled, fractions are not; a file has one or the other.
         let (slope, intercept) = if self.count > 0 { self.scaling } else { (1.0, 0.0) };
-        let (a, b) = (self.min * slope + intercept, self.max * slope + intercept);
-        let (min, max) = if self.min > self.max { (f64::NAN, f64::NAN) } else { (a.min(b), a.max(b)) };
+        let [least, greatest] = self.long.map_or([self.min, self.max], |ends| ends.map(|n| n as f64));
+        let (a, b) = (least * slope + intercept, greatest * slope + intercept);
+        let (min, max) = if least > greatest { (f64::NAN, f64::NAN) } else { (a.min(b), a.max(b)) };
         let integers = self.integers as f64 * slope + intercept * self.count as f64;
         // Once the sum has left f64, the compensation is NaN and no help.
         let lost = if self.lost.is_nan() { 0.0 } else { self.lost };
-        Statistics { min, max, sum: integers + self.sum + lost, nan_count: self.nan_count }
+        let exact = self.long.filter(|_| self.scaling == (1.0, 0.0)).map(|[min, max]| [min, max, self.integers]);
+        Statistics {
+            min,
+            max,
+            sum: integers + self.sum + lost,
+            nan_count: self.nan_count,
+            infinite_count: self.infinite_count,
+            exact,
+        }
     }
 }

@@ -69,11 +69,25 @@ impl DensityMap {
         self.lo + 65_535.0 / self.codes_per_unit
     }
 
-    /// Half a step of the storage: the largest error of a value inside the range.
+    /// Half a step of 16-bit codes: the largest error of a value inside the range. 0 for floats, whose steps differ: see
+    /// [`error_at`](Self::error_at).
     pub fn half_step(&self) -> f64 {
         match self.format {
             TexelFormat::R32Float => 0.0,
             _ => 0.5 / self.codes_per_unit,
+        }
+    }
+
+    /// The most by which a value of this size that was painted may differ from what comes back of it: rounding to the texel and,
+    /// in the kernel's 32 bits, on the way to it. Where source values lie between codes (`exact` is false) a voxel painted to
+    /// within its own code cannot be told from an unpainted one: there it is twice as much.
+    pub fn error_at(&self, value: f64, exact: bool) -> f64 {
+        let size = value.abs();
+        match self.format {
+            TexelFormat::R32Float => {
+                size.min(f64::from(f32::MAX)) * f64::from(f32::EPSILON) + f64::from(f32::from_bits(1))
+            }
+            _ => self.half_step() * if exact { 1.0 } else { 2.0 } * (1.0 + 1.0 / 64.0) + size * f64::EPSILON,
         }
     }
 

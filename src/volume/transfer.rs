@@ -3,6 +3,9 @@
 use super::Histogram;
 use serde::{Deserialize, Serialize};
 
+/// The largest value of a point that is found from data: room for one above it.
+const MOST: f64 = 1e308;
+
 /// Entries of the table that the ray caster reads.
 pub const TABLE_ENTRIES: usize = 4096;
 
@@ -88,7 +91,7 @@ impl TransferFunction {
         let (lo, hi) = self.domain();
         (0..TABLE_ENTRIES)
             .map(|i| {
-                let value = lo + (hi - lo) * i as f64 / (TABLE_ENTRIES - 1) as f64;
+                let value = mix(lo, hi, i as f64 / (TABLE_ENTRIES - 1) as f64);
                 let [r, g, b] = self.colour_at(value);
                 [r, g, b, self.opacity_of_step(value, step_mm) as f32]
             })
@@ -99,9 +102,7 @@ impl TransferFunction {
     /// values, steeply enough that a brush paints near what is seen: the surface is where half of the light has gone. Colours go
     /// from dark red through skin to white.
     pub fn from_histogram(histogram: &Histogram, unit_mm: f64) -> Self {
-        let (min, max) = (histogram.min, histogram.max);
-        let width = (max - min) / histogram.bins.len().max(1) as f64;
-        let clear = min + width * otsu(&histogram.bins) as f64 * 0.6;
+        let clear = histogram.value_at(otsu(&histogram.bins) as f64 * 0.6);
         let total: u64 = histogram.bins.iter().sum();
         let mut seen = 0;
         let mut top = histogram.bins.len();
@@ -112,9 +113,12 @@ impl TransferFunction {
                 break;
             }
         }
-        let top = (min + width * top as f64)
-            .clamp(clear + width.max(f64::MIN_POSITIVE), max.max(clear + width.max(f64::MIN_POSITIVE)));
-        let at = |t: f64| clear + (top - clear) * t;
+        // A bin apart at least, and no nearer than 32-bit floats can tell them; both well within all numbers.
+        let clear = clear.clamp(-MOST, MOST);
+        let apart = histogram.bin_width().max(clear.abs() * 1e-5).max(f64::from(f32::MIN_POSITIVE));
+        let top = histogram.value_at(top as f64).clamp(-MOST, MOST);
+        let top = if top - clear >= apart { top } else { clear + apart };
+        let at = |t: f64| mix(clear, top, t);
         Self {
             colour: vec![
                 (at(0.0), [0.25, 0.08, 0.06]),
@@ -136,8 +140,16 @@ fn interpolate<T: Copy>(points: &[(f64, T)], value: f64, mix: impl Fn(T, T, f32)
         points[after - 1].1
     } else {
         let ((a, x), (b, y)) = (points[after - 1], points[after]);
-        mix(x, y, ((value - a) / (b - a)) as f32)
+        // Halves, since the distance of two numbers may be beyond all numbers.
+        let t = (value * 0.5 - a * 0.5) / (b * 0.5 - a * 0.5);
+        // Of numbers so small that they have no halves there is nothing between.
+        mix(x, y, if t.is_finite() { t as f32 } else { 0.0 })
     }
+}
+
+/// Between two numbers, also where their distance is beyond all numbers.
+fn mix(a: f64, b: f64, t: f64) -> f64 {
+    if (b - a).is_finite() { a + (b - a) * t } else { a * (1.0 - t) + b * t }
 }
 
 /// The bin that splits the counts into two classes of greatest distance (Otsu 1979).

@@ -1,5 +1,6 @@
 //! Voxels in a source's own type.
 
+use super::Number;
 use serde::{Deserialize, Serialize};
 
 /// The numeric type of a source's voxels.
@@ -222,7 +223,7 @@ impl Voxels {
 }
 
 /// What is true of all of a volume's values, after slope and intercept.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Statistics {
     /// Smallest finite value; NaN if there is none.
     pub min: f64,
@@ -232,6 +233,22 @@ pub struct Statistics {
     pub sum: f64,
     /// Number of voxels that are NaN.
     pub nan_count: u64,
+    /// Number of voxels that are infinite.
+    #[serde(default)]
+    pub infinite_count: u64,
+    /// Of 64-bit integers that nothing scales: smallest, largest and sum to the last digit, which `f64` has no room for.
+    #[serde(default)]
+    pub exact: Option<[i128; 3]>,
+}
+
+impl Statistics {
+    /// Smallest, largest and sum as they are told.
+    pub fn numbers(&self) -> [Number; 3] {
+        match self.exact {
+            Some(exact) => exact.map(Number::Whole),
+            None => [self.min, self.max, self.sum].map(Number::Real),
+        }
+    }
 }
 
 /// Counts of values in equal bins over `[min, max]`.
@@ -243,4 +260,18 @@ pub struct Histogram {
     pub max: f64,
     /// Voxels per bin.
     pub bins: Vec<u64>,
+}
+
+impl Histogram {
+    /// Width of a bin; finite also where `max − min` is not.
+    pub fn bin_width(&self) -> f64 {
+        let bins = self.bins.len().max(1) as f64;
+        self.max / bins - self.min / bins
+    }
+
+    /// The value that lies so many bins above the lower edge of the first.
+    pub fn value_at(&self, bins: f64) -> f64 {
+        let share = bins / self.bins.len().max(1) as f64;
+        self.min * (1.0 - share) + self.max * share
+    }
 }

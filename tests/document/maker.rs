@@ -27,7 +27,7 @@ pub fn state() -> State {
         bins[((f64::from(v) / max * 256.0) as usize).min(255)] += 1;
     }
     let source = Arc::new(MemorySource::new("ramp", grid, Voxels::U16(voxels), (1.0, 0.0)).unwrap());
-    let statistics = Statistics { min: 0.0, max, sum, nan_count: 0 };
+    let statistics = Statistics { min: 0.0, max, sum, nan_count: 0, ..Statistics::default() };
     let origin = Origin { path: "ramp.nrrd".into(), component: 0, frame: 0 };
     State::new(source, origin, statistics, Histogram { min: 0.0, max, bins }, None, &|_| true).unwrap()
 }

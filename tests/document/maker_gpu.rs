@@ -28,7 +28,8 @@ pub fn block() -> Option<Document> {
     let mut bins = vec![0; 201];
     bins[0] = grid.voxel_count() - inside;
     bins[200] = inside;
-    let statistics = Statistics { min: 0.0, max: 200.0, sum: 200.0 * inside as f64, nan_count: 0 };
+    let statistics =
+        Statistics { min: 0.0, max: 200.0, sum: 200.0 * inside as f64, nan_count: 0, ..Statistics::default() };
     let source = Arc::new(MemorySource::new("block", grid, Voxels::U8(voxels), (1.0, 0.0)).unwrap());
     let origin = Origin { path: "block.nrrd".into(), component: 0, frame: 0 };
     let histogram = Histogram { min: -0.5, max: 200.5, bins };

@@ -24,5 +24,7 @@ mod projects;
 mod script;
 mod selection;
 mod strokes;
+mod values;
+mod values_support;
 mod views;
 mod volumes;

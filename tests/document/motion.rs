@@ -17,7 +17,7 @@ fn a_picture_in_motion_waits_for_few_bricks_and_at_rest_none_is_missing() {
     let dims = [640, 128, 32];
     let grid = Grid::aligned(dims, DVec3::ONE, DVec3::ZERO);
     let voxels = vec![200_u8; grid.voxel_count() as usize];
-    let statistics = Statistics { min: 200.0, max: 200.0, sum: 0.0, nan_count: 0 };
+    let statistics = Statistics { min: 200.0, max: 200.0, sum: 0.0, nan_count: 0, ..Statistics::default() };
     let source = Arc::new(MemorySource::new("slab", grid, Voxels::U8(voxels), (1.0, 0.0)).unwrap());
     let origin = Origin { path: "slab.nrrd".into(), component: 0, frame: 0 };
     let histogram = Histogram { min: 0.0, max: 250.0, bins: vec![1; 256] };

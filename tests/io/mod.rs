@@ -2,7 +2,7 @@
 
 mod axes;
 mod export;
-mod files;
+pub mod files;
 mod hostile;
 mod nifti;
 mod nrrd;

@@ -157,5 +157,6 @@ fn the_head_that_the_demo_shows_is_what_it_is() {
     assert_eq!((info.dims, info.voxel_type), ([181, 217, 181], "u8"));
     assert_eq!(info.world_from_index, [[1.0, 0.0, 0.0, -90.0], [0.0, 1.0, 0.0, -125.0], [0.0, 0.0, 1.0, -71.0]]);
     // As nibabel and numpy have them.
-    assert_eq!((info.min, info.max, info.sum), (Some(0.0), Some(254.0), 317_151_210.0));
+    let numbers = [info.min.unwrap(), info.max.unwrap(), info.sum].map(burin::volume::Number::to_f64);
+    assert_eq!(numbers, [0.0, 254.0, 317_151_210.0]);
 }

@@ -77,7 +77,7 @@ impl Window {
             scene: Arc::new(self.scene.clone()),
             grid,
             voxel_type: VoxelType::U8,
-            statistics: Statistics { min: 0.0, max: 100.0, sum: 1e6, nan_count: 0 },
+            statistics: Statistics { min: 0.0, max: 100.0, sum: 1e6, nan_count: 0, ..Statistics::default() },
             histogram: Arc::new(histogram),
         };
         let mut snapshot = Snapshot {

@@ -5,7 +5,7 @@ use super::place::check_size;
 use super::view::checked;
 use super::{Document, DocumentError, PastOf, Question, State};
 use crate::math::DVec2;
-use crate::volume::{BRICK, BrickKey, FieldKind, SourceError};
+use crate::volume::{BrickIndex, FieldKind, Number, SourceError};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -80,17 +80,18 @@ pub(in crate::document) fn volume(state: &State) -> Value {
         let row = m.matrix3.row(r);
         [row.x, row.y, row.z, m.translation[r]]
     });
-    let s = &state.statistics;
-    let map = state.density.map();
+    let [min, max, sum] = state.statistics.numbers();
+    // Of a volume without a finite value there is neither.
+    let [min, max] = [min, max].map(|n| (!n.is_nan()).then_some(n));
     json!({
         "name": state.source.name(),
         "dims": grid.dims,
         "voxel_type": state.source.voxel_type(),
         "world_from_index": rows,
         "spacing_mm": grid.spacing().to_array(),
-        "min": s.min, "max": s.max, "sum": s.sum, "nan_count": s.nan_count,
+        "min": min, "max": max, "sum": sum, "nan_count": state.statistics.nan_count,
         "texels": state.density.format(),
-        "half_step": map.half_step(),
+        "half_step": state.half_step(),
         "levels": state.density.level_count(),
     })
 }
@@ -102,12 +103,14 @@ fn voxel(state: &State, world: crate::math::DVec3) -> Result<Value, DocumentErro
     };
     let texel = state.colour.texel(voxel)?;
     let label = state.labels.value(voxel)? as u16;
+    let painted = state.density.painted(voxel)?;
     Ok(json!({
         "inside": true,
         "mm": world.to_array(),
         "index": index.to_array(),
         "voxel": voxel,
-        "density": state.density.map().decode(state.density.texel(voxel)?),
+        "density": state.density.number(voxel)?,
+        "half_step": painted.map_or(0.0, |value| state.half_step_at(value)),
         "colour": texel.map(|c| f32::from(c) / 255.0),
         "selection": state.selection.value(voxel)?,
         "label": label,
@@ -117,59 +120,75 @@ fn voxel(state: &State, world: crate::math::DVec3) -> Result<Value, DocumentErro
 
 #[derive(Default)]
 struct Sums {
-    sum: f64,
+    /// Of integers, which lose nothing, and of all other numbers.
+    whole: i128,
+    real: f64,
     nonzero: u64,
-    max: Option<f64>,
+    ends: Option<[Number; 2]>,
+    /// Whether any number was not an integer.
+    fractions: bool,
     labels: BTreeMap<u16, u64>,
 }
 
 impl Sums {
+    fn add(&mut self, number: Number) {
+        match number {
+            Number::Real(x) if !x.is_finite() => return,
+            Number::Real(x) => {
+                self.real += x;
+                self.fractions = true;
+            }
+            Number::Whole(n) => self.whole += n,
+        }
+        self.nonzero += u64::from(number != Number::Whole(0));
+        self.widen([number; 2]);
+    }
+
+    fn widen(&mut self, [least, greatest]: [Number; 2]) {
+        let [min, max] = self.ends.unwrap_or([least, greatest]);
+        self.ends = Some([if least < min { least } else { min }, if greatest > max { greatest } else { max }]);
+    }
+
     fn join(mut self, other: Self) -> Self {
-        self.sum += other.sum;
+        self.whole += other.whole;
+        self.real += other.real;
         self.nonzero += other.nonzero;
-        self.max = match (self.max, other.max) {
-            (Some(a), Some(b)) => Some(a.max(b)),
-            (a, b) => a.or(b),
-        };
+        self.fractions |= other.fractions;
+        other.ends.into_iter().for_each(|ends| self.widen(ends));
         for (label, count) in other.labels {
             *self.labels.entry(label).or_default() += count;
         }
         self
     }
+
+    fn sum(&self) -> Number {
+        if self.fractions { Number::Real(self.whole as f64 + self.real) } else { Number::Whole(self.whole) }
+    }
 }
 
-/// Sum, count of non-zero and largest value; colour counts by its alpha. Brick by brick in order, so that the answer is the
-/// same on every run.
+/// Sum, count of non-zero, smallest and largest of the finite values; colour counts by its alpha. Brick by brick in order, so
+/// that the answer is the same on every run.
 fn sums(state: &State, kind: FieldKind) -> Result<Value, SourceError> {
     let field = state.field(kind);
-    let bytes = field.format().bytes();
-    let one = |index| -> Result<Sums, SourceError> {
+    let one = |index: BrickIndex| -> Result<Sums, SourceError> {
         let mut sums = Sums::default();
-        let brick = field.brick(BrickKey { level: 0, index })?;
-        let valid = field.valid(0, index);
-        let texels = brick.to_texels(bytes);
-        for z in 0..valid[2] {
-            for y in 0..valid[1] {
-                let start = (BRICK * (y + BRICK * z)) as usize * bytes;
-                for texel in texels[start..start + valid[0] as usize * bytes].chunks_exact(bytes) {
-                    let mut padded = [0; 4];
-                    padded[..bytes].copy_from_slice(texel);
-                    let value = match kind {
-                        FieldKind::Density => field.map().decode(padded),
-                        FieldKind::Colour => f64::from(padded[3]) / 255.0,
-                        FieldKind::Selection => f64::from(padded[0]) / 255.0,
-                        FieldKind::Labels => f64::from(u16::from_le_bytes([padded[0], padded[1]])),
-                    };
-                    if !value.is_finite() {
-                        continue;
-                    }
-                    sums.sum += value;
-                    sums.nonzero += u64::from(value != 0.0);
-                    sums.max = Some(sums.max.map_or(value, |m: f64| m.max(value)));
-                    if kind == FieldKind::Labels && value != 0.0 {
-                        *sums.labels.entry(value as u16).or_default() += 1;
+        if kind == FieldKind::Density {
+            field.values(index.origin(), field.valid(0, index))?.each(|_, number| sums.add(number));
+            return Ok(sums);
+        }
+        let bytes = field.format().bytes();
+        let texels = field.read(0, index.origin().map(i64::from), field.valid(0, index))?;
+        for texel in texels.chunks_exact(bytes) {
+            match kind {
+                FieldKind::Labels => {
+                    let label = u16::from_le_bytes([texel[0], texel[1]]);
+                    sums.add(Number::Whole(label.into()));
+                    if label != 0 {
+                        *sums.labels.entry(label).or_default() += 1;
                     }
                 }
+                // A colour's alpha, or the selection itself.
+                _ => sums.add(Number::Real(f64::from(texel[bytes - 1]) / 255.0)),
             }
         }
         Ok(sums)
@@ -178,9 +197,10 @@ fn sums(state: &State, kind: FieldKind) -> Result<Value, SourceError> {
     let sums = bricks.into_iter().fold(Sums::default(), Sums::join);
     let mut answer = json!({
         "field": kind.name(),
-        "sum": sums.sum,
+        "sum": sums.sum(),
         "nonzero": sums.nonzero,
-        "max": sums.max,
+        "min": sums.ends.map(|[min, _]| min),
+        "max": sums.ends.map(|[_, max]| max),
         "edited_bricks": field.edits().len(),
     });
     if kind == FieldKind::Labels {

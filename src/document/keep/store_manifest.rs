@@ -4,7 +4,7 @@ use super::store_arrays::rows;
 use super::store_fields::Shards;
 use super::{KeepError, Past, Scene, State};
 use crate::math::{DAffine3, DMat3, DVec3};
-use crate::volume::{DensityMap, FieldKind, Grid, Histogram, Statistics, TexelFormat, VoxelType};
+use crate::volume::{DensityMap, FieldKind, Grid, Histogram, Number, Statistics, TexelFormat, VoxelType};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -68,8 +68,13 @@ pub(in crate::document) enum Kept {
 pub(in crate::document) struct StatisticsRecord {
     min: Option<f64>,
     max: Option<f64>,
-    sum: Option<f64>,
+    sum: Option<Number>,
     nan_count: u64,
+    #[serde(default)]
+    infinite_count: u64,
+    /// See [`Statistics::exact`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    exact: Option<[String; 3]>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -154,7 +159,7 @@ impl Manifest {
     pub fn of(generation: u64, state: &State, kept: Kept, shards: BTreeMap<String, Shards>) -> Self {
         let grid = state.grid();
         let number = |v: f64| v.is_finite().then_some(v);
-        let Statistics { min, max, sum, nan_count } = state.statistics;
+        let Statistics { min, max, sum, nan_count, infinite_count, exact } = state.statistics;
         let histogram = &state.histogram;
         let (slope, intercept) = state.source.scaling();
         Self {
@@ -169,7 +174,14 @@ impl Manifest {
                 scaling: [slope, intercept],
                 map: *state.density.map(),
                 kept,
-                statistics: StatisticsRecord { min: number(min), max: number(max), sum: number(sum), nan_count },
+                statistics: StatisticsRecord {
+                    min: number(min),
+                    max: number(max),
+                    sum: Some(Number::Real(sum)).filter(|n| !n.is_nan()),
+                    nan_count,
+                    infinite_count,
+                    exact: exact.map(|numbers| numbers.map(|n| n.to_string())),
+                },
                 histogram: HistogramRecord {
                     min: number(histogram.min),
                     max: number(histogram.max),
@@ -227,12 +239,18 @@ impl Manifest {
 
     /// Of all of the source's values.
     pub fn statistics(&self) -> Statistics {
-        let StatisticsRecord { min, max, sum, nan_count } = self.volume.statistics;
+        let StatisticsRecord { min, max, sum, nan_count, infinite_count, exact } = &self.volume.statistics;
+        let exact = exact.as_ref().and_then(|numbers| {
+            let [min, max, sum] = numbers.each_ref().map(|n| n.parse().ok());
+            Some([min?, max?, sum?])
+        });
         Statistics {
             min: min.unwrap_or(f64::NAN),
             max: max.unwrap_or(f64::NAN),
-            sum: sum.unwrap_or(f64::NAN),
-            nan_count,
+            sum: sum.map_or(f64::NAN, Number::to_f64),
+            nan_count: *nan_count,
+            infinite_count: *infinite_count,
+            exact,
         }
     }
 

@@ -7,7 +7,9 @@ use crate::math::DVec3;
 use crate::ui::app::{App, Busy};
 use crate::ui::theme;
 use crate::ui::widgets::{from_right, spinner};
+use crate::volume::Number;
 use egui::{Button, Frame, Label, Margin, Panel, ProgressBar, RichText, Ui};
+use serde::Deserialize;
 use serde_json::Value;
 
 /// Seconds that nobody needs to be told of.
@@ -76,7 +78,10 @@ impl App {
     /// Value and label of the voxel as the document answered last.
     fn voxel_text(&self) -> (String, Option<String>) {
         let number = |v: &Value| v.as_f64();
-        let value = number(&self.probe["density"]).map_or_else(String::new, |d| format!("value {}", readout::short(d)));
+        let value = self
+            .opened()
+            .zip(Number::deserialize(&self.probe["density"]).ok())
+            .map_or_else(String::new, |(open, n)| format!("value {}", readout::value(n, open.voxel_type)));
         let mut extra = Vec::new();
         if let Some(id) = self.probe["label"].as_u64().filter(|&id| id != 0) {
             let name =

@@ -1,0 +1,109 @@
+//! Values as they are: of what was not painted the source's own numbers, to the last bit; of what was, what its texels say.
+//!
+//! Texels round what a source holds (16-bit codes, 32-bit floats), and serve pictures and strokes. Whoever tells, compares or
+//! writes values comes here.
+
+use super::{BRICK, BrickSource, Field, FieldKind, Number, SourceError, Voxels};
+
+/// A box of density.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Values {
+    /// The source's voxels as stored, x fastest.
+    pub own: Voxels,
+    /// `value = slope · stored + intercept`.
+    pub scaling: (f64, f64),
+    /// (place in the box, value) of voxels that were painted, in order.
+    pub painted: Vec<(usize, f64)>,
+}
+
+impl Field {
+    /// The values of a box of density.
+    ///
+    /// # Errors
+    /// If the source fails or the box is not inside the volume.
+    pub fn values(&self, lo: [u32; 3], size: [u32; 3]) -> Result<Values, SourceError> {
+        debug_assert_eq!(self.kind(), FieldKind::Density);
+        let bytes = self.format().bytes();
+        let texels = || self.read(0, lo.map(i64::from), size);
+        let Some(source) = self.source() else {
+            let of = |t: &[u8]| self.map().decode(std::array::from_fn(|i| t.get(i).copied().unwrap_or(0))) as f32;
+            let own = Voxels::F32(texels()?.chunks_exact(bytes).map(of).collect());
+            return Ok(Values { own, scaling: (1.0, 0.0), painted: Vec::new() });
+        };
+        let own = source.read(lo, size)?;
+        let end: [u32; 3] = std::array::from_fn(|a| lo[a] + size[a]);
+        let meets = |origin: [u32; 3]| (0..3).all(|a| origin[a] < end[a] && lo[a] < origin[a] + BRICK);
+        let mut painted = Vec::new();
+        if self.edited().any(|index| meets(index.origin())) {
+            let mut base = Vec::with_capacity(own.len() * bytes);
+            self.map().encode_voxels(&own, source.scaling(), &mut base);
+            let texels = texels()?;
+            for (i, (now, was)) in texels.chunks_exact(bytes).zip(base.chunks_exact(bytes)).enumerate() {
+                if now != was {
+                    let mut texel = [0; 4];
+                    texel[..bytes].copy_from_slice(now);
+                    painted.push((i, self.map().decode(texel)));
+                }
+            }
+        }
+        Ok(Values { own, scaling: source.scaling(), painted })
+    }
+
+    /// The value of a voxel of density.
+    ///
+    /// # Errors
+    /// If the source fails or the voxel is outside.
+    pub fn number(&self, voxel: [u32; 3]) -> Result<Number, SourceError> {
+        let values = self.values(voxel, [1; 3])?;
+        Ok(values.painted.first().map_or_else(|| values.unpainted(0), |&(_, value)| Number::Real(value)))
+    }
+
+    /// The value that a voxel of density was painted to, if it was.
+    ///
+    /// # Errors
+    /// As [`number`](Self::number).
+    pub fn painted(&self, voxel: [u32; 3]) -> Result<Option<f64>, SourceError> {
+        Ok(self.values(voxel, [1; 3])?.painted.first().map(|&(_, value)| value))
+    }
+}
+
+impl Values {
+    /// The value of a place before any painting.
+    pub fn unpainted(&self, place: usize) -> Number {
+        own_number(&self.own, place, self.scaling)
+    }
+
+    /// Goes through all values in order.
+    pub fn each(&self, mut visit: impl FnMut(usize, Number)) {
+        let mut painted = self.painted.iter().peekable();
+        for place in 0..self.own.len() {
+            let number = match painted.next_if(|(at, _)| *at == place) {
+                Some(&(_, value)) => Number::Real(value),
+                None => self.unpainted(place),
+            };
+            visit(place, number);
+        }
+    }
+}
+
+/// Whether a source's stored numbers are its values.
+pub(crate) fn is_plain(source: &dyn BrickSource) -> bool {
+    source.scaling() == (1.0, 0.0)
+}
+
+/// The value of a stored voxel: itself where nothing scales it, else `slope · stored + intercept` in `f64`.
+fn own_number(voxels: &Voxels, place: usize, (slope, intercept): (f64, f64)) -> Number {
+    let plain = (slope, intercept) == (1.0, 0.0);
+    match voxels {
+        Voxels::U64(v) if plain => Number::Whole(v[place].into()),
+        Voxels::I64(v) if plain => Number::Whole(v[place].into()),
+        _ => {
+            let stored = voxels.get(place);
+            match (plain, voxels.voxel_type().is_integer()) {
+                (true, true) => Number::Whole(stored as i128),
+                (true, false) => Number::Real(stored),
+                (false, _) => Number::Real(stored * slope + intercept),
+            }
+        }
+    }
+}
