@@ -58,7 +58,8 @@ fn entry_cosine(r: BodyRay, sight: Sight, entry: f32) -> f32 {
     let b = (bodies[r.body].hi - r.o) / r.d;
     let near = min(a, b);
     let m = mat3x3<f32>(bodies[r.body].column_x, bodies[r.body].column_y, bodies[r.body].column_z);
-    var nearest = 1e-3;
+    // A face is told by the place at which the ray meets it, as far as these numbers tell places apart.
+    var nearest = 1e-3 + 2e-6 * entry;
     var cosine = 1.0;
     // Faces of the box: planes of one index, normal = a row of index_from_world.
     for (var axis = 0u; axis < 3u; axis += 1u) {
@@ -81,16 +82,20 @@ fn entry_cosine(r: BodyRay, sight: Sight, entry: f32) -> f32 {
     return cosine;
 }
 
-// The first hit of a body before `limit`, in steps; FAR if there is none. A negative value is a capped entry, −1 − k.
+// The first hit of a body, in steps; FAR if there is none before `limit`. A negative value is a capped entry, −1 − k. What a
+// sample finds lies after the sample before it: an entry belongs to the pass of the sample that follows it, and the sample that
+// follows `limit` may still find something before it.
 fn search(r: BodyRay, within: vec2<f32>, limit: f32) -> f32 {
     let entry = within.x;
-    let k1 = min(min(ceil(within.y), ceil(limit)), view.k_to);
-    var k = max(ceil(entry), view.k_from);
+    let follows = ceil(entry);
+    let enters = entry < min(within.y, limit) && follows >= view.k_from && follows < view.k_to;
+    if (enters && inside(r, entry)) {
+        return -1.0 - entry;
+    }
+    let k1 = min(min(ceil(within.y), ceil(limit) + 1.0), view.k_to);
+    var k = max(follows, view.k_from);
     if (k >= k1) {
         return FAR;
-    }
-    if (entry >= view.k_from && inside(r, entry)) {
-        return -1.0 - entry;
     }
     var hit = FAR;
     loop {

@@ -1,6 +1,7 @@
 // Maximum intensity projection: the table at the largest density that any body meets, opacity uncorrected.
 //
-// The maximum does not care for order, so overlapping bodies need no merging. A mask divides matter at ½.
+// The maximum does not care for order, so overlapping bodies need no merging; of equal ones the nearest is taken. A mask divides
+// matter at ½.
 
 #import burin::body::{Sight, BodyRay, view, bodies, sight_of, head_of, listed, ray_of, interval, skip_empty, run_from, run_texel, FAR, MERGE as MERGE_TILE}
 #import burin::field::{brick_of, selection_page, selection_at, is_nan}
@@ -32,11 +33,13 @@ fn selected(p: vec3<f32>) -> f32 {
 #endif
 }
 
-fn exceeds(texel: f32) -> bool {
+// Of equal maxima the nearest, in whatever order bodies come.
+fn exceeds(texel: f32, k: f32) -> bool {
+    let better = texel > largest || (texel == largest && k < largest_at);
 #ifdef FLOAT_DENSITY
-    return !is_nan(texel) && texel > largest;
+    return !is_nan(texel) && better;
 #else
-    return texel > largest;
+    return better;
 #endif
 }
 
@@ -53,7 +56,7 @@ fn march(r: BodyRay, k0: f32, k1: f32) {
                 break;
             }
             let texel = run_texel(run, k);
-            var better = exceeds(texel);
+            var better = exceeds(texel, k);
 #ifdef SELECTION
             if (better && r.mask != 0u) {
                 better = (selected(r.o + r.d * k) >= 0.5) == (r.mask == 1u);

@@ -63,7 +63,10 @@ pub(super) fn drawn(
     let whole = grid.index_bounds();
     let selection = selected_bounds(fields.selection, grid, running);
     let block = Solid::hexahedron(&grid.world_corners());
-    let single = bodies.iter().filter_map(|body| {
+    // In the order of their names: sums of what overlaps, and so the picture's last bits, depend on no other order.
+    let mut bodies: Vec<&Body> = bodies.iter().collect();
+    bodies.sort_by_key(|body| body.id);
+    let single = bodies.into_iter().filter_map(|body| {
         // Nothing selected: there is no selected matter, and all of it is background.
         let (mask, bounds) = match (body.mask, selection) {
             (Mask::Selection, None) => return None,

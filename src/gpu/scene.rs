@@ -222,13 +222,19 @@ fn passes(drawn: &[Drawn], sight: Sight, eye: DVec3, step_mm: f64, tiles: &Tiles
     // Beyond that a sample's number is no whole number in 32-bit float, and a step of 1 leads nowhere.
     const LAST: f64 = 16_777_216.0;
     let last = ((corners().map(far).fold(0.0, f64::max) / step_mm).ceil() + 1.0).min(LAST);
-    // Nothing lies nearer than the plane through the nearest corner, perpendicular to the mean direction.
-    let mean = (corners().sum::<DVec3>() / corners().count().max(1) as f64 - eye).normalize_or_zero();
-    let first = (corners().map(|p| (*p - eye).dot(mean)).fold(f64::INFINITY, f64::min) / step_mm).floor().max(0.0);
+    // Nothing lies nearer than the plane through the nearest corner that rays cross: square to all of them in orthographic
+    // projection; from an eye any will do, best one across the mean direction.
+    let along = match sight {
+        Sight::Eye(_) => (corners().sum::<DVec3>() / corners().count().max(1) as f64 - eye).normalize_or_zero(),
+        Sight::Along(direction) => direction,
+    };
+    let nearest = corners().map(|p| (*p - eye).dot(along)).fold(f64::INFINITY, f64::min);
+    // A sample before it, since the GPU's narrower numbers may enter a body there.
+    let first = ((nearest / step_mm).floor() - 1.0).max(0.0);
     // A sample costs at most four turns of loops per overlapping body, and five for the run it belongs to.
     let stride = (ITERATIONS / (4.0 * tiles.longest_merged as f64 + 5.0)).floor().max(1.0);
     let mut passes = Vec::new();
-    let mut from = if first < last { first } else { 0.0 };
+    let mut from = first;
     while from < last {
         passes.push([from as f32, (from + stride) as f32]);
         from += stride;

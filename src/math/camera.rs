@@ -143,14 +143,16 @@ impl Camera {
         Self { eye: self.eye + shift, target: self.target + shift, ..*self }
     }
 
-    /// Nearer (`factor` < 1) or further; scales the height in orthographic projection.
+    /// Nearer (`factor` < 1) or further. Orthographic projection scales the height alone: its image plane would come into what is
+    /// looked at, and cut off what lies before it.
     #[must_use]
     pub fn zoomed(&self, factor: f64) -> Self {
         let factor = factor.clamp(1e-3, 1e3);
-        let projection = match self.projection {
-            Projection::Orthographic { height_mm } => Projection::Orthographic { height_mm: height_mm * factor },
-            perspective @ Projection::Perspective { .. } => perspective,
-        };
-        Self { eye: self.target + (self.eye - self.target) * factor, projection, ..*self }
+        match self.projection {
+            Projection::Orthographic { height_mm } => {
+                Self { projection: Projection::Orthographic { height_mm: height_mm * factor }, ..*self }
+            }
+            Projection::Perspective { .. } => Self { eye: self.target + (self.eye - self.target) * factor, ..*self },
+        }
     }
 }

@@ -5,6 +5,8 @@ mod cast_bodies;
 mod cast_image;
 mod cast_limits;
 mod cast_modes;
+mod cast_near;
+mod cast_rings;
 mod cast_tiles;
 mod device;
 mod in_place;

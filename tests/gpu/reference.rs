@@ -266,7 +266,7 @@ fn mip(dense: &Dense, frame: &Frame, met: &[Met<'_>]) -> Pixel {
             let value = dense.density(p);
             if weight(m.body.mask, if dense.selection(p) >= 0.5 { 1.0 } else { 0.0 }) > 0.0
                 && !value.is_nan()
-                && best.is_none_or(|b| value > b.0)
+                && best.is_none_or(|b| value > b.0 || (value == b.0 && k * frame.step_mm < b.1))
             {
                 best = Some((value, k * frame.step_mm, m));
             }
