@@ -143,7 +143,13 @@ fn run(path: &Path, project: Option<PathBuf>, keep_going: bool) -> Result<(), St
     let mut document = Document::new();
     if let Some(dir) = project {
         if dir.join("project.json").exists() {
-            document.apply(burin::document::Command::Project(ProjectCommand::Open { path: dir })).map_err(said)?;
+            document
+                .apply(burin::document::Command::Project(ProjectCommand::Open {
+                    path: dir,
+                    source: None,
+                    generation: None,
+                }))
+                .map_err(said)?;
         } else {
             document.save_to(dir);
         }
@@ -177,7 +183,7 @@ fn render(
                 return Err(format!("--{name}: {found} found for a project, which has its own; none expected"));
             }
         }
-        Opened::project_to_read(path, &|_| true)
+        Opened::project_to_read(path, Default::default(), &|_| true)
     } else {
         let (component, frame) = (component.unwrap_or(0), frame.unwrap_or(0));
         Opened::volume(Origin { path: path.into(), component, frame }, None, OpenAs::Image, None, &|_| true)

@@ -86,7 +86,15 @@ fn one() -> f32 {
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ProjectCommand {
     /// Opens a project folder; replays what its journal holds beyond the last save.
-    Open { path: PathBuf },
+    Open {
+        path: PathBuf,
+        /// The file of a linked density, where it is not at the place that the project knows; it must be the same by its hash.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        source: Option<PathBuf>,
+        /// An older generation than the last, where that one is damaged.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        generation: Option<u64>,
+    },
     /// Writes the next generation; `path` for the first save or for a copy elsewhere.
     Save {
         #[serde(default)]

@@ -66,6 +66,12 @@ impl Scene {
         self.layers.iter().find(|l| l.field == field).copied().unwrap_or_else(|| Layer::new(field))
     }
 
+    /// The scene as JSON says it: a path that is not UTF-8 comes back with marks in it.
+    pub(super) fn sayable(&self) -> Self {
+        let path = self.origin.path.to_string_lossy().into_owned().into();
+        Self { origin: Origin { path, ..self.origin.clone() }, ..self.clone() }
+    }
+
     /// Checks a scene that was read from disk, so that nothing behind it meets numbers it cannot use.
     ///
     /// # Errors

@@ -3,6 +3,7 @@
 use super::state::unit;
 use super::{
     Command, Document, DocumentError, KeepError, Keeper, KeptDocument, OpenAs, Origin, Recovered, State, VolumeCommand,
+    Wanted,
 };
 use crate::io;
 use crate::volume::{BrickSource, FieldKind, Histogram, Statistics, Value};
@@ -35,8 +36,26 @@ impl State {
         let source = opened.source(origin.component, origin.frame, &|x| progress(x * 0.2))?;
         let statistics = io::statistics(source.as_ref(), &|x| progress(0.2 + x * 0.2))?;
         let histogram = histogram(source.as_ref(), &statistics, &|x| progress(0.4 + x * 0.2))?;
-        Self::new(source, Origin { path, ..origin }, statistics, histogram, range, &|x| progress(0.6 + x * 0.4))
+        let files = opened.files;
+        let marks = files.clone();
+        let origin = Origin { path, ..origin };
+        let state = Self::over(source, origin, files, statistics, histogram, range, &|x| progress(0.6 + x * 0.4))?;
+        still_as_opened(&marks)?;
+        Ok(state)
     }
+}
+
+/// Fails if a file was written to while it was read: part of what was read would be of another volume.
+fn still_as_opened(files: &[io::FileMark]) -> Result<(), DocumentError> {
+    for file in files {
+        let now = io::FileMark::of(&file.path).ok();
+        let same = |now: &io::FileMark| (now.bytes, now.modified_ns) == (file.bytes, file.modified_ns);
+        if !now.as_ref().is_some_and(same) {
+            let found = format!("{}, which was written to while it was read", file.path.display());
+            return Err(DocumentError::invalid("path", found, "a file that stays as it is; open it again"));
+        }
+    }
+    Ok(())
 }
 
 /// A document that was read and waits to be taken: reading needs no [`Document`] and may be done on another thread.
@@ -113,16 +132,45 @@ impl Opened {
     /// # Errors
     /// If it is open elsewhere or damaged, the source fails, or `progress` said no.
     pub fn project(dir: &Path, progress: &(dyn Fn(f32) -> bool + Sync)) -> Result<Self, DocumentError> {
-        let (keeper, kept) = Keeper::open(dir)?;
-        Self::kept(Some(keeper), kept, progress)
+        Self::wanted(dir, Wanted::default(), progress)
+    }
+
+    /// The same with a word on the source of a linked density, or on an older generation. A folder that cannot be written to is
+    /// looked at.
+    ///
+    /// # Errors
+    /// As [`project`](Self::project).
+    pub fn wanted(
+        dir: &Path,
+        wanted: Wanted<'_>,
+        progress: &(dyn Fn(f32) -> bool + Sync),
+    ) -> Result<Self, DocumentError> {
+        match Keeper::open_wanted(dir, wanted) {
+            Err(error) if error.is_unwritable() => {
+                let mut opened = Self::kept(None, Keeper::look_wanted(dir, wanted)?, progress)?;
+                opened.warnings.push(format!(
+                    "the project is open to look at: {error}; what is done is not noted and would not survive a crash, \
+                     and can be saved to another folder only"
+                ));
+                Ok(opened)
+            }
+            opened => {
+                let (keeper, kept) = opened?;
+                Self::kept(Some(keeper), kept, progress)
+            }
+        }
     }
 
     /// The same to look at: whatever is done to it is noted nowhere, and others may have it open.
     ///
     /// # Errors
     /// As [`project`](Self::project).
-    pub fn project_to_read(dir: &Path, progress: &(dyn Fn(f32) -> bool + Sync)) -> Result<Self, DocumentError> {
-        Self::kept(None, Keeper::look(dir)?, progress)
+    pub fn project_to_read(
+        dir: &Path,
+        wanted: Wanted<'_>,
+        progress: &(dyn Fn(f32) -> bool + Sync),
+    ) -> Result<Self, DocumentError> {
+        Self::kept(None, Keeper::look_wanted(dir, wanted)?, progress)
     }
 
     /// A document of [`recovery::list`](super::recovery::list).
@@ -145,7 +193,7 @@ impl Opened {
         state.scene.check(state.grid())?;
         let grid = *state.grid();
         state.past.retain(&state.scene, |scene| scene.check(&grid).is_ok());
-        let mut warnings = Vec::new();
+        let mut warnings = recovered.told.clone();
         if let Some((path, reason)) = &recovered.set_aside {
             warnings.push(format!("the journal was damaged and put aside as {}: {reason}", path.display()));
         }
@@ -166,8 +214,13 @@ impl Document {
         self.unsaved = recovered.steps > 0;
         let stroke = self.finish_recovered(&recovered, &mut warnings);
         answer["warnings"] = json!(warnings);
-        if recovered.steps > 0 || !recovered.stroke.is_empty() {
-            answer["recovered"] = json!({ "steps": recovered.steps, "last": recovered.last, "stroke": stroke });
+        if recovered.steps > 0 || !recovered.stroke.is_empty() || recovered.torn_bytes > 0 {
+            answer["recovered"] = json!({
+                "steps": recovered.steps,
+                "last": recovered.last,
+                "stroke": stroke,
+                "torn_bytes": recovered.torn_bytes,
+            });
         }
         answer
     }

@@ -104,11 +104,17 @@ pub struct Looks {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Origin {
     /// As opened.
+    #[serde(serialize_with = "in_utf8")]
     pub path: PathBuf,
     /// Component and frame of the file.
     pub component: u32,
     /// Frame.
     pub frame: u32,
+}
+
+/// A path as JSON can say it: what is not UTF-8 in it becomes a mark.
+fn in_utf8<S: serde::Serializer>(path: &std::path::Path, to: S) -> Result<S::Ok, S::Error> {
+    to.collect_str(&path.display())
 }
 
 /// See the module's head.

@@ -3,7 +3,8 @@
 //! This is all that a save writes and all that undo brings back. Knows neither history nor the GPU, and can be built on a
 //! thread of its own, since reading a volume takes seconds.
 
-use super::{DocumentError, Past, Scene};
+use super::{DocumentError, Past, Scene, SourceFiles};
+use crate::io::FileMark;
 use crate::volume::{BrickSource, DensityMap, Field, FieldKind, Grid, Histogram, Statistics, TexelFormat};
 use std::sync::Arc;
 
@@ -28,6 +29,8 @@ pub struct State {
     pub statistics: Statistics,
     /// Of the source's values.
     pub histogram: Histogram,
+    /// The files that unedited density is read from; `None` if it is in the project.
+    pub files: Option<Arc<SourceFiles>>,
 }
 
 impl State {
@@ -44,9 +47,24 @@ impl State {
         range: Option<[f64; 2]>,
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> Result<Self, DocumentError> {
+        let files = FileMark::of(&origin.path).map_or_else(|_| Vec::new(), |file| vec![file]);
+        Self::over(source, origin, files, statistics, histogram, range, progress)
+    }
+
+    /// The same with all files that the source reads, as they were when they were opened.
+    pub(super) fn over(
+        source: Arc<dyn BrickSource>,
+        origin: super::Origin,
+        files: Vec<FileMark>,
+        statistics: Statistics,
+        histogram: Histogram,
+        range: Option<[f64; 2]>,
+        progress: &(dyn Fn(f32) -> bool + Sync),
+    ) -> Result<Self, DocumentError> {
         let map = density_map(source.as_ref(), &statistics, &histogram, range)?;
         let density = Field::from_source(source.clone(), map, progress)?.ok_or(DocumentError::Stopped)?;
         let grid = *source.grid();
+        let files = if files.is_empty() { None } else { Some(SourceFiles::opened(files)) };
         Ok(Self {
             scene: Scene::new(&grid, &histogram, origin),
             past: Past::default(),
@@ -57,6 +75,7 @@ impl State {
             source,
             statistics,
             histogram,
+            files,
         })
     }
 

@@ -21,7 +21,7 @@ mod nrrd_place;
 mod place;
 mod raw;
 mod reader;
-mod regular;
+pub(crate) mod regular;
 mod replace;
 mod statistics;
 

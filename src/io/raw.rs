@@ -7,6 +7,7 @@
 use super::IoError;
 use super::inflate::open_file;
 use super::layout::{Layout, to_native};
+use super::regular::read_exact_at;
 use crate::volume::{BrickSource, Grid, SourceError, VoxelType, Voxels, check_box};
 use std::fs::File;
 use std::time::SystemTime;
@@ -143,25 +144,4 @@ impl BrickSource for RawSource {
 fn state(file: &File) -> std::io::Result<(u64, Option<SystemTime>)> {
     let about = file.metadata()?;
     Ok((about.len(), about.modified().ok()))
-}
-
-#[cfg(unix)]
-fn read_exact_at(file: &File, bytes: &mut [u8], at: u64) -> std::io::Result<()> {
-    std::os::unix::fs::FileExt::read_exact_at(file, bytes, at)
-}
-
-#[cfg(windows)]
-fn read_exact_at(file: &File, mut bytes: &mut [u8], mut at: u64) -> std::io::Result<()> {
-    while !bytes.is_empty() {
-        match std::os::windows::fs::FileExt::seek_read(file, bytes, at) {
-            Ok(0) => return Err(std::io::ErrorKind::UnexpectedEof.into()),
-            Ok(n) => {
-                bytes = &mut bytes[n..];
-                at += n as u64;
-            }
-            Err(e) if e.kind() == std::io::ErrorKind::Interrupted => {}
-            Err(e) => return Err(e),
-        }
-    }
-    Ok(())
 }

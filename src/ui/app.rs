@@ -181,7 +181,7 @@ impl App {
     /// Opens whatever a path is: a project folder or a volume. What is open is replaced.
     pub fn open(&mut self, path: &Path) {
         let command = if path.is_dir() {
-            Command::Project(ProjectCommand::Open { path: path.into() })
+            Command::Project(ProjectCommand::Open { path: path.into(), source: None, generation: None })
         } else {
             Command::Volume(VolumeCommand::Open {
                 path: path.into(),

@@ -288,7 +288,7 @@ fn replaces(command: &Command) -> bool {
 fn lasts(command: &Command) -> Option<String> {
     let name = |p: &std::path::Path| p.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
     match command {
-        Command::Volume(VolumeCommand::Open { path, .. }) | Command::Project(ProjectCommand::Open { path }) => {
+        Command::Volume(VolumeCommand::Open { path, .. }) | Command::Project(ProjectCommand::Open { path, .. }) => {
             Some(format!("Opening {}", name(path)))
         }
         Command::Volume(VolumeCommand::Export { path, .. }) => Some(format!("Exporting {}", name(path))),

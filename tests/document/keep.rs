@@ -208,8 +208,16 @@ fn density_may_stay_in_its_file_as_long_as_that_is_the_same() {
     keeper.save(Some(&other), &state, Some(DensityKeeping::Linked), &|_| true).unwrap();
     drop(keeper);
     std::fs::write(&state.scene.origin.path, b"the file that was opeNed").unwrap();
-    let message = Keeper::open(&other).unwrap_err().to_string();
+    // It opens at once; what is wrong is known when the hash is, and saving waits for that.
+    let (mut keeper, kept) = Keeper::open(&other).unwrap();
+    let seen = kept.into_state(|_| Ok(state.source.clone()), &|_| true).unwrap();
+    let message = keeper.save(None, &seen, None, &|_| true).unwrap_err().to_string();
     assert!(message.contains("origin.bin: blake3: ") && message.contains(" found, "), "{message}");
+    assert_eq!(seen.files.as_ref().unwrap().trouble(), Some(message));
+    drop(keeper);
+    std::fs::write(&state.scene.origin.path, b"longer than the file that was opened").unwrap();
+    let message = Keeper::open(&other).unwrap_err().to_string();
+    assert!(message.contains("origin.bin: bytes: 36 found, 24 expected"), "{message}");
 }
 
 #[test]

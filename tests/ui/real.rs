@@ -149,7 +149,13 @@ fn a_stroke_by_hand_is_in_the_saved_project() {
     drop(program);
 
     let mut document = Document::new();
-    document.apply(Command::Project(ProjectCommand::Open { path: dir.path().join("ball.burin") })).unwrap();
+    document
+        .apply(Command::Project(ProjectCommand::Open {
+            path: dir.path().join("ball.burin"),
+            source: None,
+            generation: None,
+        }))
+        .unwrap();
     let painted = document.apply(Command::Ask(Question::Field { field: FieldKind::Selection })).unwrap();
     // 5 mm about 28 pixels of travel: a ball holds 65 voxels of 2 mm, the stroke some more, the volume 32,768.
     let count = painted["nonzero"].as_u64().unwrap();

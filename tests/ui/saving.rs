@@ -107,7 +107,8 @@ fn what_is_opened_over_unsaved_work_waits_for_the_save() {
 #[test]
 fn what_a_crash_left_is_said() {
     let mut window = Window::open(SMALL);
-    let open = Command::Project(ProjectCommand::Open { path: "/data/head.burin".into() });
+    let open =
+        Command::Project(ProjectCommand::Open { path: "/data/head.burin".into(), source: None, generation: None });
     let answer = serde_json::json!({ "recovered": { "steps": 2, "last": null, "stroke": "painted" } });
     window.report(Report::Done(open, answer));
     let said = "What was not saved when the program ended was brought back, \

@@ -5,7 +5,7 @@
 //! all of it comes back.
 
 use super::open::Opened;
-use super::{Command, DensityKeeping, Document, DocumentError, Keeper, ProjectCommand, recovery};
+use super::{Command, DensityKeeping, Document, DocumentError, Keeper, ProjectCommand, Wanted, recovery};
 use crate::volume::{BrickIndex, FieldKind};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -29,6 +29,18 @@ impl Document {
     /// Whether steps were done, undone or brought back since the last save.
     pub fn is_unsaved(&self) -> bool {
         self.unsaved
+    }
+
+    /// What is wrong with the file that a linked project's density is read from: it is not the one that was painted on. With `wait`
+    /// its hash is waited for; without, `None` also while nobody knows.
+    pub fn source_trouble(&self, wait: bool) -> Option<String> {
+        let files = self.state.as_ref()?.files.as_ref().filter(|files| files.is_compared())?;
+        if wait { files.hashes(&|| true).err().map(|error| error.to_string()) } else { files.trouble() }
+    }
+
+    /// Whether the hash of a linked project's density is still being compared.
+    pub fn is_comparing(&self) -> bool {
+        self.state.as_ref().and_then(|s| s.files.as_ref()).is_some_and(|f| f.is_compared() && f.is_pending())
     }
 
     /// Closes in order: what was not saved is thrown away.
@@ -56,15 +68,17 @@ impl Document {
 
     pub(in crate::document) fn project(&mut self, command: ProjectCommand) -> Result<Value, DocumentError> {
         match command {
-            ProjectCommand::Open { path } => {
+            ProjectCommand::Open { path, source, generation } => {
                 let watch = self.watch.clone();
-                let opened = self.beside(&path, || Opened::project(&path, &|x| watch.go_on(x)))?;
+                let wanted = Wanted { source: source.as_deref(), generation };
+                let opened = self.beside(&path, || Opened::wanted(&path, wanted, &|x| watch.go_on(x)))?;
                 Ok(self.take(opened))
             }
             ProjectCommand::Save { path, density } => {
                 let watch = self.watch.clone();
                 let saved = self.save(path.as_deref(), density, &|x| watch.go_on(x))?;
-                Ok(json!({ "saved": saved, "path": self.project_dir() }))
+                let path = self.project_dir().map(|dir| dir.display().to_string());
+                Ok(json!({ "saved": saved, "path": path }))
             }
             ProjectCommand::Lost {} => {
                 let lost = recovery::list(&self.recovery_folder()?)?;

@@ -15,7 +15,7 @@ use crate::volume::{BrickIndex, DensityMap, FieldKind, TexelFormat};
 use rayon::prelude::*;
 use serde_json::{Map, Value};
 use std::collections::{BTreeSet, HashMap, VecDeque};
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
@@ -339,7 +339,7 @@ fn start(path: &Path, generation: u64, first_sequence: u64) -> Result<File, Keep
     header.extend(generation.to_le_bytes());
     header.extend(first_sequence.to_le_bytes());
     let write = || {
-        let mut file = OpenOptions::new().read(true).write(true).create(true).truncate(true).open(path)?;
+        let mut file = super::inside::create_anew(path)?;
         file.write_all(&header)?;
         file.sync_all()?;
         Ok(file)

@@ -7,12 +7,12 @@ use super::journal::{HEADER, Journal, MAGIC, Now, VERSION, texel_format};
 use super::journal_record::{
     BrickEntry, Kind, RECORD_HEAD, Record, SamplesHead, StepHead, checksum, decode, decode_brick,
 };
-use super::{KeepError, Past, Scene};
+use super::{KeepError, Past, Scene, inside};
 use crate::paint::Sample;
 use crate::volume::{Brick, BrickIndex, DensityMap, FieldKind};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::{BufReader, ErrorKind, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
@@ -37,6 +37,12 @@ pub(in crate::document) struct Replay {
     pub torn_bytes: u64,
     /// Where a copy of the journal was put because a record in it is damaged, not merely unfinished; and what is wrong.
     pub set_aside: Option<(PathBuf, String)>,
+    /// What is wrong with it, where it is left as it is.
+    pub told: Option<String>,
+}
+
+fn lost(what: &str, bytes: u64) -> String {
+    format!("{what}; the {bytes} bytes from there on, with the steps in them, are lost")
 }
 
 impl Journal {
@@ -49,14 +55,23 @@ impl Journal {
         past: &Past,
         map: &DensityMap,
     ) -> Result<Option<(Self, Replay)>, KeepError> {
-        let file = match OpenOptions::new().read(true).write(true).open(path) {
+        let (dir, name) = place(path);
+        let mut file = match inside::open_to_write(dir, &name) {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
             opened => opened.map_err(KeepError::io("open", path))?,
         };
+        if inside::has_other_names(&file).map_err(KeepError::io("read", path))? {
+            // A copy of the project by links: what is noted here is not noted there.
+            let alone = path.with_extension("alone");
+            copy(&mut file, &alone)
+                .and_then(|()| std::fs::rename(&alone, path))
+                .map_err(KeepError::io("copy", path))?;
+            file = inside::open_to_write(dir, &name).map_err(KeepError::io("open", path))?;
+        }
         let shorten = file.try_clone().map_err(KeepError::io("open", path))?;
         let (mut journal, mut replay, damage) = Self::read(path, file, generation, scene, past, map)?;
         journal.found = Some(journal.end);
-        replay.set_aside = damage.map(|what| set_aside(path, what)).transpose()?;
+        replay.set_aside = damage.map(|what| set_aside(path, lost(&what, replay.torn_bytes))).transpose()?;
         shorten.set_len(journal.end).map_err(KeepError::io("shorten", path))?;
         Ok(Some((journal, replay)))
     }
@@ -69,11 +84,14 @@ impl Journal {
         past: &Past,
         map: &DensityMap,
     ) -> Result<Option<Replay>, KeepError> {
-        let file = match File::open(path) {
+        let (dir, name) = place(path);
+        let file = match inside::open(dir, &name) {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
             opened => opened.map_err(KeepError::io("open", path))?,
         };
-        Ok(Some(Self::read(path, file, generation, scene, past, map)?.1))
+        let (_, mut replay, damage) = Self::read(path, file, generation, scene, past, map)?;
+        replay.told = damage.map(|what| format!("{} is damaged: {}", path.display(), lost(&what, replay.torn_bytes)));
+        Ok(Some(replay))
     }
 
     /// The journal up to its last whole step, what it brings back, and what is wrong with the record after that if it is more
@@ -103,6 +121,7 @@ impl Journal {
             stroke,
             torn_bytes: length - journal.end,
             set_aside: None,
+            told: None,
         };
         Ok((journal, replay, damage))
     }
@@ -217,11 +236,33 @@ fn next_body(reader: &mut impl Read, left: u64, body: &mut Vec<u8>) -> std::io::
     Ok(if checksum(body) == head[4..] { Body::Whole } else { Body::Damaged })
 }
 
+/// The folder and the name of a journal.
+fn place(path: &Path) -> (&Path, String) {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    (path.parent().unwrap_or(Path::new("")), name)
+}
+
 /// Copies the journal before its end is cut off.
 fn set_aside(path: &Path, what: String) -> Result<(PathBuf, String), KeepError> {
-    let aside = path.with_extension("damaged");
-    std::fs::copy(path, &aside).map_err(KeepError::io("copy", path))?;
+    let aside = free_aside(path);
+    let (dir, name) = place(path);
+    let copied = inside::open(dir, &name).and_then(|mut file| copy(&mut file, &aside));
+    copied.map_err(KeepError::io("copy", path))?;
     Ok((aside, what))
+}
+
+/// Where a journal can be put aside without a loss of what was put there before.
+pub(in crate::document) fn free_aside(path: &Path) -> PathBuf {
+    let names = (2..).map(|n| path.with_extension(format!("{n}.damaged")));
+    let free = |path: &PathBuf| path.symlink_metadata().is_err_and(|e| e.kind() == ErrorKind::NotFound);
+    std::iter::once(path.with_extension("damaged")).chain(names).find(free).unwrap_or_default()
+}
+
+fn copy(from: &mut File, to: &Path) -> std::io::Result<()> {
+    let mut out = inside::create_anew(to)?;
+    from.seek(SeekFrom::Start(0))?;
+    std::io::copy(from, &mut out)?;
+    out.sync_all()
 }
 
 /// What a record says apart from bricks; `None` if its head cannot be read.

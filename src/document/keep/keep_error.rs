@@ -79,6 +79,68 @@ pub enum KeepError {
         /// What it was.
         expected: String,
     },
+    /// A file that the density was read from is not what it was.
+    #[error(
+        "{}: {field}: {found} found, {expected} expected; a project that only names the file would open something else: \
+         save with density \"whole\" to keep the voxels in the project, or put the file back as it was",
+        path.display()
+    )]
+    LinkLost {
+        /// File.
+        path: PathBuf,
+        /// `file`, `bytes` or `blake3`.
+        field: &'static str,
+        /// What it is now.
+        found: String,
+        /// What it was.
+        expected: String,
+    },
+    /// The file that the density is linked to is nowhere.
+    #[error(
+        "{} holds the project's voxels and cannot be had ({reason}); a file of {bytes} bytes with blake3 {blake3} \
+         expected: name it as the source (project.open source)",
+        path.display()
+    )]
+    SourceMissing {
+        /// Where it was.
+        path: PathBuf,
+        /// What the system said.
+        reason: String,
+        /// Its length.
+        bytes: u64,
+        /// Its hash.
+        blake3: String,
+    },
+    /// The folder lost its `project.json`; what is in it is somebody's work.
+    #[error(
+        "{} holds a project already{}; open it (project.open) to go on with it, or save to another folder",
+        path.display(),
+        generation.map_or_else(String::new, |n| format!(", generation {n} of it"))
+    )]
+    LostProject {
+        /// Folder.
+        path: PathBuf,
+        /// The newest generation in it.
+        generation: Option<u64>,
+    },
+    /// The current generation is damaged, one before it is not.
+    #[error("{source}; generation {whole} before it is whole: open that one (project.open generation {whole})")]
+    Damaged {
+        /// What is wrong.
+        source: Box<KeepError>,
+        /// The generation that can be opened.
+        whole: u64,
+    },
+    /// A path that JSON cannot say.
+    #[error(
+        "{}: a name that is not UTF-8 found, UTF-8 expected: a project cannot name such a file; \
+         save with density \"whole\", or rename the file or its folder",
+        path.display()
+    )]
+    NotUtf8 {
+        /// File.
+        path: PathBuf,
+    },
     /// The scene holds something that no file can bring back.
     #[error("the scene cannot be written: {reason}; undo the last change and save again")]
     Scene {
@@ -116,6 +178,7 @@ fn advice(error: &std::io::Error) -> &'static str {
         }
         ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => "choose a folder that you may write to",
         ErrorKind::NotFound => "check that it is still there",
+        ErrorKind::InvalidInput => "nothing in a project leads out of it: put the file itself there, or take it away",
         _ => "check the disk and try again; what was saved before is intact",
     }
 }
@@ -125,6 +188,15 @@ impl KeepError {
     pub(in crate::document) fn io(doing: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.to_owned();
         move |source| Self::Io { doing, path, source }
+    }
+
+    /// Whether it says only that nothing can be written there, for want of rights or room.
+    pub(in crate::document) fn is_unwritable(&self) -> bool {
+        let refused = |kind| {
+            use ErrorKind::{PermissionDenied, QuotaExceeded, ReadOnlyFilesystem, StorageFull};
+            matches!(kind, PermissionDenied | ReadOnlyFilesystem | StorageFull | QuotaExceeded)
+        };
+        matches!(self, Self::Io { doing, source, .. } if *doing != "read" && refused(source.kind()))
     }
 
     pub(in crate::document) fn malformed(

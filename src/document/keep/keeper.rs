@@ -3,14 +3,17 @@
 //! Owns the place where the document is kept: a project folder, or a recovery folder before the first save. Is told what was
 //! done and never looks for itself. Dropping it leaves everything to be found at the next start, as a crash would.
 
-use super::journal::Journal;
-use super::journal_replay::Replay;
+use super::journal::{HEADER, Journal};
+use super::journal_replay::{Replay, free_aside};
 use super::recovery;
-use super::store::{Committed, DensityKeeping, Saved, Store, current_generation, read_generation};
+use super::store::{Committed, DensityKeeping, Saved, Store};
 use super::store_files::remove_dir;
+use super::store_link::Link;
 use super::store_lock::Lock;
-use super::store_manifest::{Kept, Link, Manifest};
+use super::store_manifest::{Kept, MANIFEST, Manifest};
+use super::store_read::{Wanted, load, named, read_unsaved};
 use super::{Command, KeepError, KeptDocument, State};
+use crate::io::FileMark;
 use crate::paint::Sample;
 use crate::volume::{BrickIndex, FieldKind};
 use std::collections::BTreeMap;
@@ -36,11 +39,15 @@ impl Keeper {
     /// # Errors
     /// If the recovery folder or the file that was opened cannot be had.
     pub fn unsaved(state_dir: &Path, state: &State) -> Result<Self, KeepError> {
-        let link = Link::to_unchanged(&state.scene.origin.path)?;
+        let path = &state.scene.origin.path;
+        let link = match &state.files {
+            Some(files) => Link::until_next_start(files.files())?,
+            None => Link::until_next_start(&[FileMark::of(path).map_err(KeepError::io("read", path))?])?,
+        };
         let (dir, lock) = recovery::create(state_dir)?;
         let start = || {
             let manifest = Manifest::of(0, state, Kept::Linked(link), BTreeMap::new());
-            super::store_files::write_new(&dir.join(super::store::MANIFEST), &manifest.json()?)?;
+            super::store_files::write_new(&dir.join(MANIFEST), &manifest.json()?)?;
             Journal::create(&dir.join(recovery::JOURNAL), 0, &state.scene, &state.past, state.density.map())
         };
         match start() {
@@ -71,15 +78,25 @@ impl Keeper {
     /// If it is open elsewhere, or damaged. A damaged journal is set aside and told in
     /// [`Recovered`](super::Recovered); the generation opens without it.
     pub fn open(dir: &Path) -> Result<(Self, KeptDocument), KeepError> {
-        let (store, loaded) = Store::open(dir)?;
+        Self::open_wanted(dir, Wanted::default())
+    }
+
+    /// The same with a word on the source of a linked density, or on an older generation.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn open_wanted(dir: &Path, wanted: Wanted<'_>) -> Result<(Self, KeptDocument), KeepError> {
+        let (store, loaded) = Store::open(dir, wanted)?;
         let path = dir.join(journal_name(store.generation()));
-        remove_other_journals(dir, &path);
+        if loaded.is_current {
+            remove_older_journals(dir, store.generation(), store.generation());
+        }
         let Manifest { scene, past, volume, .. } = &loaded.manifest;
         let map = &volume.map;
         let mut set_aside = None;
         let resumed = match Journal::resume(&path, store.generation(), scene, past, map) {
             Err(error @ KeepError::Malformed { .. }) => {
-                let aside = path.with_extension("damaged");
+                let aside = free_aside(&path);
                 std::fs::rename(&path, &aside).map_err(KeepError::io("set aside", &path))?;
                 set_aside = Some((aside, error.to_string()));
                 None
@@ -101,16 +118,30 @@ impl Keeper {
     /// be written.
     ///
     /// # Errors
-    /// As [`open`](Self::open); a damaged journal is an error.
+    /// As [`open`](Self::open); of a damaged journal is told what is lost.
     pub fn look(dir: &Path) -> Result<KeptDocument, KeepError> {
+        Self::look_wanted(dir, Wanted::default())
+    }
+
+    /// The same with a word on the source of a linked density, or on an older generation.
+    ///
+    /// # Errors
+    /// As [`look`](Self::look).
+    pub fn look_wanted(dir: &Path, wanted: Wanted<'_>) -> Result<KeptDocument, KeepError> {
         loop {
-            let loaded = read_generation(dir)?;
+            let mut loaded = load(dir, wanted)?;
             let generation = loaded.manifest.generation;
             let path = dir.join(journal_name(generation));
             let Manifest { scene, past, volume, .. } = &loaded.manifest;
-            let replay = Journal::look(&path, generation, scene, past, &volume.map)?;
+            let replay = match Journal::look(&path, generation, scene, past, &volume.map) {
+                Err(error @ KeepError::Malformed { .. }) => {
+                    loaded.told.push(format!("what was done after the last save is lost: {error}"));
+                    None
+                }
+                other => other?,
+            };
             // Whoever has it open may have saved meanwhile, and the journal went with it.
-            if current_generation(dir)? == generation {
+            if !loaded.is_current || named(dir)?.is_none_or(|now| now == generation) {
                 return KeptDocument::new(loaded, replay.unwrap_or_default(), &path);
             }
         }
@@ -123,7 +154,7 @@ impl Keeper {
     pub fn recover(state_dir: &Path, id: &str) -> Result<(Self, KeptDocument), KeepError> {
         let dir = recovery::folder(state_dir, id)?;
         let lock = Lock::take(&dir)?;
-        let loaded = super::store::read_unsaved(&dir)?;
+        let loaded = read_unsaved(&dir)?;
         let path = dir.join(recovery::JOURNAL);
         let Manifest { scene, past, volume, .. } = &loaded.manifest;
         let resumed = Journal::resume(&path, 0, scene, past, &volume.map)?;
@@ -264,16 +295,21 @@ fn save_into(
     let dir = store.dir().to_owned();
     // Before the rename, so that there is no moment at which a generation is current and nothing can be noted.
     let start = |generation| {
-        Journal::create(&dir.join(journal_name(generation)), generation, &state.scene, &state.past, state.density.map())
+        let path = dir.join(journal_name(generation));
+        // Of a generation that is no more; whatever steps are in it are somebody's.
+        if path.symlink_metadata().is_ok_and(|about| about.is_file() && about.len() > HEADER) {
+            std::fs::rename(&path, free_aside(&path)).map_err(KeepError::io("set aside", &path))?;
+        }
+        Journal::create(&path, generation, &state.scene, &state.past, state.density.map())
     };
-    let next = store.generation() + 1;
+    let (before, next) = (store.generation(), store.next_generation());
     let committed = store.save(state, density, start, progress).inspect_err(|_| {
         // Its generation is not.
         let _ = std::fs::remove_file(dir.join(journal_name(next)));
     })?;
     // A power cut could bring the old generation back, which is nothing without its journal.
     if committed.doubt.is_none() {
-        remove_other_journals(&dir, committed.made.path());
+        remove_older_journals(&dir, before, committed.saved.generation);
     }
     Ok(committed)
 }
@@ -302,15 +338,22 @@ fn journal_name(generation: u64) -> String {
     format!("journal-{generation:06}")
 }
 
-/// Journals of other generations are superseded by the current one; damaged ones that were set aside stay.
-fn remove_other_journals(dir: &Path, current: &Path) {
+/// Journals of generations up to the one that was `read` are superseded by the current one; steps of others, that nobody has read,
+/// are put aside. What was put aside stays.
+fn remove_older_journals(dir: &Path, read: u64, current: u64) {
     let Ok(entries) = std::fs::read_dir(dir) else { return };
-    for path in entries.flatten().map(|e| e.path()) {
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let set_aside = path.extension().is_some_and(|e| e == "damaged");
-        if name.starts_with("journal-") && path != current && !set_aside {
-            std::fs::remove_file(&path).unwrap_or_else(|e| tracing::warn!("{}: {e}", path.display()));
-        }
+    for entry in entries.flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let left = name.strip_prefix("journal-").map(|rest| rest.split('.').collect::<Vec<_>>());
+        let number = match left.as_deref() {
+            Some([number] | [number, "gathered" | "alone"]) => number.parse().ok().filter(|&n: &u64| n < current),
+            _ => None,
+        };
+        let Some(number) = number else { continue };
+        let path = entry.path();
+        let unread = number > read && entry.metadata().is_ok_and(|about| about.len() > HEADER);
+        let gone = if unread { std::fs::rename(&path, free_aside(&path)) } else { std::fs::remove_file(&path) };
+        gone.unwrap_or_else(|e| tracing::warn!("{}: {e}", path.display()));
     }
 }
 

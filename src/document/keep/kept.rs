@@ -1,8 +1,9 @@
 //! A document as it was kept: a generation with its journal laid over it, ready to become a [`State`] again.
 
 use super::journal_replay::Replay;
-use super::store::{Loaded, LoadedDensity};
+use super::source_files::SourceFiles;
 use super::store_fields::Edits;
+use super::store_read::{Loaded, LoadedDensity};
 use super::{DocumentError, KeepError, Origin, Past, Scene, State};
 use crate::paint::Sample;
 use crate::volume::{BRICK, BrickIndex, BrickSource, DensityMap, Field, FieldKind, Grid, Histogram, Statistics};
@@ -28,6 +29,8 @@ pub struct KeptDocument {
     pub histogram: Histogram,
     /// Where unedited density is.
     pub density: LoadedDensity,
+    /// The files of a linked density; their hash is being compared.
+    pub files: Option<Arc<SourceFiles>>,
     /// Edited bricks of each field.
     pub edits: BTreeMap<FieldKind, Edits>,
     /// What came back from the journal.
@@ -48,11 +51,14 @@ pub struct Recovered {
     pub torn_bytes: u64,
     /// Where a damaged journal was put, and what is wrong with it.
     pub set_aside: Option<(PathBuf, String)>,
+    /// What the user should know of the project besides, in sentences.
+    pub told: Vec<String>,
 }
 
 impl KeptDocument {
     pub(in crate::document) fn new(loaded: Loaded, replay: Replay, journal: &Path) -> Result<Self, KeepError> {
-        let Loaded { manifest, density, mut edits } = loaded;
+        let Loaded { manifest, density, mut edits, files, mut told, .. } = loaded;
+        told.extend(replay.told);
         let grid = manifest.grid();
         let bricks = grid.dims.map(|d| d.div_ceil(BRICK));
         if replay.map.is_some() {
@@ -88,6 +94,7 @@ impl KeptDocument {
             statistics: manifest.statistics(),
             histogram: manifest.histogram(),
             density,
+            files,
             edits,
             recovered: Recovered {
                 steps: replay.steps,
@@ -95,6 +102,7 @@ impl KeptDocument {
                 stroke: replay.stroke,
                 torn_bytes: replay.torn_bytes,
                 set_aside: replay.set_aside,
+                told,
             },
         })
     }
@@ -131,6 +139,7 @@ impl KeptDocument {
             source,
             statistics: self.statistics,
             histogram: self.histogram,
+            files: self.files,
         };
         for (kind, edits) in self.edits {
             let changes: Vec<(BrickIndex, _)> = edits.into_iter().map(|(i, brick)| (i, Some(brick))).collect();

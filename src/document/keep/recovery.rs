@@ -4,12 +4,11 @@
 //! removes its folder; what a crash leaves is offered at the next start. Whoever calls names the place; for programs it is
 //! [`state_dir`].
 
-use super::KeepError;
 use super::journal::HEADER;
-use super::store::MANIFEST;
 use super::store_files::{create_dir, remove_dir};
 use super::store_lock::Lock;
 use super::store_manifest::Manifest;
+use super::{KeepError, inside};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -58,9 +57,10 @@ pub fn discard(state_dir: &Path, id: &str) -> Result<(), KeepError> {
 
 fn look(dir: &Path) -> Option<Lost> {
     let id = dir.file_name()?.to_str()?.to_owned();
+    inside::check_folder(dir).ok()?;
     let _lock = Lock::take(dir).ok()?;
-    let about = std::fs::metadata(dir.join(JOURNAL)).ok()?;
-    let manifest = Manifest::read(&dir.join(MANIFEST)).map_err(|e| tracing::warn!("{e}")).ok()?;
+    let about = std::fs::symlink_metadata(dir.join(JOURNAL)).ok().filter(std::fs::Metadata::is_file)?;
+    let manifest = Manifest::read(dir).map_err(|e| tracing::warn!("{e}")).ok()?;
     // A crash before the first command lost nothing.
     if about.len() <= HEADER {
         remove_dir(dir).map_err(|e| tracing::warn!("{e}")).ok()?;
@@ -85,7 +85,11 @@ pub(in crate::document) fn create(state_dir: &Path) -> Result<(PathBuf, Lock), K
 pub(in crate::document) fn folder(state_dir: &Path, id: &str) -> Result<PathBuf, KeepError> {
     let plain = !id.is_empty() && id.bytes().all(|b| b.is_ascii_hexdigit() || b == b'-');
     let dir = state_dir.join(FOLDER).join(id);
-    if plain && dir.is_dir() { Ok(dir) } else { Err(KeepError::NothingLost { id: id.to_owned() }) }
+    if plain && inside::check_folder(&dir).is_ok() {
+        Ok(dir)
+    } else {
+        Err(KeepError::NothingLost { id: id.to_owned() })
+    }
 }
 
 /// Where programs keep unsaved documents: `$BURIN_STATE_DIR`, else `$XDG_STATE_HOME/burin`, else `~/.local/state/burin`

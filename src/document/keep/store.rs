@@ -9,26 +9,25 @@
 //! and `generation.json`: the scene, the grid with its full orientation, the density map, and the hashes of all shards.
 //! Owns the folder and its lock; knows nothing of the journal but the generation that it belongs to.
 
+use super::source_files::SourceFiles;
 use super::store_arrays::{SHARD, group_json, ome_attributes};
-use super::store_fields::{Edits, array_name, read_edited, read_field, write_edited, write_field};
+use super::store_fields::{array_name, write_edited, write_field};
 use super::store_files::{Writer, create_dir, remove_dir, replace, sync_dir};
-use super::store_lock::Lock;
-use super::store_manifest::{Kept, Link, Manifest, VERSION, project_json, read_project};
+use super::store_link::Link;
+use super::store_lock::{LOCK, Lock};
+use super::store_manifest::{Kept, MANIFEST, Manifest, PROJECT, VERSION, project_json};
+use super::store_read::{
+    Loaded, LoadedDensity, Wanted, check_project, described, generation_name, generation_of, load,
+};
 use super::store_source::{ZarrSource, density_layout};
-use super::{KeepError, State};
-use crate::volume::{BrickSource, FieldKind, Grid};
+use super::{KeepError, State, inside};
+use crate::volume::{BRICK, BrickSource, FieldKind, Grid};
 use rayon::prelude::*;
 use serde_json::json;
 use std::collections::BTreeMap;
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// Names the current generation.
-pub(in crate::document) const PROJECT: &str = "project.json";
-/// A generation's own description.
-pub(in crate::document) const MANIFEST: &str = "generation.json";
 
 /// What a save did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -62,23 +61,6 @@ pub enum DensityKeeping {
     Linked,
 }
 
-/// Where a loaded document's unedited density is.
-#[derive(Clone, Debug)]
-pub enum LoadedDensity {
-    /// In the project.
-    Whole(Arc<ZarrSource>),
-    /// In the file that the scene's origin names; its identity was checked.
-    Linked(PathBuf),
-}
-
-/// A generation as it is on disk.
-#[derive(Debug)]
-pub(in crate::document) struct Loaded {
-    pub manifest: Manifest,
-    pub density: LoadedDensity,
-    pub edits: BTreeMap<FieldKind, Edits>,
-}
-
 /// An open project folder; nobody else can open it meanwhile.
 #[derive(Debug)]
 pub(in crate::document) struct Store {
@@ -87,6 +69,8 @@ pub(in crate::document) struct Store {
     /// The current generation's; `None` before the first save.
     manifest: Option<Manifest>,
     source: Option<Arc<ZarrSource>>,
+    /// Of a linked density.
+    files: Option<Arc<SourceFiles>>,
     is_new_folder: bool,
     lock: Lock,
 }
@@ -97,28 +81,23 @@ impl Store {
         let is_new_folder = !dir.exists();
         create_dir(dir)?;
         // Before the lock, which is a file: a folder of something else is left as it is.
-        for entry in std::fs::read_dir(dir).map_err(KeepError::io("read", dir))? {
-            let name = entry.map_err(KeepError::io("read", dir))?.file_name().to_string_lossy().into_owned();
-            // A first save that a crash cut short leaves these.
-            if name != "lock" && !is_generation(&name) && !name.starts_with("journal-") && name != "project.new" {
-                return Err(KeepError::NotEmpty { path: dir.to_owned(), found: name });
-            }
-        }
+        check_leftovers(dir)?;
         let lock = Lock::take(dir)?;
-        Ok(Self { dir: dir.to_owned(), generation: 0, manifest: None, source: None, is_new_folder, lock })
+        Ok(Self { dir: dir.to_owned(), generation: 0, manifest: None, source: None, files: None, is_new_folder, lock })
     }
 
-    /// Opens a project and reads its current generation.
-    pub fn open(dir: &Path) -> Result<(Self, Loaded), KeepError> {
+    /// Opens a project and reads its current generation, or what else is wanted.
+    pub fn open(dir: &Path, wanted: Wanted<'_>) -> Result<(Self, Loaded), KeepError> {
         check_project(dir)?;
         let lock = Lock::take(dir)?;
-        let loaded = read_generation(dir)?;
+        let loaded = load(dir, wanted)?;
         let source = match &loaded.density {
             LoadedDensity::Whole(source) => Some(source.clone()),
             LoadedDensity::Linked(_) => None,
         };
         let (generation, manifest) = (loaded.manifest.generation, Some(loaded.manifest.clone()));
-        let store = Self { dir: dir.to_owned(), generation, manifest, source, is_new_folder: false, lock };
+        let files = loaded.files.clone();
+        let store = Self { dir: dir.to_owned(), generation, manifest, source, files, is_new_folder: false, lock };
         Ok((store, loaded))
     }
 
@@ -150,7 +129,9 @@ impl Store {
         before: impl FnOnce(u64) -> Result<T, KeepError>,
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> Result<Committed<T>, KeepError> {
-        let generation = self.generation + 1;
+        inside::check_writable(&self.dir).map_err(KeepError::io("write into", &self.dir))?;
+        // Beyond whatever was written to its end: where no file says which is the current one, a newer one may be somebody's work.
+        let generation = self.next_generation();
         let keeping = keeping.unwrap_or(match self.manifest.as_ref().map(|m| &m.volume.kept) {
             Some(Kept::Linked(_)) => DensityKeeping::Linked,
             _ => DensityKeeping::Whole,
@@ -158,14 +139,14 @@ impl Store {
         let previous = self.manifest.as_ref().map(|_| self.dir.join(generation_name(self.generation)));
         let at = self.dir.join(generation_name(generation));
         let written = Writer::new(at.clone(), previous).and_then(|writer| {
-            let manifest = self.write(&writer, generation, state, keeping, progress)?;
+            let (manifest, linked) = self.write(&writer, generation, state, keeping, progress)?;
             writer.sync()?;
             sync_dir(&self.dir)?;
             let made = before(generation)?;
             replace(&self.dir.join(PROJECT), &project_json(generation)?)?;
-            Ok((writer, manifest, made))
+            Ok((writer, manifest, linked, made))
         });
-        let (writer, manifest, made) = match written {
+        let (writer, manifest, linked, made) = match written {
             Ok(done) => done,
             Err(error) => {
                 remove_dir(&at).unwrap_or_else(|e| tracing::warn!("{e}"));
@@ -173,12 +154,20 @@ impl Store {
             }
         };
         // The new generation is the current one from here on, whatever else fails.
-        self.generation = generation;
+        let before = std::mem::replace(&mut self.generation, generation);
         self.manifest = Some(manifest);
-        let moved = self.source.as_ref().map_or(Ok(()), |source| source.move_to(&at));
+        let moved = match (linked.file, &self.source) {
+            (Some(file), Some(source)) => {
+                source.read_from(file);
+                Ok(())
+            }
+            (None, Some(source)) if linked.files.is_none() => source.move_to(&at),
+            _ => Ok(()),
+        };
+        self.files = linked.files;
         let doubt = moved.and_then(|()| sync_dir(&self.dir)).err();
         if doubt.is_none() {
-            self.prune();
+            self.prune(before);
         }
         progress(1.0);
         let saved = Saved { generation, bytes_written: writer.bytes_written(), files_linked: writer.files_linked() };
@@ -203,7 +192,7 @@ impl Store {
         state: &State,
         keeping: DensityKeeping,
         progress: &(dyn Fn(f32) -> bool + Sync),
-    ) -> Result<Manifest, KeepError> {
+    ) -> Result<(Manifest, Linked), KeepError> {
         let grid = *state.grid();
         let total = grid.dims.iter().map(|d| d.div_ceil(SHARD) as usize).product::<usize>();
         let painted: usize = FieldKind::ALL.iter().map(|&k| state.field(k).edits().len().div_ceil(64)).sum();
@@ -214,6 +203,7 @@ impl Store {
         };
         writer.write_or_link("zarr.json", &group_json(serde_json::Map::new())?)?;
         let old = self.manifest.as_ref();
+        let mut linked = Linked::default();
         let kept = match (keeping, old.map(|m| &m.volume.kept)) {
             (DensityKeeping::Whole, Some(Kept::Whole)) => {
                 link_density(writer, &grid, state.source.as_ref())?;
@@ -223,10 +213,15 @@ impl Store {
                 write_density(writer, &grid, state.source.as_ref(), &tick)?;
                 Kept::Whole
             }
-            (DensityKeeping::Linked, Some(Kept::Linked(link))) if link.names(&state.scene.origin.path) => {
-                Kept::Linked(link.clone())
+            (DensityKeeping::Linked, _) => {
+                let go_on = || progress(0.0);
+                linked = match state.files.as_ref().or(self.files.as_ref()) {
+                    Some(files) => Linked { files: Some(files.clone()), file: None },
+                    None => Linked::to_equal(state, &go_on)?,
+                };
+                let files = linked.files.as_ref().ok_or(KeepError::NoPath)?;
+                Kept::Linked(Link::to(files, &self.dir, &go_on)?)
             }
-            (DensityKeeping::Linked, _) => Kept::Linked(Link::to(&state.scene.origin.path)?),
         };
         let mut shards = BTreeMap::new();
         let none = BTreeMap::new();
@@ -239,88 +234,90 @@ impl Store {
         shards.insert(edited.to_owned(), write_edited(writer, &state.density, &grid, before(edited))?);
         let manifest = Manifest::of(generation, state, kept, shards);
         writer.write(MANIFEST, &manifest.json()?)?;
-        Ok(manifest)
+        Ok((manifest, linked))
     }
 
-    /// Removes what neither the current generation nor the one before it needs. A failure costs room and no data.
-    fn prune(&self) {
+    /// The number of the next generation.
+    pub fn next_generation(&self) -> u64 {
+        described(&self.dir).first().map_or(0, |&newest| newest).max(self.generation) + 1
+    }
+
+    /// Removes what is older than the generation `before` the current one. A failure costs room and no data.
+    fn prune(&self, before: u64) {
         let Ok(entries) = std::fs::read_dir(&self.dir) else { return };
         for entry in entries.flatten() {
             let name = entry.file_name().to_string_lossy().into_owned();
-            let kept = [self.generation, self.generation.saturating_sub(1)].map(generation_name);
-            if is_generation(&name) && !kept.contains(&name) {
+            if generation_of(&name).is_some_and(|n| n < before) {
                 remove_dir(&entry.path()).unwrap_or_else(|e| tracing::warn!("{e}"));
             }
         }
     }
 }
 
-/// The generation that a project names.
-pub(in crate::document) fn current_generation(dir: &Path) -> Result<u64, KeepError> {
-    check_project(dir)?;
-    read_project(&dir.join(PROJECT))
-}
-
-/// Fails unless there is a project.
-fn check_project(dir: &Path) -> Result<(), KeepError> {
-    let project = dir.join(PROJECT);
-    match std::fs::metadata(&project) {
-        Err(error) if error.kind() == ErrorKind::NotFound => Err(KeepError::NotAProject { path: dir.to_owned() }),
-        Err(error) => Err(KeepError::io("read", &project)(error)),
-        Ok(_) => Ok(()),
+/// Fails unless a folder is empty, or holds only what a first save that a crash cut short leaves.
+fn check_leftovers(dir: &Path) -> Result<(), KeepError> {
+    if check_project(dir).is_ok() {
+        let whole = described(dir).first().copied();
+        return Err(KeepError::LostProject { path: dir.to_owned(), generation: whole });
     }
-}
-
-/// Reads a project's current generation.
-pub(in crate::document) fn read_generation(dir: &Path) -> Result<Loaded, KeepError> {
-    let generation = current_generation(dir)?;
-    let at = dir.join(generation_name(generation));
-    let path = at.join(MANIFEST);
-    let manifest = Manifest::read(&path)?;
-    if manifest.generation != generation {
-        return Err(KeepError::malformed(&path, "generation", manifest.generation, generation.to_string()));
-    }
-    let grid = manifest.grid();
-    let density = match &manifest.volume.kept {
-        Kept::Whole => {
-            let v = &manifest.volume;
-            let scaling = (v.scaling[0], v.scaling[1]);
-            LoadedDensity::Whole(Arc::new(ZarrSource::open(&at, v.name.clone(), grid, v.voxel_type, scaling)?))
+    for entry in std::fs::read_dir(dir).map_err(KeepError::io("read", dir))? {
+        let entry = entry.map_err(KeepError::io("read", dir))?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let about = std::fs::symlink_metadata(entry.path()).map_err(KeepError::io("read", &entry.path()))?;
+        let left = match () {
+            () if name == LOCK || name == "project.new" => about.is_file(),
+            () if generation_of(&name).is_some() => about.is_dir(),
+            // One with steps in it is somebody's work.
+            () if name.starts_with("journal-") => about.is_file() && about.len() <= super::journal::HEADER,
+            () => false,
+        };
+        if !left {
+            return Err(KeepError::NotEmpty { path: dir.to_owned(), found: name });
         }
-        Kept::Linked(link) => {
-            link.check()?;
-            LoadedDensity::Linked(link.path.clone())
-        }
-    };
-    let edited = read_edited(&at, grid.dims, manifest.shards_of(super::store_fields::EDITED))?;
-    let mut edits = BTreeMap::new();
-    for kind in FieldKind::ALL {
-        let shards = manifest.shards_of(array_name(kind));
-        let only = (kind == FieldKind::Density).then_some(&edited[..]);
-        edits.insert(kind, read_field(&at, kind, manifest.texel_format(kind), grid.dims, shards, only)?);
     }
-    Ok(Loaded { manifest, density, edits })
+    Ok(())
 }
 
-/// Reads the description of a document that was never saved; its fields are blank but for the journal's bricks.
-pub(in crate::document) fn read_unsaved(dir: &Path) -> Result<Loaded, KeepError> {
-    let path = dir.join(MANIFEST);
-    let manifest = Manifest::read(&path)?;
-    let Kept::Linked(link) = &manifest.volume.kept else {
-        return Err(KeepError::malformed(&path, "volume.kept", "whole", "a link to the file that was opened"));
-    };
-    link.check()?;
-    let density = LoadedDensity::Linked(link.path.clone());
-    Ok(Loaded { manifest, density, edits: BTreeMap::new() })
+/// What a save found out of the files that it linked.
+#[derive(Debug, Default)]
+struct Linked {
+    files: Option<Arc<SourceFiles>>,
+    /// The voxels in the file, where they were in the project before.
+    file: Option<Arc<dyn BrickSource>>,
 }
 
-/// The folder of a generation.
-pub(in crate::document) fn generation_name(generation: u64) -> String {
-    format!("generation-{generation:06}")
-}
-
-fn is_generation(name: &str) -> bool {
-    name.strip_prefix("generation-").is_some_and(|n| n.bytes().all(|b| b.is_ascii_digit()))
+impl Linked {
+    /// The file that the scene's origin names, if it has the very voxels that the project holds: whatever else lies there now must
+    /// not take their place.
+    fn to_equal(state: &State, go_on: &dyn Fn() -> bool) -> Result<Self, KeepError> {
+        let origin = &state.scene.origin;
+        let refused = |found: String| KeepError::LinkLost {
+            path: origin.path.clone(),
+            field: "file",
+            found,
+            expected: "the voxels that the project holds".into(),
+        };
+        let opened = crate::io::open(&origin.path).map_err(|e| refused(e.to_string()))?;
+        let files = SourceFiles::opened(opened.files.clone());
+        let source = opened.source(origin.component, origin.frame, &|_| true).map_err(|e| refused(e.to_string()))?;
+        let ours = state.source.as_ref();
+        let same =
+            (source.grid(), source.voxel_type(), source.scaling()) == (ours.grid(), ours.voxel_type(), ours.scaling());
+        if !same {
+            return Err(refused("voxels of another grid or type".into()));
+        }
+        let dims = ours.grid().dims;
+        for z in (0..dims[2]).step_by(BRICK as usize) {
+            if !go_on() {
+                return Err(KeepError::Stopped);
+            }
+            let (lo, size) = ([0, 0, z], [dims[0], dims[1], BRICK.min(dims[2] - z)]);
+            if source.read(lo, size)?.as_bytes() != ours.read(lo, size)?.as_bytes() {
+                return Err(refused(format!("other voxels in planes {z} to {}", z + size[2] - 1)));
+            }
+        }
+        Ok(Self { files: Some(files), file: Some(source) })
+    }
 }
 
 fn density_metadata(writer: &Writer, grid: &Grid, source: &dyn BrickSource) -> Result<(), KeepError> {

@@ -5,6 +5,7 @@
 //! millimetres; it cannot say more, so the whole of `world_from_index` stands beside it. Knows zarrs, and no project.
 
 use super::KeepError;
+use super::inside::{self, Files};
 use crate::volume::{BRICK, Grid, VoxelType};
 use serde_json::{Map, Value, json};
 use std::num::NonZeroU64;
@@ -15,7 +16,6 @@ use zarrs::array::{
     Array, ArrayBuilder, ArrayBytes, ArrayMetadata, ArrayToBytesCodecTraits, CodecOptions, DataType, FillValue,
     data_type,
 };
-use zarrs::filesystem::FilesystemStore;
 
 /// Bricks along an edge of a shard.
 pub(in crate::document) const SHARD_BRICKS: u32 = 4;
@@ -101,14 +101,14 @@ impl Layout {
     }
 
     /// The array as zarrs has it, read from a generation's folder.
-    pub fn open(&self, dir: &Path) -> Result<Array<FilesystemStore>, KeepError> {
-        let store = FilesystemStore::new(dir).map_err(|e| self.refused(&e))?;
+    pub fn open(&self, dir: &Path) -> Result<Array<Files>, KeepError> {
+        let store = Files(dir.to_owned());
         let metadata = self.metadata().map_err(|e| self.refused(&e))?;
         Array::new_with_metadata(Arc::new(store), &format!("/{}", self.path), metadata).map_err(|e| self.refused(&e))
     }
 
     /// Encodes one file's numbers, slowest axis first, in this machine's byte order.
-    pub fn encode(&self, array: &Array<FilesystemStore>, numbers: Vec<u8>) -> Result<Vec<u8>, KeepError> {
+    pub fn encode(&self, array: &Array<Files>, numbers: Vec<u8>) -> Result<Vec<u8>, KeepError> {
         let shape = self.file_shape(array)?;
         let encoded = array.codecs().encode(
             ArrayBytes::new_flen(numbers),
@@ -121,9 +121,11 @@ impl Layout {
     }
 
     /// Reads and decodes one file.
-    pub fn decode(&self, array: &Array<FilesystemStore>, dir: &Path, file: [u32; 3]) -> Result<Vec<u8>, KeepError> {
-        let path = dir.join(self.file_name(file));
-        let bytes = std::fs::read(&path).map_err(KeepError::io("read", &path))?;
+    pub fn decode(&self, array: &Array<Files>, dir: &Path, file: [u32; 3]) -> Result<Vec<u8>, KeepError> {
+        let name = self.file_name(file);
+        let path = dir.join(&name);
+        // Random numbers do not shrink, and each chunk adds its head.
+        let bytes = inside::read(dir, &name, 2 * self.file_bytes() as u64 + (1 << 20))?;
         let length = bytes.len();
         let shape = self.file_shape(array)?;
         let options = CodecOptions::default();
@@ -138,7 +140,7 @@ impl Layout {
         if fits { Ok(numbers) } else { Err(damaged(format!("{found} bytes instead of {}", self.file_bytes()))) }
     }
 
-    fn file_shape(&self, array: &Array<FilesystemStore>) -> Result<Vec<NonZeroU64>, KeepError> {
+    fn file_shape(&self, array: &Array<Files>) -> Result<Vec<NonZeroU64>, KeepError> {
         array.chunk_shape(&vec![0; array.dimensionality()]).map_err(|e| self.refused(&e))
     }
 

@@ -3,7 +3,7 @@
 //! Owns nothing but the habit: no file of a generation is ever changed once it is there, so that a hard link to it is a copy.
 //! Knows no format.
 
-use super::KeepError;
+use super::{KeepError, inside};
 use rayon::prelude::*;
 use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Write};
@@ -27,7 +27,7 @@ impl Writer {
     /// Starts in an empty folder; what a crash left there goes.
     pub fn new(dir: PathBuf, previous: Option<PathBuf>) -> Result<Self, KeepError> {
         remove_dir(&dir)?;
-        std::fs::create_dir_all(&dir).map_err(KeepError::io("create", &dir))?;
+        std::fs::create_dir(&dir).map_err(KeepError::io("create", &dir))?;
         Ok(Self { dir, previous, written: AtomicU64::new(0), linked: AtomicU64::new(0), unsynced: Mutex::default() })
     }
 
@@ -51,19 +51,21 @@ impl Writer {
             let missing = std::io::Error::from(ErrorKind::NotFound);
             return Err(KeepError::Io { doing: "link", path, source: missing });
         };
-        let from = previous.join(name);
+        let from = inside::check_file(previous, name).map_err(KeepError::io("link", &previous.join(name)))?;
         if std::fs::hard_link(&from, &path).is_ok() {
             self.linked.fetch_add(1, Ordering::Relaxed);
             return Ok(());
         }
-        let bytes = std::fs::copy(&from, &path).map_err(KeepError::io("copy", &from))?;
+        let copied =
+            inside::open(previous, name).and_then(|mut file| std::io::copy(&mut file, &mut File::create_new(&path)?));
+        let bytes = copied.map_err(KeepError::io("copy", &from))?;
         self.wrote(path, bytes);
         Ok(())
     }
 
     /// Links if the previous generation has exactly these bytes, writes otherwise.
     pub fn write_or_link(&self, name: &str, bytes: &[u8]) -> Result<(), KeepError> {
-        let same = |dir: &PathBuf| std::fs::read(dir.join(name)).is_ok_and(|old| old == bytes);
+        let same = |dir: &PathBuf| inside::read(dir, name, bytes.len() as u64).is_ok_and(|old| old == bytes);
         if self.previous.as_ref().is_some_and(same) { self.link(name) } else { self.write(name, bytes) }
     }
 

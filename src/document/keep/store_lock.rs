@@ -1,9 +1,12 @@
 //! One process per project. The lock is the system's own, so a process that dies leaves none behind.
 
-use super::KeepError;
-use std::fs::{File, OpenOptions, TryLockError};
+use super::{KeepError, inside};
+use std::fs::{File, TryLockError};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::Path;
+
+/// The file that is locked.
+pub(in crate::document) const LOCK: &str = "lock";
 
 /// Held as long as it lives.
 #[derive(Debug)]
@@ -15,19 +18,14 @@ impl Lock {
     /// # Errors
     /// `Locked` with the holder's process id, or the system's refusal.
     pub fn take(dir: &Path) -> Result<Self, KeepError> {
-        let path = dir.join("lock");
-        let mut file = OpenOptions::new()
-            .read(true)
-            .write(true)
-            .create(true)
-            .truncate(false)
-            .open(&path)
-            .map_err(KeepError::io("open", &path))?;
+        let path = dir.join(LOCK);
+        inside::check_writable(dir).map_err(KeepError::io("write into", dir))?;
+        let mut file = inside::open_or_create(dir, LOCK).map_err(KeepError::io("open", &path))?;
         match file.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
                 let mut holder = String::new();
-                let read = file.read_to_string(&mut holder);
+                let read = (&file).take(64).read_to_string(&mut holder);
                 let named = read.is_ok() && !holder.trim().is_empty();
                 let holder = if named { holder.trim().to_owned() } else { "an unknown process".to_owned() };
                 return Err(KeepError::Locked { path: dir.to_owned(), holder });
@@ -35,10 +33,7 @@ impl Lock {
             Err(TryLockError::Error(error)) => return Err(KeepError::io("lock", &path)(error)),
         }
         // The name is for people; the lock holds without it, also on a full disk.
-        let name = format!("process {}\n", std::process::id());
-        let written =
-            file.set_len(0).and_then(|()| file.seek(SeekFrom::Start(0))).and_then(|_| file.write_all(name.as_bytes()));
-        if let Err(error) = written {
+        if let Err(error) = sign(&mut file) {
             tracing::debug!("{}: holder's name not written: {error}", path.display());
         }
         Ok(Self(file))
@@ -59,6 +54,19 @@ impl Lock {
             Err(TryLockError::Error(error)) => Err(KeepError::io("lock", dir)(error)),
         }
     }
+}
+
+/// Writes the process's name into the lock, unless it is something else that is named so: that is nobody's to empty.
+fn sign(file: &mut File) -> std::io::Result<()> {
+    let mut found = Vec::new();
+    (&*file).take(64).read_to_end(&mut found)?;
+    let ours = found.len() < 64 && (found.is_empty() || found.starts_with(b"process "));
+    if !ours || inside::has_other_names(file)? {
+        return Ok(());
+    }
+    file.set_len(0)?;
+    file.seek(SeekFrom::Start(0))?;
+    file.write_all(format!("process {}\n", std::process::id()).as_bytes())
 }
 
 impl Drop for Lock {

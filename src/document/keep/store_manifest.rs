@@ -2,16 +2,22 @@
 
 use super::store_arrays::rows;
 use super::store_fields::Shards;
-use super::{KeepError, Past, Scene, State};
+use super::store_link::Link;
+use super::{KeepError, Past, Scene, State, inside};
 use crate::math::{DAffine3, DMat3, DVec3};
 use crate::volume::{DensityMap, FieldKind, Grid, Histogram, Number, Statistics, TexelFormat, VoxelType};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Version of the folder's layout.
 pub(in crate::document) const VERSION: u64 = 1;
+/// Names the current generation.
+pub(in crate::document) const PROJECT: &str = "project.json";
+/// A generation's own description.
+pub(in crate::document) const MANIFEST: &str = "generation.json";
+/// Neither is ever longer: a table of shards has some ten bytes a megabyte of voxels.
+const MOST_BYTES: u64 = 256 << 20;
 const PROJECT_FORMAT: &str = "burin project";
 const GENERATION_FORMAT: &str = "burin generation";
 
@@ -84,76 +90,6 @@ pub(in crate::document) struct HistogramRecord {
     bins: Vec<u64>,
 }
 
-/// A file that must be the same when it is read again.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(in crate::document) struct Link {
-    /// Absolute.
-    pub path: PathBuf,
-    bytes: u64,
-    /// Nanoseconds since 1970; for a link that lives only until the next start.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    modified_ns: Option<u64>,
-    /// Of the whole file; for a link that lasts.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    blake3: Option<String>,
-}
-
-impl Link {
-    /// A link that lasts: reads the whole file once for its hash.
-    pub fn to(path: &Path) -> Result<Self, KeepError> {
-        let link = Self { blake3: Some(hash_file(path)?), ..Self::to_unchanged(path)? };
-        Ok(Self { modified_ns: None, ..link })
-    }
-
-    /// A link for the next start: the file as it is now, by length and time.
-    pub fn to_unchanged(path: &Path) -> Result<Self, KeepError> {
-        let path = std::fs::canonicalize(path).map_err(KeepError::io("read", path))?;
-        let (bytes, modified_ns) = identity(&path)?;
-        Ok(Self { path, bytes, modified_ns, blake3: None })
-    }
-
-    /// Whether a path leads to the linked file.
-    pub fn names(&self, path: &Path) -> bool {
-        std::fs::canonicalize(path).is_ok_and(|p| p == self.path)
-    }
-
-    /// Fails unless the file is the one that was linked.
-    pub fn check(&self) -> Result<(), KeepError> {
-        let (bytes, modified_ns) = identity(&self.path)?;
-        let changed = |field, found: String, expected: String| {
-            Err(KeepError::SourceChanged { path: self.path.clone(), field, found, expected })
-        };
-        if bytes != self.bytes {
-            return changed("bytes", bytes.to_string(), self.bytes.to_string());
-        }
-        if let (Some(expected), Some(found)) = (self.modified_ns, modified_ns)
-            && expected != found
-        {
-            return changed("modified_ns", found.to_string(), expected.to_string());
-        }
-        match &self.blake3 {
-            Some(expected) => {
-                let found = hash_file(&self.path)?;
-                if found == *expected { Ok(()) } else { changed("blake3", found, expected.clone()) }
-            }
-            None => Ok(()),
-        }
-    }
-}
-
-fn identity(path: &Path) -> Result<(u64, Option<u64>), KeepError> {
-    let about = std::fs::metadata(path).map_err(KeepError::io("read", path))?;
-    let time = about.modified().ok().and_then(|t| t.duration_since(std::time::UNIX_EPOCH).ok());
-    Ok((about.len(), time.map(|t| t.as_nanos() as u64)))
-}
-
-fn hash_file(path: &Path) -> Result<String, KeepError> {
-    let mut hasher = blake3::Hasher::new();
-    let mut file = File::open(path).map_err(KeepError::io("read", path))?;
-    std::io::copy(&mut file, &mut hasher).map_err(KeepError::io("read", path))?;
-    Ok(hasher.finalize().to_hex().to_string())
-}
-
 impl Manifest {
     /// What is to be said of a state.
     pub fn of(generation: u64, state: &State, kept: Kept, shards: BTreeMap<String, Shards>) -> Self {
@@ -189,7 +125,7 @@ impl Manifest {
                 },
             },
             shards,
-            scene: state.scene.clone(),
+            scene: state.scene.sayable(),
             past: state.past.clone(),
         }
     }
@@ -207,9 +143,10 @@ impl Manifest {
         }
     }
 
-    /// Reads and checks a generation's file.
-    pub fn read(path: &Path) -> Result<Self, KeepError> {
-        let bytes = std::fs::read(path).map_err(KeepError::io("read", path))?;
+    /// Reads and checks the file of a generation's folder.
+    pub fn read(dir: &Path) -> Result<Self, KeepError> {
+        let path = &dir.join(MANIFEST);
+        let bytes = inside::read(dir, MANIFEST, MOST_BYTES)?;
         check_head(path, &bytes, GENERATION_FORMAT)?;
         let manifest: Self = parse(path, &bytes, "a generation as Burin writes it")?;
         let grid = manifest.grid();
@@ -284,9 +221,9 @@ pub(in crate::document) fn project_json(generation: u64) -> Result<Vec<u8>, Keep
 }
 
 /// The current generation that `project.json` names.
-pub(in crate::document) fn read_project(path: &Path) -> Result<u64, KeepError> {
-    let bytes = std::fs::read(path).map_err(KeepError::io("read", path))?;
-    check_head(path, &bytes, PROJECT_FORMAT)
+pub(in crate::document) fn read_project(dir: &Path) -> Result<u64, KeepError> {
+    let bytes = inside::read(dir, PROJECT, MOST_BYTES)?;
+    check_head(&dir.join(PROJECT), &bytes, PROJECT_FORMAT)
 }
 
 /// Format before version before the rest, so that another version is told as such and not as a missing field.
@@ -302,5 +239,11 @@ fn check_head(path: &Path, bytes: &[u8], format: &str) -> Result<u64, KeepError>
 }
 
 fn parse<T: for<'a> Deserialize<'a>>(path: &Path, bytes: &[u8], expected: &str) -> Result<T, KeepError> {
-    serde_json::from_slice(bytes).map_err(|e| KeepError::malformed(path, "JSON", e, expected))
+    let mut json = serde_json::Deserializer::from_slice(bytes);
+    let parsed = serde_path_to_error::deserialize(&mut json).map_err(|error| match error.path().to_string().as_str() {
+        "." | "" => error.into_inner().to_string(),
+        field => format!("{field}: {}", error.inner()),
+    });
+    let parsed = parsed.and_then(|parsed| json.end().map(|()| parsed).map_err(|e| e.to_string()));
+    parsed.map_err(|found| KeepError::malformed(path, "JSON", found, expected))
 }

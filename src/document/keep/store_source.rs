@@ -2,13 +2,13 @@
 //! the original file nor room for the whole volume.
 
 use super::KeepError;
+use super::inside::{self, Files};
 use super::store_arrays::{Layout, damaged_chunk};
 use crate::volume::{BRICK, BrickSource, Grid, SourceError, VoxelType, Voxels};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 use zarrs::array::{Array, ArrayBytes, ArrayShardedReadableExt, ArrayShardedReadableExtCache, CodecOptions};
-use zarrs::filesystem::FilesystemStore;
 
 /// Memory for decoded chunks.
 const CACHE_BYTES: usize = 64 << 20;
@@ -20,12 +20,14 @@ pub struct ZarrSource {
     scaling: (f64, f64),
     layout: Layout,
     opened: RwLock<Arc<Opened>>,
+    /// Of a project that holds the voxels no more.
+    instead: RwLock<Option<Arc<dyn BrickSource>>>,
     cache: Mutex<Cache>,
 }
 
 struct Opened {
     dir: PathBuf,
-    array: Array<FilesystemStore>,
+    array: Array<Files>,
     shards: ArrayShardedReadableExtCache,
 }
 
@@ -43,18 +45,24 @@ impl ZarrSource {
     ) -> Result<Self, KeepError> {
         let layout = density_layout(voxel_type, grid.dims);
         for file in layout.files() {
-            let path = dir.join(layout.file_name(file));
-            std::fs::metadata(&path).map_err(KeepError::io("read", &path))?;
+            let name = layout.file_name(file);
+            inside::check_file(dir, &name).map_err(KeepError::io("read", &dir.join(&name)))?;
         }
         let opened = RwLock::new(Arc::new(Opened::new(dir, &layout)?));
-        Ok(Self { name, grid, scaling, layout, opened, cache: Mutex::default() })
+        Ok(Self { name, grid, scaling, layout, opened, instead: RwLock::default(), cache: Mutex::default() })
     }
 
     /// Reads from another generation's folder from now on; its density is the same.
     pub(in crate::document) fn move_to(&self, dir: &Path) -> Result<(), KeepError> {
         let opened = Arc::new(Opened::new(dir, &self.layout)?);
         *self.opened.write().unwrap_or_else(PoisonError::into_inner) = opened;
+        *self.instead.write().unwrap_or_else(PoisonError::into_inner) = None;
         Ok(())
+    }
+
+    /// Reads from another source from now on, which has the same voxels.
+    pub(in crate::document) fn read_from(&self, source: Arc<dyn BrickSource>) {
+        *self.instead.write().unwrap_or_else(PoisonError::into_inner) = Some(source);
     }
 
     fn chunk(&self, index: [u32; 3]) -> Result<Arc<[u8]>, SourceError> {
@@ -125,6 +133,9 @@ impl BrickSource for ZarrSource {
         let dims = self.grid.dims;
         if (0..3).any(|a| lo[a].checked_add(size[a]).is_none_or(|hi| hi > dims[a])) {
             return Err(SourceError::OutOfBounds { lo, size, dims });
+        }
+        if let Some(source) = self.instead.read().unwrap_or_else(PoisonError::into_inner).clone() {
+            return source.read(lo, size);
         }
         let count: usize = size.iter().map(|&s| s as usize).product();
         let bytes = self.layout.voxel_type.bytes();
