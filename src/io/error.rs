@@ -48,11 +48,15 @@ pub enum IoError {
         /// What the header asks for.
         expected: String,
     },
-    /// The compressed data are damaged.
-    #[error("{file}: compressed voxel data: found damage ({reason}); expected a whole gzip stream; get the file again")]
+    /// The encoded data are damaged.
+    #[error(
+        "{file}: voxel data in {encoding}: found damage ({reason}); expected whole {encoding} data; get the file again"
+    )]
     Damaged {
         /// File.
         file: String,
+        /// What they are encoded in.
+        encoding: &'static str,
         /// What the decoder said.
         reason: String,
     },

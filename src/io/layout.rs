@@ -1,14 +1,14 @@
-//! Voxels in one block of one file, as NIfTI, NRRD and their like keep them: where it starts, what its axes count, whether it
-//! is compressed. Owns the bound that nothing is allocated which the file cannot hold.
+//! Voxels in one block of one file, or of several that follow one another, as NIfTI, NRRD and their like keep them: where it
+//! starts, what its axes count, how it is encoded. Owns the bound that nothing is allocated which the files cannot hold.
 
-use super::inflate::{Inflate, most_inflated, open_file};
+use super::decode::{Encoding, is_gzip_again};
 use super::raw::RawSource;
 use super::statistics::Accumulator;
+use super::stream::Stream;
 use super::{Contents, FileMark, IoError, Opened, Progress};
 use crate::volume::{BrickSource, Grid, MemorySource, Statistics, Value, VoxelType};
 use crate::with_voxel_type;
-use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
+use std::io::BufReader;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -30,19 +30,28 @@ pub(super) struct Axis {
     pub(super) role: Role,
 }
 
-/// How the block is kept.
+/// A file that holds the block, or its share of it.
+#[derive(Clone, Debug)]
+pub(super) struct DataFile {
+    pub(super) path: PathBuf,
+    /// Byte at which the encoded voxels begin.
+    pub(super) start: u64,
+}
+
+/// Bytes to pass over before the voxels, of what a file holds once it is decoded; of hex and text as they are in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Encoding {
-    /// As it is, from this byte of the file.
-    Raw { start: u64 },
-    /// In a gzip stream from byte `start` of the file, `skip` inflated bytes in.
-    Gzip { start: u64, skip: u64 },
+pub(super) enum Skip {
+    /// So many from the beginning.
+    Bytes(u64),
+    /// As many as leave the voxels and so many behind them. Not for hex and text.
+    AllBut(u64),
 }
 
 /// See the module's head.
 #[derive(Clone, Debug)]
 pub(super) struct Layout {
-    pub(super) path: PathBuf,
+    /// In order; each holds the same share of the block.
+    pub(super) data: Vec<DataFile>,
     /// The file that the user named, for messages.
     pub(super) file: String,
     pub(super) grid: Grid,
@@ -52,47 +61,37 @@ pub(super) struct Layout {
     /// Fastest first.
     pub(super) axes: Vec<Axis>,
     pub(super) encoding: Encoding,
+    pub(super) skip: Skip,
 }
 
 /// Bytes read at once.
-const CHUNK: usize = 1 << 20;
+pub(super) const CHUNK: usize = 1 << 20;
 
 impl Layout {
-    /// Checks the block against the file that should hold it.
-    pub(super) fn opened(self, warnings: Vec<String>) -> Result<Opened, IoError> {
+    /// Checks the block against the files that should hold it.
+    pub(super) fn opened(mut self, warnings: Vec<String>) -> Result<Opened, IoError> {
         let count = |role: Role| {
             let n = self.axes.iter().filter(|a| a.role == role).try_fold(1_u64, |n, a| n.checked_mul(a.len));
             n.and_then(|n| u32::try_from(n).ok()).filter(|&n| n > 0)
         };
-        let lens: Vec<u64> = self.axes.iter().map(|a| a.len).collect();
-        let small = |what| IoError::field(&self.file, what, format!("{lens:?}"), "1 to 4294967295 in all");
+        let small = |what| IoError::field(&self.file, what, format!("{:?}", self.lens()), "1 to 4294967295 in all");
         let components = count(Role::Component).ok_or_else(|| small("components"))?;
         let frames = count(Role::Frame).ok_or_else(|| small("frames"))?;
-        let data = FileMark::of(&self.path).map_err(IoError::system(&self.path, "open the file"))?;
-        let len = data.bytes;
-        let short = |found, whole: Option<u64>| IoError::Truncated {
-            file: self.file.clone(),
-            found,
-            expected: match whole {
-                Some(whole) => format!("{whole} bytes for {lens:?} voxels of type {}", self.voxel_type.name()),
-                None => format!("less than 2^64 bytes for {lens:?} voxels"),
-            },
-        };
-        let bytes = self.bytes().ok_or_else(|| short(format!("a file of {len} bytes"), None))?;
-        match self.encoding {
-            Encoding::Raw { start } => {
-                let whole = start.checked_add(bytes);
-                if whole.is_none_or(|whole| whole > len) {
-                    return Err(short(format!("a file of {len} bytes"), whole));
-                }
-            }
-            Encoding::Gzip { start, skip } => {
-                let whole = skip.checked_add(bytes);
-                let most = most_inflated(len.saturating_sub(start));
-                if whole.is_none_or(|whole| whole > most) {
-                    return Err(short(format!("a compressed file of {len} bytes, which holds at most {most}"), whole));
-                }
-            }
+        let mut files = Vec::with_capacity(self.data.len());
+        for n in 0..self.data.len() {
+            let path = &self.data[n].path;
+            let mark = FileMark::of(path).map_err(IoError::system(path, "open the file"))?;
+            self.data[n].start = self.start(&self.data[n], mark.bytes)?;
+            files.push(mark);
+        }
+        if matches!(self.encoding, Encoding::Raw | Encoding::Hex | Encoding::Text) {
+            self.skip = Skip::Bytes(0);
+        }
+        if let (Encoding::Gzip, Some(first)) = (self.encoding, self.data.first())
+            && is_gzip_again(BufReader::new(self.encoding.open(&first.path, first.start, self.voxel_type)?))
+        {
+            let expected = "voxels; it was compressed twice: unpack it once (gunzip) and open the result";
+            return Err(IoError::field(&self.file, "voxel data", "gzip inside gzip", expected));
         }
         Ok(Opened {
             grid: self.grid,
@@ -101,11 +100,66 @@ impl Layout {
             components,
             frames,
             warnings,
-            files: vec![data],
+            files,
             labels: Vec::new(),
             file: self.file.clone(),
             contents: Box::new(self),
         })
+    }
+
+    /// Where in a file of `len` bytes its encoded voxels begin, as far as that is known before it is decoded.
+    fn start(&self, data: &DataFile, len: u64) -> Result<u64, IoError> {
+        let (lens, start) = (self.lens(), data.start);
+        let of = if self.data.len() == 1 { String::new() } else { format!(" ({})", data.path.display()) };
+        let short = |found: String, expected: String| IoError::Truncated {
+            file: self.file.clone(),
+            found: found + &of,
+            expected: format!("{expected} for {lens:?} voxels of type {}", self.voxel_type.name()),
+        };
+        let Some(bytes) = self.file_bytes() else {
+            return Err(short(format!("a file of {len} bytes"), "less than 2^64 bytes".into()));
+        };
+        let left = len.saturating_sub(start);
+        match (self.encoding, self.skip) {
+            (Encoding::Raw, Skip::AllBut(behind)) => {
+                let needed = bytes.checked_add(behind).filter(|&n| n <= left);
+                let needed = needed.ok_or_else(|| {
+                    short(format!("{left} bytes after the header"), format!("{bytes} bytes and {behind} behind them"))
+                })?;
+                Ok(len - needed)
+            }
+            (Encoding::Raw, Skip::Bytes(skip)) => {
+                let whole = start.checked_add(skip).and_then(|from| from.checked_add(bytes));
+                match whole.filter(|&whole| whole <= len) {
+                    Some(whole) => Ok(whole - bytes),
+                    None => {
+                        let asked = whole.map_or("less than 2^64 bytes".into(), |whole| format!("{whole} bytes"));
+                        Err(short(format!("a file of {len} bytes"), asked))
+                    }
+                }
+            }
+            (encoding, skip) => {
+                let skip = match skip {
+                    Skip::Bytes(n) | Skip::AllBut(n) => n,
+                };
+                let is_text = matches!(encoding, Encoding::Hex | Encoding::Text);
+                let (before, within) = if is_text { (skip, 0) } else { (0, skip) };
+                let most = encoding.most(left.saturating_sub(before), self.voxel_type);
+                let whole = within.checked_add(bytes);
+                if whole.is_none_or(|whole| whole > most) {
+                    let kind = if is_text { encoding.name() } else { "compressed" };
+                    let found = format!("a {kind} file of {len} bytes, which holds at most {most}");
+                    let asked = whole.map_or("less than 2^64 bytes".into(), |whole| format!("{whole} bytes"));
+                    return Err(short(found, asked));
+                }
+                Ok(start + before)
+            }
+        }
+    }
+
+    /// Lengths of all axes, fastest first.
+    fn lens(&self) -> Vec<u64> {
+        self.axes.iter().map(|a| a.len).collect()
     }
 
     /// Number of voxels of all axes.
@@ -116,6 +170,11 @@ impl Layout {
     /// Bytes of the block.
     pub(super) fn bytes(&self) -> Option<u64> {
         self.count()?.checked_mul(self.voxel_type.bytes() as u64)
+    }
+
+    /// Bytes of each file's share of it.
+    pub(super) fn file_bytes(&self) -> Option<u64> {
+        Some(self.bytes()? / self.data.len() as u64)
     }
 
     /// For each axis, which of it belongs to a component of a frame; 0 for axes of space.
@@ -134,28 +193,10 @@ impl Layout {
         self.axes.iter().map(&mut pick).collect()
     }
 
-    /// A stream from the block's first byte.
-    fn stream(&self) -> Result<Stream<'_>, IoError> {
-        match self.encoding {
-            Encoding::Raw { start } => {
-                let mut file = open_file(&self.path)?;
-                file.seek(SeekFrom::Start(start)).map_err(IoError::system(&self.path, "read the file"))?;
-                Ok(Stream { layout: self, from: Input::File(file), passed: 0 })
-            }
-            Encoding::Gzip { start, skip } => {
-                let inflate = Inflate::open(&self.path, start)?;
-                let mut stream = Stream { layout: self, from: Input::Gzip(Box::new(inflate)), passed: 0 };
-                stream.skip(skip)?;
-                stream.passed = 0;
-                Ok(stream)
-            }
-        }
-    }
-
-    fn inflated<T: Value>(&self, component: u32, frame: u32, progress: Progress<'_>) -> Result<Vec<T>, IoError> {
+    fn decoded<T: Value>(&self, component: u32, frame: u32, progress: Progress<'_>) -> Result<Vec<T>, IoError> {
         let total = usize::try_from(self.grid.voxel_count())
             .map_err(|_| IoError::OutOfMemory { file: self.file.clone(), bytes: u64::MAX })?;
-        let mut stream = self.stream()?;
+        let mut stream = Stream::new(self)?;
         let mut gather = Gather { layout: self, out: Vec::new(), total, progress };
         let picks = self.picks(component, frame);
         gather.walk(&self.axes, &picks, &mut stream)?;
@@ -166,31 +207,26 @@ impl Layout {
 
 impl Contents for Layout {
     fn source(&self, component: u32, frame: u32, progress: Progress<'_>) -> Result<Arc<dyn BrickSource>, IoError> {
-        match self.encoding {
-            Encoding::Raw { start } => {
-                let mut strides = [0; 3];
-                let (mut stride, mut first) = (1, 0);
-                for (axis, pick) in self.axes.iter().zip(self.picks(component, frame)) {
-                    if let Role::Space(a) = axis.role {
-                        strides[a] = stride;
-                    }
-                    first += pick * stride;
-                    stride *= axis.len;
+        if self.encoding == Encoding::Raw {
+            let mut strides = [0; 3];
+            let (mut stride, mut first) = (1, 0);
+            for (axis, pick) in self.axes.iter().zip(self.picks(component, frame)) {
+                if let Role::Space(a) = axis.role {
+                    strides[a] = stride;
                 }
-                let start = start + first * self.voxel_type.bytes() as u64;
-                Ok(Arc::new(RawSource::open(self, start, strides)?))
+                first += pick * stride;
+                stride *= axis.len;
             }
-            Encoding::Gzip { .. } => {
-                let voxels =
-                    with_voxel_type!(self.voxel_type, T => T::wrap(self.inflated::<T>(component, frame, progress)?));
-                Ok(Arc::new(MemorySource::new(&self.file, self.grid, voxels, self.scaling)?))
-            }
+            let start = first * self.voxel_type.bytes() as u64;
+            return Ok(Arc::new(RawSource::open(self, start, strides)?));
         }
+        let voxels = with_voxel_type!(self.voxel_type, T => T::wrap(self.decoded::<T>(component, frame, progress)?));
+        Ok(Arc::new(MemorySource::new(&self.file, self.grid, voxels, self.scaling)?))
     }
 
     fn statistics(&self, progress: Progress<'_>) -> Result<Statistics, IoError> {
         let mut sum = Accumulator::new(self.scaling);
-        let mut stream = self.stream()?;
+        let mut stream = Stream::new(self)?;
         let total = self.count().unwrap_or(0);
         let mut left = total;
         while left > 0 {
@@ -208,73 +244,6 @@ impl Contents for Layout {
         }
         stream.check_end()?;
         Ok(sum.finish())
-    }
-}
-
-enum Input {
-    File(File),
-    Gzip(Box<Inflate>),
-}
-
-/// The block, read from its first byte on.
-struct Stream<'a> {
-    layout: &'a Layout,
-    from: Input,
-    passed: u64,
-}
-
-impl Stream<'_> {
-    fn failed(&self, error: std::io::Error) -> IoError {
-        let file = self.layout.file.clone();
-        match error.kind() {
-            std::io::ErrorKind::UnexpectedEof => IoError::Truncated {
-                file,
-                found: format!("an end after less than {} bytes", self.passed),
-                expected: format!("{} bytes", self.layout.bytes().unwrap_or(u64::MAX)),
-            },
-            std::io::ErrorKind::InvalidInput | std::io::ErrorKind::InvalidData => {
-                IoError::Damaged { file, reason: error.to_string() }
-            }
-            _ => IoError::System { file, action: "read the file", source: error },
-        }
-    }
-
-    fn fill<T: Value>(&mut self, out: &mut [T]) -> Result<(), IoError> {
-        let bytes: &mut [u8] = bytemuck::cast_slice_mut(out);
-        self.passed += bytes.len() as u64;
-        let read = match &mut self.from {
-            Input::File(file) => file.read_exact(bytes),
-            Input::Gzip(inflate) => inflate.read_exact(bytes),
-        };
-        read.map_err(|e| self.failed(e))?;
-        to_native(bytes, size_of::<T>(), self.layout.big_endian);
-        Ok(())
-    }
-
-    fn skip(&mut self, bytes: u64) -> Result<(), IoError> {
-        self.passed += bytes;
-        let skipped = match &mut self.from {
-            Input::File(file) => i64::try_from(bytes)
-                .map_err(|_| std::io::ErrorKind::UnexpectedEof.into())
-                .and_then(|n| file.seek_relative(n))
-                .map(|()| bytes),
-            Input::Gzip(inflate) => std::io::copy(&mut inflate.take(bytes), &mut std::io::sink()),
-        };
-        match skipped {
-            Ok(n) if n == bytes => Ok(()),
-            Ok(_) => Err(self.failed(std::io::ErrorKind::UnexpectedEof.into())),
-            Err(error) => Err(self.failed(error)),
-        }
-    }
-
-    /// Reads on to the end of a gzip stream, if it is near, so that its checksum is looked at.
-    fn check_end(&mut self) -> Result<(), IoError> {
-        match &mut self.from {
-            Input::File(_) => Ok(()),
-            Input::Gzip(inflate) => std::io::copy(&mut inflate.take(CHUNK as u64), &mut std::io::sink())
-                .map(|_| ())
-                .map_err(|e| self.failed(e)),
-        }
     }
 }
 
@@ -341,7 +310,8 @@ impl<T: Value> Gather<'_, T> {
         if len <= self.out.capacity() {
             return Ok(());
         }
-        let compressed = std::fs::metadata(&self.layout.path).map_or(0, |m| m.len()) as usize;
+        let files = self.layout.data.iter().map(|d| std::fs::metadata(&d.path).map_or(0, |m| m.len()));
+        let compressed = usize::try_from(files.sum::<u64>()).unwrap_or(usize::MAX);
         let likely = compressed.saturating_mul(8).max(self.out.capacity() + self.out.capacity() / 2);
         let room = (likely / size_of::<T>()).max(len).min(self.total);
         self.out.try_reserve_exact(room - self.out.len()).map_err(|_| IoError::OutOfMemory {

@@ -7,6 +7,7 @@
 //!
 //! [`Grid`]: crate::volume::Grid
 
+mod decode;
 mod deflate;
 mod error;
 mod export;
@@ -16,6 +17,7 @@ mod layout;
 mod nifti;
 mod nifti_place;
 mod nrrd;
+mod nrrd_files;
 mod nrrd_header;
 mod nrrd_place;
 mod place;
@@ -24,6 +26,7 @@ mod reader;
 pub(crate) mod regular;
 mod replace;
 mod statistics;
+mod stream;
 
 pub use error::IoError;
 pub use export::{Compression, Exported, export};

@@ -3,8 +3,9 @@
 //! Reads what the standard's header (nifti1.h, 2005) says of type, scaling, frames (`dim[4]`) and components (`dim[5]`, and
 //! the parts of RGB, RGBA and complex voxels); the place in the world is `nifti_place`'s.
 
+use super::decode::Encoding;
 use super::inflate::{GZIP_MAGIC, open_file};
-use super::layout::{Axis, Encoding, Layout, Role};
+use super::layout::{Axis, DataFile, Layout, Role, Skip};
 use super::reader::head;
 use super::{FileMark, IoError, Opened, Reader, nifti_place, place};
 use crate::volume::VoxelType;
@@ -60,11 +61,11 @@ impl Reader for Nifti {
         axes.extend((0..3).map(|a| Axis { len: u64::from(dims[a]), role: Role::Space(a) }));
         axes.push(Axis { len: frames, role: Role::Frame });
         axes.push(Axis { len: parts, role: Role::Component });
-        let encoding =
-            if is_gzip(&path)? { Encoding::Gzip { start: 0, skip: offset } } else { Encoding::Raw { start: offset } };
+        let encoding = if is_gzip(&path)? { Encoding::Gzip } else { Encoding::Raw };
+        let (data, skip) = (vec![DataFile { path, start: 0 }], Skip::Bytes(offset));
         let big_endian = header.big_endian;
         let mut opened =
-            Layout { path, file, grid, voxel_type, big_endian, scaling, axes, encoding }.opened(warnings)?;
+            Layout { data, file, grid, voxel_type, big_endian, scaling, axes, encoding, skip }.opened(warnings)?;
         opened.files.push(mark);
         Ok(opened)
     }

@@ -1,11 +1,13 @@
-//! NRRD: attached and detached headers, encodings raw and gzip, every number type and space.
+//! NRRD: attached and detached headers, series of data files, every encoding, number type and space.
 
+use super::decode::Encoding;
 use super::inflate::open_file;
-use super::layout::{Encoding, Layout, Role};
-use super::nrrd_header::{Header, ONE_DATA_FILE};
+use super::layout::{DataFile, Layout, Role, Skip};
+use super::nrrd_files::data_files;
+use super::nrrd_header::Header;
 use super::{IoError, Opened, Reader, nrrd_place};
 use std::io::{BufRead, BufReader, Seek, SeekFrom};
-use std::path::{Component, Path, PathBuf};
+use std::path::Path;
 
 /// The reader.
 #[derive(Clone, Copy, Debug)]
@@ -29,96 +31,77 @@ impl Reader for Nrrd {
         let header = Header::read(path, &mut warnings)?;
         let voxel_type = header.voxel_type()?;
         let (grid, axes) = nrrd_place::place(&header, &mut warnings)?;
+        let encoding = encoding(&header)?;
         let big_endian = match header.get("endian").map(str::to_ascii_lowercase).as_deref() {
             Some("big") => true,
             Some("little") => false,
-            None if voxel_type.bytes() == 1 => false,
+            None if voxel_type.bytes() == 1 || encoding == Encoding::Text => false,
             found => return Err(header.wrong("endian", found.unwrap_or_default(), "little or big")),
         };
-        let (path, start) = data_file(path, &header)?;
+        // Numbers in text have no order of bytes.
+        let big_endian = big_endian && encoding != Encoding::Text;
+        let (files, start) = match data_files(path, &header, &header.sizes()?)? {
+            Some(files) => (files, 0),
+            None => (vec![path.to_path_buf()], header.end),
+        };
+        let lines = match header.number("line skip")?.unwrap_or(0) {
+            lines @ 0.. => lines as u64,
+            lines => return Err(header.wrong("line skip", lines, "0 or more lines")),
+        };
+        let data = files.into_iter().map(|path| {
+            let start = if lines > 0 { after_lines(&header.file, &path, start, lines)? } else { start };
+            Ok(DataFile { path, start })
+        });
+        let data = data.collect::<Result<_, IoError>>()?;
+        let skip = skip(&header, encoding)?;
         let file = header.file.clone();
-        let encoding = Encoding::Raw { start };
-        let mut layout = Layout { path, file, grid, voxel_type, big_endian, scaling: (1.0, 0.0), axes, encoding };
-        layout.encoding = encoding_of(&header, &layout, start)?;
-        if layout.axes.iter().filter(|a| a.role == Role::Component).count() > 1 {
+        if axes.iter().filter(|a| a.role == Role::Component).count() > 1 {
             warnings.push("several axes are neither space nor time: they count together as components".into());
         }
+        let layout = Layout { data, file, grid, voxel_type, big_endian, scaling: (1.0, 0.0), axes, encoding, skip };
         layout.opened(warnings)
     }
 }
 
-/// The file of the voxels and where in it they may begin.
-fn data_file(path: &Path, header: &Header) -> Result<(PathBuf, u64), IoError> {
-    let Some(name) = header.get("data file") else { return Ok((path.into(), header.end)) };
-    if name.contains('%') {
-        return Err(header.wrong("data file", name, ONE_DATA_FILE));
-    }
-    let name = Path::new(name);
-    // A header must not make anyone read what lies elsewhere.
-    let inside = name.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
-    if !inside || name.file_name().is_none() {
-        return Err(header.wrong("data file", name.display(), "a file in the header's own folder or below"));
-    }
-    let data = path.parent().unwrap_or(Path::new("")).join(name);
-    if data.is_file() {
-        Ok((data, 0))
-    } else {
-        Err(header.wrong("data file", name.display(), format!("a file; there is none at {}", data.display())))
-    }
-}
-
-/// Where the voxels begin, after `line skip` and `byte skip`.
-fn encoding_of(header: &Header, layout: &Layout, start: u64) -> Result<Encoding, IoError> {
-    let line_skip = header.number("line skip")?.unwrap_or(0);
-    let byte_skip = header.number("byte skip")?.unwrap_or(0);
-    if line_skip < 0 {
-        return Err(header.wrong("line skip", line_skip, "0 or more lines"));
-    }
-    let start = if line_skip > 0 { after_lines(layout, start, line_skip as u64)? } else { start };
-    let skip = u64::try_from(byte_skip);
+fn encoding(header: &Header) -> Result<Encoding, IoError> {
     match header.get("encoding").map(str::to_ascii_lowercase).as_deref() {
-        Some("raw") => match skip {
-            Ok(skip) => Ok(Encoding::Raw { start: start.saturating_add(skip) }),
-            // Counted from the end: −1 says that the voxels are the file's last bytes, −1−n that n bytes follow them.
-            Err(_) => {
-                let len =
-                    std::fs::metadata(&layout.path).map_err(IoError::system(&layout.path, "open the file"))?.len();
-                let behind = (byte_skip + 1).unsigned_abs();
-                let from = layout.bytes().and_then(|b| b.checked_add(behind)).and_then(|b| len.checked_sub(b));
-                match from.filter(|&from| from >= start) {
-                    Some(start) => Ok(Encoding::Raw { start }),
-                    None => Err(IoError::Truncated {
-                        file: header.file.clone(),
-                        found: format!("{} bytes after the header", len.saturating_sub(start)),
-                        expected: format!("{:?} bytes and {behind} behind them", layout.bytes()),
-                    }),
-                }
-            }
-        },
-        Some("gzip" | "gz") => match skip {
-            Ok(skip) => Ok(Encoding::Gzip { start, skip }),
-            Err(_) => Err(header.wrong("byte skip", byte_skip, "0 or more for gzip; negative only for raw")),
-        },
-        found => {
-            let expected = "raw or gzip: others are not supported yet; save the file anew with one of these";
-            Err(header.wrong("encoding", found.unwrap_or_default(), expected))
-        }
+        Some("raw") => Ok(Encoding::Raw),
+        Some("gzip" | "gz") => Ok(Encoding::Gzip),
+        Some("bzip2" | "bz2") => Ok(Encoding::Bzip2),
+        Some("hex") => Ok(Encoding::Hex),
+        Some("ascii" | "text" | "txt") => Ok(Encoding::Text),
+        found => Err(header.wrong("encoding", found.unwrap_or_default(), "raw, gzip, bzip2, hex or ascii")),
     }
 }
 
-fn after_lines(layout: &Layout, start: u64, lines: u64) -> Result<u64, IoError> {
-    let failed = |e| IoError::system(&layout.path, "read the file")(e);
-    let mut file = open_file(&layout.path)?;
+/// `byte skip`: counted in what a compressed file holds. Counted from the end, −1 says that the voxels are the last bytes, −1−n
+/// that n bytes follow them.
+fn skip(header: &Header, encoding: Encoding) -> Result<Skip, IoError> {
+    let skip = header.number("byte skip")?.unwrap_or(0);
+    match (u64::try_from(skip), encoding) {
+        (Ok(skip), _) => Ok(Skip::Bytes(skip)),
+        (Err(_), Encoding::Hex | Encoding::Text) => {
+            let expected = format!("0 or more: {} has no length to count back by", encoding.name());
+            Err(header.wrong("byte skip", skip, expected))
+        }
+        (Err(_), _) => Ok(Skip::AllBut((skip + 1).unsigned_abs())),
+    }
+}
+
+/// The byte behind so many lines of a file.
+fn after_lines(header: &str, path: &Path, start: u64, lines: u64) -> Result<u64, IoError> {
+    let failed = |e| IoError::system(path, "read the file")(e);
+    let mut file = open_file(path)?;
     file.seek(SeekFrom::Start(start)).map_err(failed)?;
     let mut reader = BufReader::new(file);
     let mut at = start;
     for line in 0..lines {
         // In pieces: a line may be as long as the file.
         loop {
-            let piece = reader.fill_buf().map_err(|e| IoError::system(&layout.path, "read the file")(e))?;
+            let piece = reader.fill_buf().map_err(failed)?;
             if piece.is_empty() {
                 return Err(IoError::Truncated {
-                    file: layout.file.clone(),
+                    file: header.into(),
                     found: format!("{line} lines"),
                     expected: format!("{lines} lines to skip"),
                 });

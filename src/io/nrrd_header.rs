@@ -20,9 +20,6 @@ const MAX_AXES: usize = 16;
 /// Unknown fields that are named; a hostile header may hold millions.
 const MAX_UNKNOWN: usize = 10;
 
-/// What is said to a series of data files.
-pub(super) const ONE_DATA_FILE: &str = "one file: a series of data files is not supported yet";
-
 /// Fields whose spelling without a space is the same field.
 const SPELLINGS: [(&str, &str); 11] = [
     ("datafile", "data file"),
@@ -76,6 +73,10 @@ const FIELDS: [&str; 29] = [
 pub(super) struct Header {
     pub(super) file: String,
     fields: BTreeMap<String, String>,
+    /// Free keys with their values, in the file's order.
+    pub(super) keys: Vec<(String, String)>,
+    /// Names of data files that follow a header with a list of them.
+    pub(super) data_names: Vec<String>,
     /// Byte after the empty line that ends the header.
     pub(super) end: u64,
     /// Number of axes, 1 to 16.
@@ -87,7 +88,15 @@ impl Header {
         let file = path.display().to_string();
         let wrong = |field: &str, found: &str, expected: &str| IoError::field(&file, field, found, expected);
         let mut lines = BufReader::new(open_file(path)?.take(MAX_HEADER_BYTES));
-        let mut header = Self { file: file.clone(), fields: BTreeMap::new(), end: 0, dimension: 0 };
+        let mut header = Self {
+            file: file.clone(),
+            fields: BTreeMap::new(),
+            keys: Vec::new(),
+            data_names: Vec::new(),
+            end: 0,
+            dimension: 0,
+        };
+        let mut lists = false;
         let mut line = Vec::new();
         for number in 1_u32.. {
             line.clear();
@@ -110,10 +119,18 @@ impl Header {
                 continue;
             }
             // A detached header may just end.
-            if text.is_empty() || n == 0 {
+            if n == 0 || (text.is_empty() && !lists) {
                 break;
             }
+            if lists {
+                if !text.trim().is_empty() {
+                    header.data_names.push(text.into());
+                }
+                continue;
+            }
             header.line(text, number, warnings)?;
+            let first = header.get("data file").and_then(|f| f.split_whitespace().next());
+            lists = first.is_some_and(|word| word.eq_ignore_ascii_case("list"));
         }
         header.dimension = match header.number("dimension")? {
             Some(n @ 1..=16) => n as usize,
@@ -131,7 +148,8 @@ impl Header {
             let expected = "`field: value`, `key:=value`, `# comment` or an empty line before the voxels";
             return Err(IoError::field(&self.file, format!("header line {number}"), text, expected));
         };
-        if value.starts_with('=') {
+        if let Some(value) = value.strip_prefix('=') {
+            self.keys.push((unescaped(name), unescaped(value)));
             return Ok(());
         }
         let name = name.trim().to_ascii_lowercase();
@@ -141,11 +159,6 @@ impl Header {
                 warnings.push(format!("header line {number}: field \"{}\" is not known and not used", shown(&name)));
             }
             return Ok(());
-        }
-        // What follows are names of files, not fields: refused here, before they are taken for damage.
-        let several = value.trim().get(..4).is_some_and(|w| w.eq_ignore_ascii_case("list"));
-        if name == "data file" && several && value.trim()[4..].chars().next().is_none_or(char::is_whitespace) {
-            return Err(self.wrong("data file", value.trim(), ONE_DATA_FILE));
         }
         match self.fields.insert(name.clone(), value.trim().into()) {
             Some(before) if before != value.trim() => {
@@ -265,6 +278,24 @@ impl Header {
             _ => Err(self.wrong("type", found, "a number type such as uint8, short, int32, float or double")),
         }
     }
+}
+
+/// A key's text with `\n` and `\\` as the characters that they stand for.
+fn unescaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut chars = text.chars();
+    while let Some(c) = chars.next() {
+        match (c, chars.clone().next()) {
+            ('\\', Some('n')) => out.push('\n'),
+            ('\\', Some('\\')) => out.push('\\'),
+            _ => {
+                out.push(c);
+                continue;
+            }
+        }
+        chars.next();
+    }
+    out
 }
 
 fn number(text: &str) -> Option<f64> {

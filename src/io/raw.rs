@@ -1,4 +1,4 @@
-//! Uncompressed voxels left in their file and read box by box, in any byte order and with any strides.
+//! Uncompressed voxels left in their files and read box by box, in any byte order and with any strides.
 //!
 //! Positioned reads, not a memory map: a map of a file that another program shortens kills the process at the next touch;
 //! a read answers with an error. A file that changed since it was opened (length or time) is an error too, since edits lie
@@ -10,6 +10,7 @@ use super::layout::{Layout, to_native};
 use super::regular::read_exact_at;
 use crate::volume::{BrickSource, Grid, SourceError, VoxelType, Voxels, check_box};
 use std::fs::File;
+use std::path::PathBuf;
 use std::time::SystemTime;
 
 /// Bytes between two wanted rows that are read along rather than skipped by another call: a call costs what copying
@@ -19,29 +20,51 @@ const GAP: u64 = 3 << 10;
 /// The most bytes read in one call when rows are gathered.
 const SPAN: u64 = 1 << 20;
 
-/// One component of one frame of an uncompressed file.
+/// Files of a series that are held open; of more, each is opened when it is read.
+const HELD: usize = 128;
+
+/// What is said of a file that is not what it was.
+const CHANGED: &str = "it changed since it was opened";
+
+/// A file with its share of the block.
+#[derive(Debug)]
+struct Share {
+    path: PathBuf,
+    held: Option<File>,
+    /// Byte at which its voxels begin.
+    start: u64,
+    seen: (u64, Option<SystemTime>),
+}
+
+/// One component of one frame of uncompressed files.
 #[derive(Debug)]
 pub(super) struct RawSource {
-    file: File,
+    shares: Vec<Share>,
+    /// Bytes of the block in each of them.
+    share_bytes: u64,
     name: String,
     grid: Grid,
     voxel_type: VoxelType,
     big_endian: bool,
     scaling: (f64, f64),
-    /// Byte of voxel (0, 0, 0).
+    /// Byte of the block where voxel (0, 0, 0) is.
     start: u64,
     /// Voxels from one to the next along i, j, k.
     strides: [u64; 3],
-    seen: (u64, Option<SystemTime>),
 }
 
 impl RawSource {
-    /// `layout` was checked against the file's length.
+    /// `layout` was checked against the files' lengths.
     pub(super) fn open(layout: &Layout, start: u64, strides: [u64; 3]) -> Result<Self, IoError> {
-        let file = open_file(&layout.path)?;
-        let seen = state(&file).map_err(IoError::system(&layout.path, "read the file"))?;
+        let hold = layout.data.len() <= HELD;
+        let share = |data: &super::layout::DataFile| {
+            let file = open_file(&data.path)?;
+            let seen = state(&file).map_err(IoError::system(&data.path, "read the file"))?;
+            Ok(Share { path: data.path.clone(), held: hold.then_some(file), start: data.start, seen })
+        };
         Ok(Self {
-            file,
+            shares: layout.data.iter().map(share).collect::<Result<_, IoError>>()?,
+            share_bytes: layout.file_bytes().unwrap_or(0),
             name: layout.file.clone(),
             grid: layout.grid,
             voxel_type: layout.voxel_type,
@@ -49,7 +72,6 @@ impl RawSource {
             scaling: layout.scaling,
             start,
             strides,
-            seen,
         })
     }
 
@@ -57,8 +79,41 @@ impl RawSource {
         SourceError::Unreadable { name: self.name.clone(), reason: reason.to_string() }
     }
 
-    fn read_at(&self, bytes: &mut [u8], at: u64) -> Result<(), SourceError> {
-        read_exact_at(&self.file, bytes, at).map_err(|e| self.unreadable(e))
+    /// Bytes of the block, from whichever files they are in.
+    fn read_at(&self, mut bytes: &mut [u8], mut at: u64) -> Result<(), SourceError> {
+        while !bytes.is_empty() {
+            // A block of no bytes has no voxels to be asked for.
+            let (n, within) = (at / self.share_bytes.max(1), at % self.share_bytes.max(1));
+            let run = (bytes.len() as u64).min(self.share_bytes - within) as usize;
+            let (part, rest) = bytes.split_at_mut(run);
+            let share = self.shares.get(n as usize).ok_or_else(|| self.unreadable("it has no such voxels"))?;
+            let read = match &share.held {
+                Some(file) => read_exact_at(file, part, share.start + within),
+                None => super::open_regular(&share.path).and_then(|file| {
+                    // Looked at again: meanwhile the name may lead to another file.
+                    let same = state(&file)? == share.seen;
+                    let changed = || std::io::Error::other(format!("{}: {CHANGED}", share.path.display()));
+                    if same { read_exact_at(&file, part, share.start + within) } else { Err(changed()) }
+                }),
+            };
+            read.map_err(|e| self.unreadable(e))?;
+            bytes = rest;
+            at += run as u64;
+        }
+        Ok(())
+    }
+
+    /// Fails if a file with one of these bytes of the block changed since it was opened.
+    fn check_unchanged(&self, from: u64, to: u64) -> Result<(), SourceError> {
+        let of = |at: u64| (at / self.share_bytes.max(1)) as usize;
+        for share in self.shares.iter().take(of(to) + 1).skip(of(from)) {
+            if let Some(file) = &share.held
+                && state(file).map_err(|e| self.unreadable(e))? != share.seen
+            {
+                return Err(self.unreadable(CHANGED));
+            }
+        }
+        Ok(())
     }
 }
 
@@ -81,9 +136,6 @@ impl BrickSource for RawSource {
 
     fn read(&self, lo: [u32; 3], size: [u32; 3]) -> Result<Voxels, SourceError> {
         check_box(lo, size, self.grid.dims)?;
-        if state(&self.file).map_err(|e| self.unreadable(e))? != self.seen {
-            return Err(self.unreadable("it changed since it was opened"));
-        }
         let [nx, ny, nz] = size.map(u64::from);
         let width = self.voxel_type.bytes();
         let count = nx * ny * nz;
@@ -101,6 +153,7 @@ impl BrickSource for RawSource {
             let voxel = u64::from(lo[0]) * sx + (u64::from(lo[1]) + y) * sy + (u64::from(lo[2]) + z) * sz;
             self.start + voxel * w
         };
+        self.check_unchanged(place(0, 0), place(ny - 1, nz - 1) + row - 1)?;
         let out = voxels.as_bytes_mut();
         let out_row = nx as usize * width;
         if sx > 1 && sx * w > GAP {

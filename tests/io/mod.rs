@@ -6,6 +6,7 @@ pub mod files;
 mod hostile;
 mod nifti;
 mod nrrd;
+mod nrrd_data;
 mod places;
 mod regular;
 mod statistics;

@@ -87,9 +87,7 @@ fn headers_that_cannot_be_are_refused_by_field() {
     bad("type: block", "type", "block");
     bad("type:", "type", "nothing");
     bad("endian: middle", "endian", "middle");
-    bad("encoding: bzip2", "encoding", "bzip2");
-    bad("encoding: ascii", "encoding", "ascii");
-    bad("encoding: hex", "encoding", "hex");
+    bad("encoding: zstd", "encoding", "zstd");
     bad("space: left", "space", "left");
     bad("space dimension: 5", "space dimension", "5");
     bad("space dimension: 1", "space dimension", "1");
@@ -121,12 +119,6 @@ fn headers_that_cannot_be_are_refused_by_field() {
     assert!(text.contains("space origin: found (1,nan,0)"), "{text}");
     let text = io::open(keep(&folder, "bad.nrrd", b"NRRD0009\n")).unwrap_err().to_string();
     assert!(text.contains("magic: found NRRD0009; expected NRRD0001"), "{text}");
-    // Names of files follow: they are no fields, and not what is wrong.
-    for list in ["data file: LIST\nd0.raw\nd1.raw", "data file: LIST 2\nd0.raw", "datafile: list"] {
-        let text = error(&[list]);
-        assert!(text.contains("data file: found L") || text.contains("data file: found l"), "{text}");
-        assert!(text.contains("a series of data files is not supported yet"), "{text}");
-    }
     let text = io::open(keep(&folder, "bad.nrrd", &nrrd(&BEYOND, &data()))).unwrap_err().to_string();
     assert!(text.contains("found a file of") && text.contains("expected less than 2^64 bytes"), "{text}");
 }
