@@ -18,6 +18,12 @@ pub fn move_opacity(function: &mut TransferFunction, i: usize, value: f64, opaci
     }
 }
 
+/// The colour point that stands where opacity point `i` does, as both do after a start from the histogram.
+pub fn colour_beside(function: &TransferFunction, i: usize, gap: f64) -> Option<usize> {
+    let value = function.opacity.get(i)?.0;
+    function.colour.iter().position(|p| (p.0 - value).abs() < gap)
+}
+
 /// Moves a colour point.
 pub fn move_colour(function: &mut TransferFunction, i: usize, value: f64, gap: f64) {
     if i < function.colour.len() {

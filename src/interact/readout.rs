@@ -9,6 +9,19 @@ pub fn round_length(mm: f64) -> f64 {
     [5.0, 2.0].into_iter().map(|m| m * power).find(|&l| l <= mm).unwrap_or(power)
 }
 
+/// A length in the unit that it is said in.
+pub fn length(mm: f64) -> String {
+    let (value, unit) = match mm {
+        1000.0.. => (mm / 1000.0, "m"),
+        10.0.. => (mm / 10.0, "cm"),
+        0.1.. => (mm, "mm"),
+        1e-4.. => (mm * 1e3, "µm"),
+        _ => (mm * 1e6, "nm"),
+    };
+    // One, two or five times a power of ten has no more digits than this.
+    format!("{} {unit}", (value * 1e6).round() / 1e6)
+}
+
 /// Six digits at most: a status line is read in passing.
 pub fn short(value: f64) -> String {
     if value.fract() == 0.0 && value.abs() < 1e9 {
@@ -39,6 +52,29 @@ pub fn value(number: Number, voxel_type: VoxelType) -> String {
 /// Without the fraction of a whole number.
 fn digits(text: String) -> String {
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
+}
+
+/// A number for a field of `chars` characters: with `decimals`, with fewer where they have no room, in powers of ten where the
+/// whole number has none.
+pub fn fixed(value: f64, decimals: usize, chars: usize) -> String {
+    let plain = (0..=decimals).rev().map(|d| format!("{value:.d$}"));
+    let powers = (0..4).rev().map(|d| format!("{value:.d$e}"));
+    plain.chain(powers).find(|text| text.chars().count() <= chars).unwrap_or_else(|| format!("{value:.0e}"))
+}
+
+/// Decimals that tell a thousandth of `span` from none.
+pub fn decimals(span: f64) -> usize {
+    if span.is_finite() && span > 0.0 { (2 - span.log10().floor() as i32).clamp(0, 9) as usize } else { 0 }
+}
+
+/// A value of data that span so much, for a field of `chars` characters: with the decimals that it has, as far as they matter.
+pub fn field(value: f64, span: f64, chars: usize) -> String {
+    let text = fixed(value, decimals(span) + 3, chars);
+    if text.contains('.') && !text.contains('e') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
 }
 
 /// How long ago something was, to the unit that one would say aloud.

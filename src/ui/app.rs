@@ -1,7 +1,9 @@
 //! The window's state, and how commands leave it and reports reach it.
 
+use super::borders::Borders;
 use super::dialogs::Dialog;
 use super::echo::echo;
+use super::layout::Layout;
 use super::panels::transfer::TransferEditor;
 use super::saving::{AfterSave, Coming};
 use super::session::{Gravity, Opened, Request, Session, Snapshot};
@@ -26,6 +28,9 @@ pub struct App {
     pub(super) viewports: Viewports,
     pub(super) pictures: Pictures,
     pub(super) grounds: Grounds,
+    /// How the window is divided; changed by [`drag_borders`](Self::drag_borders) alone.
+    pub(super) layout: Layout,
+    pub(super) borders: Borders,
     pub(super) messages: Vec<(Gravity, String)>,
     pub(super) messages_open: bool,
     pub(super) keys_open: bool,
@@ -84,6 +89,8 @@ impl App {
             viewports: Viewports::default(),
             pictures: Pictures::default(),
             grounds: Grounds::default(),
+            layout: Layout::default(),
+            borders: Borders::default(),
             messages: Vec::new(),
             messages_open: false,
             keys_open: false,
@@ -107,6 +114,11 @@ impl App {
     /// The same with something to draw pictures on; without it the window has controls only.
     pub fn with_canvas(self, canvas: Canvas) -> Self {
         Self { grounds: Grounds::on(canvas), ..self }
+    }
+
+    /// The same with the layout that a file keeps, and keeps it there.
+    pub fn with_layout(self, kept_in: PathBuf) -> Self {
+        Self { layout: Layout::read(&kept_in), borders: Borders::kept_in(kept_in), ..self }
     }
 
     /// The open volume, if any.
@@ -302,6 +314,7 @@ impl App {
         self.left_panel(ui);
         self.right_panel(ui);
         self.central(ui);
+        self.drag_borders(ui);
         self.key_page(&ctx);
         self.dialogs(&ctx);
         self.drop_hint(&ctx);

@@ -51,7 +51,7 @@ fn square(ui: &mut Ui, size: egui::Vec2, name: &str, colour: [f32; 3]) -> Respon
     let fill = theme::rgb(colour);
     response.widget_info(|| {
         let mut info = WidgetInfo::labeled(Role::ColorWell, ui.is_enabled(), name);
-        info.current_text_value = Some(format!("#{:02x}{:02x}{:02x}", fill.r(), fill.g(), fill.b()));
+        info.current_text_value = Some(hex(colour));
         info
     });
     ui.painter().rect_filled(rect, theme::ROUND, fill);
@@ -65,7 +65,7 @@ fn picker(ui: &mut Ui, id: egui::Id, colour: &mut [f32; 3]) -> bool {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = GAP + 2.0;
         for (name, ready) in READY {
-            if square(ui, vec2(28.0, ROW - 2.0), &format!("Pick {name}"), ready).on_hover_text(name).clicked() {
+            if square(ui, vec2(28.0, ROW), &format!("Pick {name}"), ready).on_hover_text(name).clicked() {
                 *colour = ready;
             }
         }
@@ -82,16 +82,57 @@ fn picker(ui: &mut Ui, id: egui::Id, colour: &mut [f32; 3]) -> bool {
     );
     let degrees = Scale { decimals: 0, unit: "°", ..Scale::default() };
     let mut turn = h * 360.0;
-    let mut moved = row(ui, "Hue", |ui| slider(ui, "Hue", &mut turn, 0.0..=360.0, degrees).changed());
+    let mut moved = row(ui, "Hue", |ui| {
+        slider(ui, ("Hue", "Which colour of the rainbow"), &mut turn, 0.0..=360.0, degrees).changed()
+    });
     h = turn / 360.0;
-    moved |= row(ui, "Saturation", |ui| slider(ui, "Saturation", &mut s, 0.0..=1.0, Scale::PERCENT).changed());
-    moved |= row(ui, "Brightness", |ui| slider(ui, "Brightness", &mut v, 0.0..=1.0, Scale::PERCENT).changed());
+    moved |= row(ui, "Saturation", |ui| {
+        slider(ui, ("Saturation", "From grey to the pure colour"), &mut s, 0.0..=1.0, Scale::PERCENT).changed()
+    });
+    moved |= row(ui, "Brightness", |ui| {
+        slider(ui, ("Brightness", "From black to bright"), &mut v, 0.0..=1.0, Scale::PERCENT).changed()
+    });
     if moved {
         let hsv = [h as f32, s as f32, v as f32];
         *colour = rgb_from_hsv((hsv[0], hsv[1], hsv[2]));
         ui.data_mut(|d| d.insert_temp(id, (*colour, hsv)));
     }
+    row(ui, "Hex", |ui| {
+        let draft = id.with("hex");
+        let now = hex(*colour);
+        let mut text = ui.data(|d| d.get_temp::<String>(draft)).unwrap_or_else(|| now.clone());
+        let field = egui::TextEdit::singleline(&mut text).id(draft.with("field")).desired_width(80.0);
+        let field = ui.add(field).accessible_name("Colour in hex");
+        let field = field.on_hover_text("Red, green and blue as six digits, such as #e34a40");
+        // While it is typed the colour follows whatever is a colour.
+        if field.changed()
+            && let Some(typed) = from_hex(&text)
+        {
+            *colour = typed;
+        }
+        ui.data_mut(|d| d.remove::<String>(draft));
+        if field.has_focus() {
+            ui.data_mut(|d| d.insert_temp(draft, text));
+        }
+    });
     *colour != before
+}
+
+/// A colour as `#rrggbb`.
+pub(super) fn hex(colour: [f32; 3]) -> String {
+    let c = theme::rgb(colour);
+    format!("#{:02x}{:02x}{:02x}", c.r(), c.g(), c.b())
+}
+
+/// The colour that `#rrggbb`, `rrggbb` or `#rgb` names.
+fn from_hex(text: &str) -> Option<[f32; 3]> {
+    let digits: Option<Vec<u32>> = text.trim().trim_start_matches('#').chars().map(|c| c.to_digit(16)).collect();
+    let byte = |high: u32, low: u32| (high * 16 + low) as f32 / 255.0;
+    match digits?[..] {
+        [r, g, b] => Some([byte(r, r), byte(g, g), byte(b, b)]),
+        [r, rr, g, gg, b, bb] => Some([byte(r, rr), byte(g, gg), byte(b, bb)]),
+        _ => None,
+    }
 }
 
 /// Says over a square that its colour is nobody's choice.

@@ -4,10 +4,12 @@
 //! a control or a tool wants done goes through `Document::apply`, as a script's line does.
 
 mod app;
+mod borders;
 mod colour;
 mod dialogs;
 mod echo;
 mod icons;
+mod layout;
 mod outlines;
 mod overlay;
 mod panels;
@@ -25,6 +27,7 @@ mod widgets;
 mod worker;
 
 pub use app::App;
+pub use layout::Layout;
 pub use progress::Stop;
 pub use session::{Far, Gravity, Opened, Picture, Report, Request, Session, Snapshot};
 pub use viewport::Canvas;
@@ -51,7 +54,7 @@ pub fn run(options: Options) -> Result<(), String> {
         .with_app_id("burin")
         .with_inner_size([1280.0, 800.0])
         .with_maximized(true)
-        .with_min_inner_size([960.0, 600.0]);
+        .with_min_inner_size([900.0, 600.0]);
     // Flat colours have nothing to dither, and software drivers feel it.
     let native = eframe::NativeOptions { viewport, dithering: false, ..Default::default() };
     let mut document = Document::new();
@@ -75,6 +78,9 @@ pub fn run(options: Options) -> Result<(), String> {
             }
             let state = cc.wgpu_render_state.as_ref().ok_or("no graphics device for the window")?;
             let mut app = App::new(session).with_canvas(Canvas::new(state)?);
+            if let Ok(folder) = recovery::state_dir() {
+                app = app.with_layout(folder.join("window.json"));
+            }
             app.start(options.open.as_deref(), unsafe_until_saved);
             Ok(Box::new(app))
         }),

@@ -10,6 +10,8 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
 
 /// The crosshair leaves its own middle open, in points.
 const OPENING: f32 = 8.0;
+/// Letters and bars: read on white bone as on black air.
+const MARK: Color32 = Color32::from_rgb(0xf4, 0xf0, 0xd8);
 /// And the side letters: an I on a line would be a line.
 const LETTERS: f32 = 24.0;
 
@@ -89,7 +91,7 @@ impl App {
 /// What a brush paints, as a colour.
 pub(super) fn paint_colour(target: Target, scene: &crate::document::Scene) -> Color32 {
     match target {
-        Target::Label(id) => scene.segments.get(id).map_or(theme::ACCENT, |s| theme::rgb(s.colour)),
+        Target::Label(id) => theme::rgb(scene.segments.colour_of(id)),
         Target::Colour([r, g, b, _]) => theme::rgb([r, g, b]),
         Target::Selection(_) => theme::WARNING,
         Target::Density(_) => Color32::WHITE,
@@ -128,8 +130,8 @@ fn shaded_text(painter: &Painter, at: Pos2, anchor: Align2, text: impl ToString,
 }
 
 fn letters(painter: &Painter, body: Rect, [left, right, top, bottom]: [char; 4]) {
-    let font = FontId::proportional(14.0);
-    let colour = Color32::from_rgb(0xe8, 0xe3, 0xc8);
+    let font = FontId::proportional(15.0);
+    let colour = MARK;
     let inner = body.shrink(6.0);
     shaded_text(painter, inner.left_center(), Align2::LEFT_CENTER, left, font.clone(), colour);
     shaded_text(painter, inner.right_center(), Align2::RIGHT_CENTER, right, font.clone(), colour);
@@ -138,28 +140,29 @@ fn letters(painter: &Painter, body: Rect, [left, right, top, bottom]: [char; 4])
 }
 
 fn scale_bar(painter: &Painter, body: Rect, mm_per_point: f64) {
-    if !(mm_per_point.is_finite() && mm_per_point > 0.0) {
+    // A view smaller than this would be covered by it.
+    if !(mm_per_point.is_finite() && mm_per_point > 0.0) || body.width() < 150.0 {
         return;
     }
-    let length_mm = crate::interact::readout::round_length(mm_per_point * 90.0);
+    let length_mm = crate::interact::readout::round_length(mm_per_point * f64::from(body.width() * 0.35).min(120.0));
     let points = (length_mm / mm_per_point) as f32;
-    let at = pos2(body.min.x + 10.0, body.max.y - 10.0);
+    let at = pos2(body.min.x + 12.0, body.max.y - 12.0);
     let ends = [at, at + vec2(points, 0.0)];
-    let colour = Color32::from_rgb(0xe8, 0xe3, 0xc8);
-    for (stroke, tick) in [(Stroke::new(3.0, Color32::from_black_alpha(190)), 4.5), (Stroke::new(1.4, colour), 4.0)] {
+    for (stroke, tick) in [(Stroke::new(4.5, Color32::from_black_alpha(210)), 6.0), (Stroke::new(2.0, MARK), 5.0)] {
         painter.line_segment(ends, stroke);
         for end in ends {
-            painter.line_segment([end - vec2(0.0, tick), end + vec2(0.0, 1.0)], stroke);
+            painter.line_segment([end - vec2(0.0, tick), end + vec2(0.0, tick - 2.0)], stroke);
         }
     }
-    let text = if length_mm >= 10.0 { format!("{} cm", length_mm / 10.0) } else { format!("{length_mm} mm") };
+    let text = crate::interact::readout::length(length_mm);
     let middle = at + vec2(points * 0.5, -5.0);
-    shaded_text(painter, middle, Align2::CENTER_BOTTOM, text, FontId::proportional(12.0), colour);
+    shaded_text(painter, middle, Align2::CENTER_BOTTOM, text, FontId::proportional(14.0), MARK);
 }
 
-/// The body's axes as they lie in the 3D picture.
+/// The body's axes as they lie in the 3D picture: what points at the eye is bright and on top.
 fn orientation_mark(painter: &Painter, body: Rect, right: DVec3, up: DVec3) {
-    let centre = pos2(body.max.x - 40.0, body.max.y - 40.0);
+    let size = (body.size().min_elem() * 0.1).clamp(22.0, 36.0);
+    let centre = body.max - vec2(size, size) * 1.7;
     let forward = up.cross(right);
     let mut axes = [(DVec3::X, 'R', 'L'), (DVec3::Y, 'A', 'P'), (DVec3::Z, 'S', 'I')]
         .iter()
@@ -168,10 +171,11 @@ fn orientation_mark(painter: &Painter, body: Rect, right: DVec3, up: DVec3) {
         .collect::<Vec<_>>();
     axes.sort_by(|a, b| b.0.dot(forward).total_cmp(&a.0.dot(forward)));
     for (axis, letter, view) in axes {
-        let flat = vec2(axis.dot(right) as f32, -axis.dot(up) as f32) * 24.0;
+        let flat = vec2(axis.dot(right) as f32, -axis.dot(up) as f32) * size;
         let nearness = (0.5 - 0.5 * axis.dot(forward) as f32).clamp(0.0, 1.0);
-        let colour = view_colour(view).gamma_multiply(0.35 + 0.65 * nearness);
-        painter.line_segment([centre, centre + flat], Stroke::new(1.5, colour));
-        shaded_text(painter, centre + flat * 1.28, Align2::CENTER_CENTER, letter, FontId::proportional(11.5), colour);
+        let colour = view_colour(view).gamma_multiply(0.5 + 0.5 * nearness);
+        painter.line_segment([centre, centre + flat], Stroke::new(4.5, Color32::from_black_alpha(150)));
+        painter.line_segment([centre, centre + flat], Stroke::new(2.5, colour));
+        shaded_text(painter, centre + flat * 1.28, Align2::CENTER_CENTER, letter, FontId::proportional(13.5), colour);
     }
 }

@@ -32,10 +32,10 @@ pub const ERROR: Color32 = Color32::from_rgb(0xf0, 0x7a, 0x72);
 /// Warnings.
 pub const WARNING: Color32 = Color32::from_rgb(0xe3, 0xb3, 0x5a);
 
-/// Height of rows that are clicked.
-pub const ROW: f32 = 24.0;
+/// Height of rows and of what is clicked in them.
+pub const ROW: f32 = 22.0;
 /// Width of the labels in front of controls.
-pub const LABEL: f32 = 88.0;
+pub const LABEL: f32 = 86.0;
 /// Radius of corners.
 pub const ROUND: u8 = 3;
 /// One step of the grid.
@@ -85,7 +85,7 @@ pub fn apply(ctx: &egui::Context) {
         style.interaction.tooltip_delay = 0.4;
         style.spacing.item_spacing = Vec2::new(GAP, GAP);
         style.spacing.button_padding = Vec2::new(8.0, 3.0);
-        style.spacing.interact_size = Vec2::new(24.0, ROW - 2.0);
+        style.spacing.interact_size = Vec2::new(24.0, ROW);
         style.spacing.slider_rail_height = 4.0;
         style.spacing.window_margin = Margin::same(16);
         style.spacing.menu_margin = Margin::same(6);

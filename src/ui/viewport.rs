@@ -1,10 +1,12 @@
 //! The four views: their arrangement, headers and pictures.
 
 use super::app::App;
+use super::borders::{Border, Edge};
 use super::icons::Icon;
+use super::layout::BORDER;
 use super::pointer::pixels;
 use super::theme::{self, GAP, view_colour, view_title};
-use super::widgets::{Face, icon_button, spinner};
+use super::widgets::{Face, icon_button, menu, spinner, tipped};
 use crate::document::{Place, SlicePlane, ViewCommand, ViewName};
 use crate::interact::{Button, projected};
 use crate::math::{DVec2, Projection};
@@ -20,8 +22,12 @@ pub(super) use canvas::Grounds;
 
 /// Height of a view's header.
 const HEADER: f32 = 26.0;
-/// Between the views.
-const SEAM: f32 = 2.0;
+/// Between the views: what is dragged.
+const SEAM: f32 = BORDER;
+/// Least width of a view's header that has room for the sides as letters.
+const ROOMY: f32 = 262.0;
+/// Least length of a slider that is worth its place.
+const SLIDER: f32 = 44.0;
 /// Directions that the 3D view can be seen from: letter, name, from the volume towards the eye.
 const SIDES: [(&str, &str, [f64; 3]); 6] = [
     ("A", "anterior", [0.0, 1.0, 0.0]),
@@ -97,12 +103,12 @@ impl App {
                 self.welcome(ui);
                 return;
             }
-            if self.viewports.maximised.is_none() {
-                seams(all).into_iter().for_each(|seam| self.grounds.fill(seam, theme::DEEP));
-            }
             let tiles: Vec<(ViewName, Rect)> = match self.viewports.maximised {
                 Some(view) => vec![(view, all)],
-                None => quarters(all).to_vec(),
+                None => {
+                    self.seams(all);
+                    quarters(all, self.layout.views).to_vec()
+                }
             };
             let scale = ui.ctx().pixels_per_point();
             // Nothing of a menu, a dialog or a tooltip may paint through to a view.
@@ -155,8 +161,26 @@ impl App {
         }
     }
 
+    /// What lies between the views.
+    fn seams(&mut self, all: Rect) {
+        let [first, .., last] = quarters(all, self.layout.views).map(|q| q.1);
+        let (now, extent) = (self.layout.views, (all.size() - vec2(SEAM, SEAM)).into());
+        let (x, y) = ([first.max.x, last.min.x], [first.max.y, last.min.y]);
+        let place = |x: [f32; 2], y: [f32; 2]| Rect::from_min_max(pos2(x[0], y[0]), pos2(x[1], y[1]));
+        for (border, place) in [
+            (Border::Upright, place(x, [all.min.y, all.max.y])),
+            (Border::Level, place([all.min.x, all.max.x], y)),
+            (Border::Crossing, place(x, y).expand(3.0)),
+        ] {
+            self.border(Edge { border, place, now, extent });
+        }
+    }
+
+    /// Title, what belongs to the view as far as there is room for it, and the button that enlarges it.
     fn view_header(&mut self, ui: &mut Ui, view: ViewName, inner: Rect) {
         let title = view_title(view);
+        let button = 24.0;
+        ui.shrink_clip_rect(inner);
         let (mark, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
         ui.painter().rect_filled(mark, 2.0, view_colour(view));
         let label = ui.add(
@@ -166,17 +190,14 @@ impl App {
             self.viewports.toggle(view);
         }
         ui.add_space(GAP);
-        let button = 24.0;
         let alone = self.viewports.alone().is_some();
         if view == ViewName::ThreeD {
-            for (letter, name, from) in SIDES {
-                let b = egui::Button::new(letter).min_size(vec2(20.0, 20.0)).frame_when_inactive(false);
-                let b = ui.add(b).accessible_name(format!("See from {name}"));
-                if b.on_hover_text(format!("See from {name}")).clicked() {
-                    self.send_view(ViewCommand::Frame { from, up: None, zoom: None });
-                }
+            if inner.width() >= ROOMY {
+                self.side_buttons(ui);
+            } else {
+                let tip = "The side that is seen, and how what is far is drawn";
+                menu(ui, vec2(20.0, 20.0), ("Sides of the 3D view", "From", tip), |ui| self.side_buttons(ui));
             }
-            self.projection_button(ui);
         } else {
             self.slice_slider(ui, view, inner.right() - button - GAP);
         }
@@ -190,6 +211,18 @@ impl App {
         }
     }
 
+    /// The sides that the 3D view can be seen from, and its projection.
+    fn side_buttons(&mut self, ui: &mut Ui) {
+        for (letter, name, from) in SIDES {
+            let b = egui::Button::new(letter).min_size(vec2(20.0, 20.0)).frame_when_inactive(false);
+            let b = ui.add(b).accessible_name(format!("See from {name}"));
+            if b.on_hover_text(format!("See from {name}")).clicked() {
+                self.send_view(ViewCommand::Frame { from, up: None, zoom: None });
+            }
+        }
+        self.projection_button(ui);
+    }
+
     fn projection_button(&mut self, ui: &mut Ui) {
         let Some(camera) = self.scene.as_ref().map(|s| s.views.camera) else { return };
         let on = matches!(camera.projection, Projection::Orthographic { .. });
@@ -200,29 +233,38 @@ impl App {
         }
     }
 
+    /// Which slice is shown, with a slider where there is room for one.
     fn slice_slider(&mut self, ui: &mut Ui, view: ViewName, right: f32) {
         let (Some(scene), Some(open)) = (&self.scene, self.opened()) else { return };
         let Some(plane) = SlicePlane::new(&open.grid, &scene.views, view) else { return };
         let grid = open.grid;
         let count = grid.dims[plane.axis];
-        let number = 70.0;
         let mut index = plane.index + 1;
-        ui.spacing_mut().slider_width = (right - ui.cursor().left() - number - GAP * 2.0).max(24.0);
-        ui.spacing_mut().interact_size.y = 16.0;
-        let slider = ui
-            .add_enabled(count > 1, Slider::new(&mut index, 1..=count).show_value(false))
-            .accessible_name(format!("{} slice", view_title(view)));
-        if slider.changed() {
-            let to_index = grid.index_from_world();
-            let mut at = to_index.transform_point3(scene.views.crosshair);
-            at[plane.axis] = f64::from(index) - 1.0;
-            let world = grid.world_from_index.transform_point3(at);
-            self.send_view(ViewCommand::Crosshair { at: Place::Mm(world.to_array()) });
-        }
-        let text = format!("{index:>3} / {count}");
-        let (rect, _) = ui.allocate_exact_size(vec2(number, 20.0), Sense::hover());
         let font = TextStyle::Monospace.resolve(ui.style());
-        ui.painter().text(rect.right_center(), Align2::RIGHT_CENTER, text, font, theme::TEXT_WEAK);
+        let text = ui.painter().layout_no_wrap(format!("{index} / {count}"), font, theme::TEXT_WEAK);
+        let room = right - ui.cursor().left();
+        // As wide as the last slice needs, so that the slider keeps its length.
+        let digits = count.to_string().len() as f32;
+        let number = text.size().x.max(7.6 * (2.0 * digits + 3.0)).min(room);
+        let length = room - number - GAP * 2.0;
+        if length >= SLIDER {
+            ui.spacing_mut().slider_width = length;
+            ui.spacing_mut().interact_size.y = 16.0;
+            let slider = ui
+                .add_enabled(count > 1, Slider::new(&mut index, 1..=count).show_value(false))
+                .accessible_name(format!("{} slice", view_title(view)));
+            if tipped(slider, "Which slice is shown: also the wheel, Up and Down").changed() {
+                let to_index = grid.index_from_world();
+                let mut at = to_index.transform_point3(scene.views.crosshair);
+                at[plane.axis] = f64::from(index) - 1.0;
+                let world = grid.world_from_index.transform_point3(at);
+                self.send_view(ViewCommand::Crosshair { at: Place::Mm(world.to_array()) });
+            }
+        }
+        if room >= text.size().x {
+            let (rect, _) = ui.allocate_exact_size(vec2(right - ui.cursor().left(), 20.0), Sense::hover());
+            ui.painter().galley(rect.right_center() - vec2(text.size().x, text.size().y * 0.5), text, theme::TEXT_WEAK);
+        }
     }
 
     fn welcome(&mut self, ui: &mut Ui) {
@@ -250,7 +292,7 @@ impl App {
                 return;
             }
             let button = egui::Button::new(egui::RichText::new("Open…").color(Color32::WHITE)).fill(theme::ACCENT_FILL);
-            if ui.add(button.min_size(vec2(140.0, 34.0))).on_hover_text("Ctrl + O").clicked() {
+            if ui.add(button.min_size(vec2(140.0, 34.0))).on_hover_text("A volume or a project (Ctrl + O)").clicked() {
                 self.act(crate::interact::Action::Open);
             }
             ui.add_space(8.0);
@@ -259,24 +301,16 @@ impl App {
     }
 }
 
-/// 3D at the top left, then clockwise axial, sagittal, coronal.
-fn quarters(all: Rect) -> [(ViewName, Rect); 4] {
-    let mid = pos2((all.min.x + (all.width() - SEAM) * 0.5).round(), (all.min.y + (all.height() - SEAM) * 0.5).round());
+/// 3D at the top left, then clockwise axial, sagittal, coronal; they meet at these shares of width and height.
+fn quarters(all: Rect, [across, down]: [f32; 2]) -> [(ViewName, Rect); 4] {
+    let room = all.size() - vec2(SEAM, SEAM);
+    let mid = (all.min + vec2(room.x * across, room.y * down)).round();
     let far = mid + vec2(SEAM, SEAM);
     [
         (ViewName::ThreeD, Rect::from_min_max(all.min, mid)),
         (ViewName::Axial, Rect::from_min_max(pos2(far.x, all.min.y), pos2(all.max.x, mid.y))),
         (ViewName::Coronal, Rect::from_min_max(pos2(all.min.x, far.y), pos2(mid.x, all.max.y))),
         (ViewName::Sagittal, Rect::from_min_max(far, all.max)),
-    ]
-}
-
-/// What lies between the views.
-fn seams(all: Rect) -> [Rect; 2] {
-    let [first, .., last] = quarters(all).map(|q| q.1);
-    [
-        Rect::from_min_max(pos2(first.max.x, all.min.y), pos2(last.min.x, all.max.y)),
-        Rect::from_min_max(pos2(all.min.x, first.max.y), pos2(all.max.x, last.min.y)),
     ]
 }
 

@@ -1,20 +1,27 @@
-//! The few controls that panels are made of. Each has an accessible name; none knows the document.
+//! The few controls that panels are made of. Each has an accessible name and a tooltip, and none grows with what it shows; none
+//! knows the document.
 
 use super::icons::{self, Icon};
 use super::theme::{self, GAP, LABEL, ROW};
+use crate::interact::readout;
+use egui::collapsing_header::CollapsingState;
 use egui::{
-    Align, Align2, Color32, CornerRadius, DragValue, Layout, Response, RichText, Role, Sense, Stroke, TextStyle, Ui,
+    Align, Align2, Color32, CornerRadius, DragValue, Layout, Response, RichText, Role, ScrollArea, Sense, Slider,
 };
-use egui::{Slider, WidgetInfo, vec2};
+use egui::{Stroke, TextStyle, Ui, WidgetInfo, vec2};
 use std::ops::RangeInclusive;
+
+/// A tooltip that stays while the control cannot be used.
+pub(super) fn tipped(response: Response, tip: &str) -> Response {
+    response.on_hover_text(tip).on_disabled_hover_text(tip)
+}
 
 /// A heading that folds what is under it.
 pub(super) fn section(ui: &mut Ui, title: &str, open: bool, body: impl FnOnce(&mut Ui)) {
-    // Twice, half a pixel apart: the one weight of the font serves as bold.
-    fold(ui, title, open, &[0.0, 0.45], body);
-    let y = ui.cursor().top();
-    ui.painter().hline(ui.max_rect().x_range(), y, Stroke::new(1.0, theme::LINE));
-    ui.add_space(GAP);
+    fold(ui, title, open, BOLD, body);
+    let at = ui.cursor().min;
+    ui.painter().hline(at.x..=at.x + ui.available_width(), at.y, Stroke::new(1.0, theme::LINE));
+    ui.add_space(2.0);
 }
 
 /// The same within a section.
@@ -22,14 +29,39 @@ pub(super) fn subsection(ui: &mut Ui, title: &str, open: bool, body: impl FnOnce
     fold(ui, title, open, &[0.0], body);
 }
 
+/// Twice, half a pixel apart: the one weight of the font serves as bold.
+const BOLD: &[f32] = &[0.0, 0.45];
+
 fn fold(ui: &mut Ui, title: &str, open: bool, weight: &[f32], body: impl FnOnce(&mut Ui)) {
-    let id = ui.make_persistent_id(("section", title));
-    let mut state = egui::collapsing_header::CollapsingState::load_with_default_open(ui.ctx(), id, open);
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
+    let mut state = heading(ui, title, open, weight);
+    state.show_body_unindented(ui, |ui| {
+        body(ui);
+        ui.add_space(2.0);
+    });
+}
+
+fn fold_state(ctx: &egui::Context, title: &str, open: bool) -> CollapsingState {
+    CollapsingState::load_with_default_open(ctx, egui::Id::unique(("section", title)), open)
+}
+
+/// Whether the list under this heading is unfolded.
+pub(super) fn is_unfolded(ctx: &egui::Context, title: &str) -> bool {
+    fold_state(ctx, title, true).is_open()
+}
+
+/// A heading over a list that has a place of its own; says whether the list is unfolded.
+pub(super) fn list_heading(ui: &mut Ui, title: &str) -> bool {
+    heading(ui, title, true, BOLD).is_open()
+}
+
+fn heading(ui: &mut Ui, title: &str, open: bool, weight: &[f32]) -> CollapsingState {
+    let mut state = fold_state(ui.ctx(), title, open);
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 24.0), Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, state.is_open(), title));
-    let response = response.accessible_name(format!("Section {title}"));
+    let response = response.accessible_name(format!("Section {title}")).on_hover_text("Click to fold or unfold");
     if response.clicked() {
         state.toggle(ui);
+        state.store(ui.ctx());
     }
     let colour = if response.hovered() || response.has_focus() { Color32::WHITE } else { theme::TEXT };
     let chevron = egui::Rect::from_center_size(rect.left_center() + vec2(6.0, 0.0), vec2(12.0, 12.0));
@@ -39,10 +71,23 @@ fn fold(ui: &mut Ui, title: &str, open: bool, weight: &[f32], body: impl FnOnce(
     for shift in weight {
         ui.painter().text(at + vec2(*shift, 0.0), Align2::LEFT_CENTER, title, font.clone(), colour);
     }
-    state.show_body_unindented(ui, |ui| {
-        ui.add_space(2.0);
-        body(ui);
-        ui.add_space(6.0);
+    state
+}
+
+/// The rows of a list in sight, scrolled within `height` whatever their number: what comes to it moves nothing else.
+pub(super) fn list(
+    ui: &mut Ui,
+    name: &str,
+    height: f32,
+    row: f32,
+    rows: usize,
+    to_end: bool,
+    mut show: impl FnMut(&mut Ui, std::ops::Range<usize>),
+) {
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.y = 2.0;
+        let area = ScrollArea::vertical().id_salt(name).max_height(height).min_scrolled_height(height);
+        area.auto_shrink([false, false]).stick_to_bottom(to_end).show_rows(ui, row, rows, |ui, range| show(ui, range));
     });
 }
 
@@ -73,31 +118,82 @@ impl Scale {
     pub(super) const PERCENT: Self = Self { logarithmic: false, decimals: 0, unit: " %", percent: true };
 }
 
+/// Width of a number beside its slider: no value of any unit makes it wider.
+const NUMBER: f32 = 72.0;
+
 /// A slider with its number; changed if either was.
-pub(super) fn slider(ui: &mut Ui, name: &str, value: &mut f64, range: RangeInclusive<f64>, scale: Scale) -> Response {
-    let number = 66.0;
-    ui.spacing_mut().slider_width = (ui.available_width() - number - GAP).max(40.0);
+pub(super) fn slider(
+    ui: &mut Ui,
+    (name, tip): (&str, &str),
+    value: &mut f64,
+    range: RangeInclusive<f64>,
+    scale: Scale,
+) -> Response {
+    ui.spacing_mut().slider_width = (ui.available_width() - NUMBER - GAP).max(24.0);
     let (lo, hi) = (*range.start(), *range.end());
     let rail = ui
         .add(Slider::new(value, range).show_value(false).logarithmic(scale.logarithmic).smart_aim(false))
         .accessible_name(name);
+    let rail = tipped(rail, tip);
     let factor = if scale.percent { 100.0 } else { 1.0 };
     let mut shown = *value * factor;
     let speed = if scale.logarithmic { shown.abs().max(0.01) * 0.01 } else { (hi - lo) * factor / 400.0 };
-    let text = ui
-        .add_sized(
-            vec2(number, ROW - 2.0),
-            DragValue::new(&mut shown)
-                .range(lo * factor..=hi * factor)
-                .speed(speed)
-                .suffix(scale.unit)
-                .fixed_decimals(scale.decimals),
-        )
-        .accessible_name(format!("{name}, value"));
+    let field = DragValue::new(&mut shown).range(lo * factor..=hi * factor).speed(speed).suffix(scale.unit);
+    let about = (&*format!("{name}, value"), &*format!("{tip}. Drag, or click to type"));
+    let text = number(ui, NUMBER, about, scale.unit, field, |x, chars| readout::fixed(x, scale.decimals, chars));
     if text.changed() {
         *value = shown / factor;
     }
     rail | text
+}
+
+/// A number that is dragged or typed, in a place that is never wider: `show` writes it in so many characters, which `beside` stands
+/// before or behind.
+pub(super) fn number<'a>(
+    ui: &mut Ui,
+    width: f32,
+    (name, tip): (&str, &str),
+    beside: &str,
+    field: DragValue<'a>,
+    show: impl Fn(f64, usize) -> String + 'a,
+) -> Response {
+    let (place, _) = ui.allocate_exact_size(vec2(width, ROW), Sense::hover());
+    let layout = Layout::centered_and_justified(egui::Direction::LeftToRight);
+    let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(place).layout(layout));
+    inner.shrink_clip_rect(place);
+    inner.spacing_mut().button_padding.x = 2.0;
+    let font = TextStyle::Monospace.resolve(ui.style());
+    let digit = ui.ctx().fonts_mut(|f| f.glyph_width(&font, '0')).max(1.0);
+    let beside = if beside.is_empty() { 0.0 } else { digit * beside.trim().chars().count() as f32 + GAP };
+    let chars = ((width - 4.0 - beside) / digit).floor().max(4.0) as usize;
+    let field = field.clip_text(true).custom_formatter(move |x, _| show(x, chars));
+    tipped(inner.add(field).accessible_name(name), tip)
+}
+
+/// A button of this size with its tooltip.
+pub(super) fn button(ui: &mut Ui, size: egui::Vec2, text: &str, tip: &str) -> bool {
+    tipped(ui.add_sized(size, egui::Button::new(text).truncate()), tip).clicked()
+}
+
+/// A button that opens a menu; without a text it is as wide as its sign.
+pub(super) fn menu(ui: &mut Ui, size: egui::Vec2, (name, text, tip): (&str, &str, &str), body: impl FnOnce(&mut Ui)) {
+    let padding = ui.spacing().button_padding.x;
+    // Room at the end for the sign that says menu.
+    let label = if text.is_empty() { String::new() } else { format!("{text}     ") };
+    let button = egui::Button::new(label).min_size(size);
+    let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, body);
+    let sign = match text.is_empty() {
+        true => response.rect.center(),
+        false => response.rect.right_center() - vec2(padding + 4.0, 0.0),
+    };
+    let place = egui::Rect::from_center_size(sign, vec2(12.0, 12.0));
+    icons::paint(ui.painter(), place, Icon::Down, theme::TEXT_WEAK);
+    tipped(response.accessible_name(name), tip);
+}
+
+/// A box that is ticked; answers whether it was changed.
+pub(super) fn tick(ui: &mut Ui, on: &mut bool, text: &str, tip: &str) -> bool {
+    tipped(ui.checkbox(on, text), tip).changed()
 }
 
 /// One of a few: all are seen, one is lit. Answers the one that was clicked.
@@ -109,14 +205,21 @@ pub(super) fn choice<T: PartialEq + Copy>(
 ) -> Option<T> {
     let mut clicked = None;
     ui.spacing_mut().item_spacing.x = 1.0;
-    let font = TextStyle::Button.resolve(ui.style());
-    // Each gets its text and an equal share of what is left, so that no text meets its neighbour.
-    let text_width = |label: &str| ui.painter().layout_no_wrap(label.to_owned(), font.clone(), Color32::WHITE).size().x;
-    let widths: Vec<f32> = options.iter().map(|o| text_width(o.1)).collect();
-    let spare = ui.available_width() - (options.len() as f32 - 1.0) - widths.iter().sum::<f32>();
-    let spare = (spare / options.len() as f32).max(4.0);
+    let mut font = TextStyle::Button.resolve(ui.style());
+    let room = ui.available_width() - (options.len() as f32 - 1.0);
+    // Each gets its text and an equal share of what is left, so that no text meets its neighbour; in a narrow panel the text is
+    // smaller.
+    let (widths, spare) = loop {
+        let text = |label: &str| ui.painter().layout_no_wrap(label.to_owned(), font.clone(), Color32::WHITE).size().x;
+        let widths: Vec<f32> = options.iter().map(|o| text(o.1)).collect();
+        let spare = (room - widths.iter().sum::<f32>()) / options.len() as f32;
+        if spare >= 6.0 || font.size <= 10.5 {
+            break (widths, spare.max(2.0));
+        }
+        font.size -= 0.5;
+    };
     for (i, (value, label, tip)) in options.iter().enumerate() {
-        let (rect, response) = ui.allocate_exact_size(vec2(widths[i] + spare, ROW - 2.0), Sense::click());
+        let (rect, response) = ui.allocate_exact_size(vec2(widths[i] + spare, ROW), Sense::click());
         let on = now == Some(*value);
         let enabled = ui.is_enabled();
         response.widget_info(|| WidgetInfo::selected(Role::RadioButton, enabled, on, format!("{name}: {label}")));
@@ -129,8 +232,7 @@ pub(super) fn choice<T: PartialEq + Copy>(
         paint_face(ui, rect, &response, on, round(i == 0, i + 1 == options.len()));
         let colour = face_colour(ui, &response, on);
         ui.painter().text(rect.center(), Align2::CENTER_CENTER, label, font.clone(), colour);
-        let response = if tip.is_empty() { response } else { response.on_hover_text(*tip) };
-        if response.clicked() && !on {
+        if tipped(response, tip).clicked() && !on {
             clicked = Some(*value);
         }
     }
@@ -173,7 +275,7 @@ pub(super) struct Face<'a> {
 impl<'a> Face<'a> {
     /// A small one for the end of a row.
     pub(super) fn small(icon: Icon, name: &'a str, tip: &'a str) -> Self {
-        Self { icon, name, tip, on: false, with_text: false, flat: true, size: ROW - 2.0, tint: None }
+        Self { icon, name, tip, on: false, with_text: false, flat: true, size: ROW, tint: None }
     }
 
     /// One for the tool bar.
@@ -214,7 +316,7 @@ pub(super) fn icon_button(ui: &mut Ui, face: Face<'_>) -> Response {
         let at = rect.left_center() + vec2(30.0, -text.size().y * 0.5);
         ui.painter().galley(at, text, colour);
     }
-    if face.tip.is_empty() { response } else { response.on_hover_text(face.tip) }
+    tipped(response, face.tip)
 }
 
 /// Says that something runs, a few times a second: on software drivers a frame costs what runs its time.
@@ -236,7 +338,7 @@ pub(super) fn name_field(ui: &mut Ui, name: &str, text: &str, width: f32) -> Opt
         .desired_width(width - 8.0)
         .align(egui::Align2::LEFT_CENTER)
         .frame(egui::Frame::NONE);
-    let response = ui.add_sized(vec2(width, ROW - 2.0), field).accessible_name(name);
+    let response = ui.add_sized(vec2(width, ROW), field).accessible_name(name).on_hover_text("Click to rename");
     if response.has_focus() {
         ui.data_mut(|d| d.insert_temp(id, draft));
         return None;

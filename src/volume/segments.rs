@@ -66,4 +66,9 @@ impl Segments {
             self.put(Segment::new(id));
         }
     }
+
+    /// The colour of a label: its segment's, or the one that [`ensure`](Self::ensure) would give it.
+    pub fn colour_of(&self, id: u16) -> [f32; 3] {
+        self.get(id).map_or_else(|| Segment::new(id).colour, |segment| segment.colour)
+    }
 }

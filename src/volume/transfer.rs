@@ -153,7 +153,7 @@ fn mix(a: f64, b: f64, t: f64) -> f64 {
 }
 
 /// The bin that splits the counts into two classes of greatest distance (Otsu 1979).
-fn otsu(bins: &[u64]) -> usize {
+pub(super) fn otsu(bins: &[u64]) -> usize {
     let total: f64 = bins.iter().map(|&n| n as f64).sum();
     let mean: f64 = bins.iter().enumerate().map(|(i, &n)| i as f64 * n as f64).sum();
     let (mut below, mut below_mean, mut best, mut at) = (0.0, 0.0, -1.0, 0);

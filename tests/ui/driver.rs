@@ -36,8 +36,17 @@ fn part(id: u32, name: &str) -> Part {
 impl Window {
     /// With nothing open.
     pub fn empty(size: [f32; 2]) -> Self {
+        Self::made(size, |app| app)
+    }
+
+    /// As [`open`](Self::open), with a layout that is kept in a file.
+    pub fn keeping(size: [f32; 2], layout: &std::path::Path) -> Self {
+        Self::made(size, |app| app.with_layout(layout.into())).with_volume()
+    }
+
+    fn made(size: [f32; 2], with: impl FnOnce(App) -> App) -> Self {
         let (session, far) = Session::pair();
-        let app = App::new(session);
+        let app = with(App::new(session));
         let harness =
             Harness::builder().with_size(vec2(size[0], size[1])).build_ui_state(|ui, app: &mut App| app.show(ui), app);
         Self { harness, far, scene: scene().1, serial: 0 }
@@ -122,6 +131,27 @@ impl Window {
         self.sent()
     }
 
+    /// Where a control lies.
+    pub fn rect(&self, name: &str) -> egui::Rect {
+        self.harness.get_by_label(name).rect()
+    }
+
+    /// Drags from the middle of a control.
+    pub fn drag(&mut self, name: &str, by: egui::Vec2) -> Vec<Command> {
+        let from = self.rect(name).center();
+        self.harness.hover_at(from);
+        self.harness.run_steps(1);
+        self.harness.drag_at(from);
+        self.harness.run_steps(1);
+        for share in [0.25, 0.6, 1.0] {
+            self.harness.hover_at(from + by * share);
+            self.harness.run_steps(1);
+        }
+        self.harness.drop_at(from + by);
+        self.harness.run_steps(3);
+        self.sent()
+    }
+
     pub fn key(&mut self, modifiers: Modifiers, key: egui::Key) -> Vec<Command> {
         self.harness.key_press_modifiers(modifiers, key);
         self.harness.run_steps(3);
@@ -129,5 +159,6 @@ impl Window {
     }
 }
 
+pub const SMALLEST: [f32; 2] = [900.0, 600.0];
 pub const SMALL: [f32; 2] = [1280.0, 800.0];
 pub const LARGE: [f32; 2] = [2560.0, 1440.0];

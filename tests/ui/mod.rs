@@ -4,6 +4,7 @@ mod busy;
 mod curve;
 mod driver;
 mod interact;
+mod layout;
 mod looks;
 mod names;
 mod painted;
@@ -13,6 +14,8 @@ mod reach;
 mod real;
 mod saving;
 mod slices;
+mod swatches;
+mod tooltips;
 mod window;
 mod worker;
 

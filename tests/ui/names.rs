@@ -19,23 +19,7 @@ fn controls(window: &Window) -> (BTreeMap<String, u32>, Vec<String>) {
         stack.extend(node.children());
         let about = node.accesskit_node();
         let role = about.role();
-        let acts = matches!(
-            role,
-            R::Button
-                | R::CheckBox
-                | R::RadioButton
-                | R::Slider
-                | R::SpinButton
-                | R::TextInput
-                | R::ComboBox
-                | R::ColorWell
-                | R::ListItem
-                | R::Link
-        );
-        // Whatever else can be clicked is a control too. Text can, to be selected; edges and bars are the toolkit's.
-        let other = !matches!(role, R::Label | R::TextRun | R::ScrollBar | R::Splitter);
-        let acts = acts || other && about.data().supports_action(egui::accesskit::Action::Click);
-        if !acts {
+        if !acts(&node) {
             continue;
         }
         match about.label().filter(|l| !l.trim().is_empty()) {
@@ -46,8 +30,30 @@ fn controls(window: &Window) -> (BTreeMap<String, u32>, Vec<String>) {
     (names, nameless)
 }
 
+/// Whether it is a control.
+pub(super) fn acts(node: &egui_kittest::Node<'_>) -> bool {
+    let about = node.accesskit_node();
+    let role = about.role();
+    let acts = matches!(
+        role,
+        R::Button
+            | R::CheckBox
+            | R::RadioButton
+            | R::Slider
+            | R::SpinButton
+            | R::TextInput
+            | R::ComboBox
+            | R::ColorWell
+            | R::ListItem
+            | R::Link
+    );
+    // Whatever else can be clicked is a control too. Text can, to be selected; edges and bars are the toolkit's.
+    let other = !matches!(role, R::Label | R::TextRun | R::ScrollBar | R::Splitter);
+    acts || other && about.data().supports_action(egui::accesskit::Action::Click)
+}
+
 /// What the window shows beside what it always does, and a control that is only there then.
-fn states() -> Vec<(&'static str, Window, &'static str)> {
+pub(super) fn states() -> Vec<(&'static str, Window, &'static str)> {
     let mut states = Vec::new();
     let mut add = |name, control, prepare: &dyn Fn(&mut Window)| {
         let mut window = Window::open(SMALL);
@@ -100,6 +106,8 @@ fn states() -> Vec<(&'static str, Window, &'static str)> {
     add("a chosen point of colour", "Colour of the point", &click("Colour point 2"));
     add("a colour picker", "Pick red", &click("Colour of Right half"));
     add("the menu", "Export labels as NRRD…", &click("More…"));
+    add("ready looks", "See-through", &click("Ready looks"));
+    add("ready windows", "Automatic", &click("Ready windows"));
     add("the labels to choose from", "2  Segment 2", &|window| {
         target(Target::Label(1))(window);
         window.click("Label to paint");
@@ -107,7 +115,7 @@ fn states() -> Vec<(&'static str, Window, &'static str)> {
     add("the modes to choose from", "Subtract", &click("Paint mode"));
     add("many parts and segments", "Show Segment 3", &many);
     add("messages", "Dismiss message 2", &say);
-    add("keys", "Close window", &press(egui::Key::F1));
+    add("keys", "Close the page of keys", &press(egui::Key::F1));
     add("one view", "All four views", &click("Only the Sagittal view"));
     add("long work", "Cancel", &|window| {
         window.report(Report::Started("Saving".into()));

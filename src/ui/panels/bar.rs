@@ -6,7 +6,7 @@ use crate::ui::app::App;
 use crate::ui::dialogs::Dialog;
 use crate::ui::icons::Icon;
 use crate::ui::theme;
-use crate::ui::widgets::{Face, from_right, icon_button};
+use crate::ui::widgets::{Face, from_right, icon_button, tipped};
 use crate::volume::FieldKind;
 use egui::{Frame, Margin, Panel, RichText, Ui};
 
@@ -46,7 +46,8 @@ impl App {
                 self.save();
             }
             let more = egui::Button::new("More…").min_size(egui::vec2(0.0, 32.0)).frame_when_inactive(false);
-            egui::containers::menu::MenuButton::from_button(more).ui(ui, |ui| self.more_menu(ui));
+            let (response, _) = egui::containers::menu::MenuButton::from_button(more).ui(ui, |ui| self.more_menu(ui));
+            tipped(response, "Save elsewhere, import, export, pictures");
         });
         divider(ui);
         for (icon, name, tip, names, command) in [

@@ -1,27 +1,28 @@
 //! The brush: what it paints, its footprint, and where it may.
 
 use crate::document::Scene;
+use crate::interact::readout;
 use crate::interact::{Tool, brush_change};
 use crate::paint::{Brush, Falloff, Operation, Shape, Target, Tip};
 use crate::ui::app::App;
 use crate::ui::colour::colour_button;
 use crate::ui::theme;
-use crate::ui::widgets::{Scale, choice, row, slider};
-use egui::{Checkbox, ComboBox, DragValue, Response, RichText, Ui, vec2};
+use crate::ui::widgets::{Scale, choice, number, row, slider, tick, tipped};
+use egui::{ComboBox, DragValue, Label, Response, RichText, Ui, vec2};
 
 const TARGETS: [(&str, &str, &str); 4] = [
-    ("selection", "Selection", "Degree of interest: what stays when the rest moves away"),
-    ("label", "Label", "The segment's number (1 … 9)"),
+    ("selection", "Selection", "What is of interest: it stays when the rest moves away"),
+    ("label", "Label", "Which segment a voxel belongs to (keys 1 … 9)"),
     ("colour", "Colour", "A colour over the volume"),
     ("density", "Density", "The volume's own values"),
 ];
 
-const OPERATIONS: [(Operation, &str); 5] = [
-    (Operation::Replace, "Replace"),
-    (Operation::Add, "Add"),
-    (Operation::Subtract, "Subtract"),
-    (Operation::Blend, "Blend"),
-    (Operation::Restore, "Restore the original"),
+const OPERATIONS: [(Operation, &str, &str); 5] = [
+    (Operation::Replace, "Replace", "What was there gives way to what is painted"),
+    (Operation::Add, "Add", "What is painted is added to what was there"),
+    (Operation::Subtract, "Subtract", "What is painted is taken from what was there"),
+    (Operation::Blend, "Blend", "A mixture of what was there and what is painted"),
+    (Operation::Restore, "Restore the original", "What the file says comes back"),
 ];
 
 const fn kind(target: Target) -> &'static str {
@@ -54,7 +55,7 @@ impl App {
         let voxel = self.opened().map_or(1.0, |o| o.grid.voxel_mm());
         self.last_paint.insert(kind(old.target), old.target);
 
-        let chosen = row(ui, "Paint", |ui| choice_short(ui, kind(old.target)));
+        let chosen = ui.horizontal(|ui| choice(ui, "Paint", Some(kind(old.target)), &TARGETS)).inner;
         if let Some(name) = chosen {
             new.target = self.last_paint.get(name).copied().unwrap_or(match name {
                 "label" => Target::Label(1),
@@ -64,22 +65,23 @@ impl App {
             });
         }
         if let Some(scene) = &self.scene {
-            target_row(ui, scene, &mut new);
+            let span = self.opened().map_or(1.0, |o| o.statistics.max - o.statistics.min);
+            target_row(ui, scene, span, &mut new);
         }
         row(ui, "Radius", |ui| {
-            let scale = Scale { logarithmic: true, decimals: 1, unit: " mm", percent: false };
+            let scale =
+                Scale { logarithmic: true, decimals: readout::decimals(voxel * 20.0), unit: " mm", percent: false };
             let range = (voxel * 0.5)..=80.0_f64.max(voxel * 20.0).max(new.radius_mm);
-            slider(ui, "Brush radius", &mut new.radius_mm, range, scale).on_hover_text("[ and ], or Shift + wheel");
+            let tip = "Radius of the brush: also [ and ], or Shift + wheel";
+            slider(ui, ("Brush radius", tip), &mut new.radius_mm, range, scale);
         });
         row(ui, "Strength", |ui| {
             let mut strength = f64::from(new.strength);
-            if slider(ui, "Brush strength", &mut strength, 0.0..=1.0, Scale::PERCENT).changed() {
+            let tip = "How much one stroke changes: 100 % all the way";
+            if slider(ui, ("Brush strength", tip), &mut strength, 0.0..=1.0, Scale::PERCENT).changed() {
                 new.strength = strength as f32;
             }
         });
-        if matches!(new.target, Target::Label(_)) && crate::interact::reach(&new) == 0.0 && new.tip == Tip::Wash {
-            ui.label(RichText::new("Labels take a strength of 50 % or more.").color(theme::WARNING));
-        }
         row(ui, "Shape", |ui| {
             let options = [
                 (Shape::Sphere, "Ball", "A ball, in every view"),
@@ -88,22 +90,26 @@ impl App {
             new.shape = choice(ui, "Shape", Some(new.shape), &options).unwrap_or(new.shape);
         });
         row(ui, "Edge", |ui| {
-            let options =
-                [(Falloff::Hard, "Hard", ""), (Falloff::Linear, "Linear", ""), (Falloff::Smooth, "Smooth", "")];
+            let options = [
+                (Falloff::Hard, "Hard", "Full strength up to the rim"),
+                (Falloff::Linear, "Linear", "Evenly weaker from the middle to the rim"),
+                (Falloff::Smooth, "Smooth", "Strong in the middle, fading softly to the rim"),
+            ];
             new.falloff = choice(ui, "Edge", Some(new.falloff), &options).unwrap_or(new.falloff);
         });
-        row(ui, "Dabs", |ui| {
+        row(ui, "Overlap", |ui| {
             let options = [
-                (Tip::Wash, "Wash", "Passing twice changes nothing more"),
-                (Tip::BuildUp, "Build up", "Every pass adds"),
+                (Tip::Wash, "Even", "Going over a place again in the same stroke changes nothing more"),
+                (Tip::BuildUp, "Builds up", "Going over a place again adds to it"),
             ];
-            new.tip = choice(ui, "Dabs", Some(new.tip), &options).unwrap_or(new.tip);
+            new.tip = choice(ui, "Overlap", Some(new.tip), &options).unwrap_or(new.tip);
         });
-        if !matches!(new.target, Target::Label(_)) {
-            row(ui, "Mode", |ui| operation_box(ui, &mut new));
-        }
+        row(ui, "Mode", |ui| match new.target {
+            Target::Label(_) => label_mode(ui, &new),
+            _ => operation_box(ui, &mut new),
+        });
         row(ui, "Erase", |ui| {
-            ui.checkbox(&mut new.erase, "Take away (hold E)").on_hover_text("Also while E is held");
+            tick(ui, &mut new.erase, "Erase, not paint", "Strokes take away what was painted; also while E is held");
         });
         range_row(ui, &mut new, self.opened().map(|o| (o.statistics.min, o.statistics.max)));
         if let Some(command) = brush_change(&old, &new) {
@@ -113,21 +119,13 @@ impl App {
     }
 }
 
-/// Four targets on two lines would cost height; their short names fit on one.
-fn choice_short(ui: &mut Ui, now: &'static str) -> Option<&'static str> {
-    let options: Vec<_> =
-        TARGETS.iter().map(|&(key, name, tip)| (key, if key == "selection" { "Select" } else { name }, tip)).collect();
-    // Four words have to fit beside the label in the narrowest panel.
-    ui.style_mut().text_styles.insert(egui::TextStyle::Button, egui::FontId::proportional(12.0));
-    choice(ui, "Paint", Some(now), &options)
-}
-
-fn target_row(ui: &mut Ui, scene: &Scene, new: &mut Brush) {
+fn target_row(ui: &mut Ui, scene: &Scene, span: f64, new: &mut Brush) {
     match &mut new.target {
         Target::Selection(value) => {
             let mut degree = f64::from(*value);
             row(ui, "Degree", |ui| {
-                if slider(ui, "Degree of interest", &mut degree, 0.0..=1.0, Scale::PERCENT).changed() {
+                let tip = "How much of interest what is painted is: at 50 % it half stays, half goes";
+                if slider(ui, ("Degree of interest", tip), &mut degree, 0.0..=1.0, Scale::PERCENT).changed() {
                     *value = degree as f32;
                 }
             });
@@ -142,13 +140,18 @@ fn target_row(ui: &mut Ui, scene: &Scene, new: &mut Brush) {
                     [*r, *g, *b] = rgb;
                 }
                 let mut alpha = f64::from(*a);
-                if slider(ui, "Colour opacity", &mut alpha, 0.0..=1.0, Scale::PERCENT).changed() {
+                let about = ("Colour opacity", "How much of the volume's own colour is covered");
+                if slider(ui, about, &mut alpha, 0.0..=1.0, Scale::PERCENT).changed() {
                     *a = alpha as f32;
                 }
             });
         }
         Target::Density(value) => {
-            row(ui, "Value", |ui| number(ui, "Density to paint", value));
+            row(ui, "Value", |ui| {
+                let about = ("Density to paint", "The value that is painted, in the volume's own unit");
+                let width = ui.available_width();
+                value_field(ui, width, about, value, span);
+            });
         }
     }
 }
@@ -156,48 +159,64 @@ fn target_row(ui: &mut Ui, scene: &Scene, new: &mut Brush) {
 fn label_box(ui: &mut Ui, scene: &Scene, id: &mut u16) {
     let named =
         |id: u16| scene.segments.get(id).map_or_else(|| format!("{id}  new segment"), |s| format!("{id}  {}", s.name));
-    let swatch = ui.allocate_exact_size(vec2(14.0, 14.0), egui::Sense::hover()).0;
-    ui.painter().rect_filled(swatch, 2.0, crate::ui::overlay::paint_colour(Target::Label(*id), scene));
-    let width = ui.available_width() - 8.0;
+    let (swatch, shown) = ui.allocate_exact_size(vec2(14.0, 14.0), egui::Sense::hover());
+    let colour = crate::ui::overlay::paint_colour(Target::Label(*id), scene);
+    ui.painter().rect_filled(swatch, 2.0, colour);
+    shown.widget_info(|| {
+        let mut info = egui::WidgetInfo::labeled(egui::Role::Image, true, "Colour of the label to paint");
+        info.current_text_value = Some(crate::ui::colour::hex(scene.segments.colour_of(*id)));
+        info
+    });
+    shown.on_hover_text("What is painted gets this colour; it is changed in the list of segments");
+    let width = ui.available_width();
     let response =
         ComboBox::from_id_salt("label").width(width).truncate().selected_text(named(*id)).show_ui(ui, |ui| {
             let next = scene.segments.0.last().map_or(1, |s| s.id.saturating_add(1));
             for option in scene.segments.0.iter().map(|s| s.id).chain([next]) {
-                ui.selectable_value(id, option, named(option));
+                ui.selectable_value(id, option, named(option)).on_hover_text("Paint this segment");
             }
         });
-    response.response.accessible_name("Label to paint");
+    tipped(response.response.accessible_name("Label to paint"), "The segment that is painted (keys 1 … 9)");
+}
+
+/// Labels replace, whatever the mode; where the brush is too weak for that its row says so.
+fn label_mode(ui: &mut Ui, brush: &Brush) {
+    let (text, colour) = match crate::interact::reach(brush) == 0.0 && brush.tip == Tip::Wash {
+        true => ("needs a strength of 50 %", theme::WARNING),
+        false => ("a label replaces", theme::TEXT_WEAK),
+    };
+    ui.add(Label::new(RichText::new(text).color(colour)).truncate());
 }
 
 fn operation_box(ui: &mut Ui, new: &mut Brush) {
     let name = OPERATIONS.iter().find(|o| o.0 == new.operation).map_or("", |o| o.1);
-    let width = ui.available_width() - 8.0;
-    let response = ComboBox::from_id_salt("operation").width(width).selected_text(name).show_ui(ui, |ui| {
-        for (operation, name) in OPERATIONS {
-            ui.selectable_value(&mut new.operation, operation, name);
+    let width = ui.available_width();
+    let response = ComboBox::from_id_salt("operation").width(width).truncate().selected_text(name).show_ui(ui, |ui| {
+        for (operation, name, tip) in OPERATIONS {
+            ui.selectable_value(&mut new.operation, operation, name).on_hover_text(tip);
         }
     });
-    response.response.accessible_name("Paint mode");
+    let tip = "How what is painted meets what was there";
+    tipped(response.response.accessible_name("Paint mode"), tip);
 }
 
 fn range_row(ui: &mut Ui, new: &mut Brush, span: Option<(f64, f64)>) {
     let (min, max) = span.unwrap_or((0.0, 1.0));
-    row(ui, "Only values", |ui| {
-        let mut on = new.range.is_some();
-        if ui.add(Checkbox::without_text(&mut on)).accessible_name("Only values in a range").changed() {
-            new.range = on.then_some([min, max]);
-        }
-        ui.add_enabled_ui(on, |ui| {
+    let mut on = new.range.is_some();
+    if tick(ui, &mut on, "Paint only where the value is", "All other voxels stay as they are") {
+        new.range = on.then_some([min, max]);
+    }
+    ui.add_enabled_ui(on, |ui| {
+        row(ui, "from – to", |ui| {
             let mut range = new.range.unwrap_or([min, max]);
-            let width = (ui.available_width() - 22.0) * 0.5;
-            let speed = ((max - min) / 400.0).max(f64::MIN_POSITIVE);
-            let field = |ui: &mut Ui, value: &mut f64, name: &str| -> Response {
-                ui.add_sized(vec2(width, theme::ROW - 2.0), DragValue::new(value).speed(speed).max_decimals(3))
-                    .accessible_name(name)
-            };
-            let low = field(ui, &mut range[0], "Lowest value to paint");
-            ui.label("–");
-            let high = field(ui, &mut range[1], "Highest value to paint");
+            let dash = 8.0;
+            let width = (ui.available_width() - dash - 2.0 * theme::GAP) * 0.5;
+            let tip = "The smallest value that is painted";
+            let low = value_field(ui, width, ("Lowest value to paint", tip), &mut range[0], max - min);
+            let (rect, _) = ui.allocate_exact_size(vec2(dash, theme::ROW), egui::Sense::hover());
+            ui.painter().hline(rect.x_range(), rect.center().y, egui::Stroke::new(1.0, theme::TEXT_WEAK));
+            let tip = "The largest value that is painted";
+            let high = value_field(ui, width, ("Highest value to paint", tip), &mut range[1], max - min);
             if low.changed() || high.changed() {
                 range[1] = range[1].max(range[0]);
                 new.range = Some(range);
@@ -206,7 +225,8 @@ fn range_row(ui: &mut Ui, new: &mut Brush, span: Option<(f64, f64)>) {
     });
 }
 
-fn number(ui: &mut Ui, name: &str, value: &mut f64) {
-    let width = ui.available_width();
-    ui.add_sized(vec2(width, theme::ROW - 2.0), DragValue::new(value).speed(0.5).max_decimals(4)).accessible_name(name);
+/// A value of a volume whose values span so much.
+fn value_field(ui: &mut Ui, width: f32, about: (&str, &str), value: &mut f64, span: f64) -> Response {
+    let field = DragValue::new(value).speed((span / 400.0).max(f64::MIN_POSITIVE));
+    number(ui, width, about, "", field, move |x, chars| readout::field(x, span, chars))
 }

@@ -3,7 +3,8 @@
 use crate::document::{Command, ExplosionCommand, PartCommand};
 use crate::explode::Forces;
 use crate::ui::app::App;
-use crate::ui::widgets::{Scale, empty, row, slider, subsection};
+use crate::ui::theme::{GAP, ROW};
+use crate::ui::widgets::{Scale, button, empty, row, slider, subsection, tick};
 use egui::{Ui, vec2};
 
 impl App {
@@ -14,27 +15,30 @@ impl App {
         let can = count > 1;
         ui.add_enabled_ui(can, |ui| {
             row(ui, "Degree", |ui| {
-                let response = slider(ui, "Degree of explosion", &mut degree, 0.0..=1.0, Scale::PERCENT);
+                let tip = "How far the parts move apart: 0 % whole, 100 % all the way";
+                let response = slider(ui, ("Degree of explosion", tip), &mut degree, 0.0..=1.0, Scale::PERCENT);
                 if response.changed() {
                     self.edit(&response, Command::Explosion(ExplosionCommand::Degree { value: degree }));
                 }
             });
             ui.horizontal(|ui| {
-                let each = (ui.available_width() - 4.0) * 0.5;
-                let settle = egui::Button::new("Settle").min_size(vec2(each, 22.0));
-                let tip = "Measure what hides the selection, and move the parts until it is seen";
-                if ui.add(settle).on_hover_text(tip).clicked() {
+                let each = vec2((ui.available_width() - GAP) * 0.5, ROW);
+                let tip = "Finds what hides the selection and moves the parts until the selection is seen";
+                if button(ui, each, "Settle", tip) {
                     self.send(Command::Explosion(ExplosionCommand::Settle {}));
                 }
-                let join = egui::Button::new("Join all parts").min_size(vec2(each, 22.0));
-                if ui.add(join).on_hover_text("One part again; undo brings the parts back").clicked() {
+                if button(ui, each, "Join all parts", "One part again; undo brings the parts back") {
                     self.send(Command::Part(PartCommand::Reset {}));
                 }
             });
         });
-        if !can {
-            empty(ui, "Cut the volume first: Axis, Depth or Line split.");
-        }
+        // Its line is there also when there is nothing to say: the first cut moves nothing.
+        ui.horizontal(|ui| {
+            ui.set_min_height(ROW);
+            if !can {
+                empty(ui, "First cut it: Axis, Depth or Line split");
+            }
+        });
         self.force_rows(ui, forces);
     }
 
@@ -42,14 +46,14 @@ impl App {
         subsection(ui, "Forces", false, |ui| {
             let mut new = forces;
             let scale = Scale { decimals: 2, ..Scale::default() };
-            for (label, name, value, top) in [
-                ("Return", "Return force", &mut new.return_constant, 1.0),
-                ("Explosion", "Explosion force", &mut new.delta_explosion, 1.0),
-                ("Viewing", "Viewing force", &mut new.delta_viewing, 1.0),
-                ("Spacing", "Spacing force", &mut new.delta_spacing, 1.0),
+            for (label, name, tip, value) in [
+                ("Return", "Return force", "Pulls every part back to its place", &mut new.return_constant),
+                ("Explosion", "Explosion force", "Pushes parts away from the selection", &mut new.delta_explosion),
+                ("Viewing", "Viewing force", "Pushes parts out of the line of sight", &mut new.delta_viewing),
+                ("Spacing", "Spacing force", "Keeps parts apart from each other", &mut new.delta_spacing),
             ] {
                 row(ui, label, |ui| {
-                    let response = slider(ui, name, value, 0.0..=top, scale);
+                    let response = slider(ui, (name, tip), value, 0.0..=1.0, scale);
                     if response.changed() {
                         self.edit(
                             &response,
@@ -60,18 +64,19 @@ impl App {
             }
             let mut check = |ui: &mut Ui, text: &str, tip: &str, now: bool, with: &dyn Fn(bool) -> Forces| {
                 let mut on = now;
-                if ui.checkbox(&mut on, text).on_hover_text(tip).changed() {
+                if tick(ui, &mut on, text, tip) {
                     self.send(Command::Explosion(ExplosionCommand::Forces { forces: with(on) }));
                 }
             };
-            let tip = "Parts leave the line of sight to the selection";
-            check(ui, "Clear the view", tip, forces.viewing, &|viewing| Forces { viewing, ..forces });
-            let tip = "Only parts that hide the selection are pushed, as far as it takes";
-            check(ui, "Measure what hides", tip, forces.measured_gain, &|measured_gain| Forces {
+            let tip = "Parts leave the line of sight to the selection, from wherever you look";
+            check(ui, "Keep the view clear", tip, forces.viewing, &|viewing| Forces { viewing, ..forces });
+            let tip = "Parts that hide nothing of the selection stay; the others move no farther than needed";
+            check(ui, "Move only what hides the selection", tip, forces.measured_gain, &|measured_gain| Forces {
                 measured_gain,
                 ..forces
             });
-            if ui.button("Standard forces").clicked() {
+            let tip = "All forces as they are when a volume is opened";
+            if button(ui, vec2(ui.available_width(), ROW), "Forces as at first", tip) {
                 self.send(Command::Explosion(ExplosionCommand::Forces { forces: Forces::default() }));
             }
         });

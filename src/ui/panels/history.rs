@@ -2,60 +2,61 @@
 
 use crate::document::HistoryCommand;
 use crate::ui::app::App;
-use crate::ui::theme::{self, ROW};
-use egui::{Align2, ScrollArea, Sense, Ui, vec2};
+use crate::ui::theme;
+use crate::ui::widgets::list;
+use egui::{Align2, Rect, Sense, Ui, vec2};
+
+/// Height of a step.
+const STEP: f32 = 20.0;
 
 impl App {
-    pub(super) fn history_panel(&mut self, ui: &mut Ui) {
+    pub(super) fn history_panel(&mut self, ui: &mut Ui, height: f32) {
         let snapshot = self.snapshot.clone();
         let done = snapshot.undo.len();
         let rows = done + 1 + snapshot.redo.len();
-        // Three and a half steps on a small screen: the half says that there are more.
-        let height = (ui.ctx().viewport_rect().height() * 0.2 - ROW * 4.0).max(ROW * 3.5);
         let mut jump = None;
-        ScrollArea::vertical().id_salt("history").max_height(height).stick_to_bottom(true).show_rows(
-            ui,
-            20.0,
-            rows,
-            |ui, range| {
-                for i in range {
-                    let name = match i {
-                        0 => "Opened",
-                        i if i <= done => snapshot.undo[i - 1].as_str(),
-                        i => snapshot.redo[i - done - 1].as_str(),
-                    };
-                    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 20.0), Sense::click());
-                    let here = i == done;
-                    response.widget_info(|| {
-                        egui::WidgetInfo::selected(egui::Role::ListItem, true, here, format!("Step {i}: {name}"))
-                    });
-                    let fill = match (here, response.hovered()) {
-                        (true, _) => theme::ACCENT_FILL,
-                        (false, true) => theme::CONTROL,
-                        _ => egui::Color32::TRANSPARENT,
-                    };
-                    ui.painter().rect_filled(rect, theme::ROUND, fill);
-                    let colour = match i {
-                        _ if here => egui::Color32::WHITE,
-                        i if i > done => theme::TEXT_WEAK,
-                        _ => theme::TEXT,
-                    };
-                    let mono = egui::TextStyle::Monospace.resolve(ui.style());
-                    ui.painter().text(
-                        rect.left_center() + vec2(26.0, 0.0),
-                        Align2::RIGHT_CENTER,
-                        i,
-                        mono,
-                        theme::TEXT_WEAK,
-                    );
-                    let font = egui::TextStyle::Body.resolve(ui.style());
-                    ui.painter().text(rect.left_center() + vec2(36.0, 0.0), Align2::LEFT_CENTER, name, font, colour);
-                    if response.clicked() && !here {
-                        jump = Some(i);
-                    }
+        self.grounds.detail(ui, Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), height)), theme::DEEP);
+        list(ui, "history", height, STEP, rows, true, |ui, range| {
+            for i in range {
+                let name = match i {
+                    0 => "Opened",
+                    i if i <= done => snapshot.undo[i - 1].as_str(),
+                    i => snapshot.redo[i - done - 1].as_str(),
+                };
+                let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), STEP), Sense::click());
+                let here = i == done;
+                response.widget_info(|| {
+                    egui::WidgetInfo::selected(egui::Role::ListItem, true, here, format!("Step {i}: {name}"))
+                });
+                let tip =
+                    if here { "This is where you are" } else { "Click to go back or forward to just after this step" };
+                let response = response.on_hover_text(tip);
+                let fill = match (here, response.hovered()) {
+                    (true, _) => theme::ACCENT_FILL,
+                    (false, true) => theme::CONTROL,
+                    _ => egui::Color32::TRANSPARENT,
+                };
+                ui.painter().rect_filled(rect, theme::ROUND, fill);
+                let colour = match i {
+                    _ if here => egui::Color32::WHITE,
+                    i if i > done => theme::TEXT_WEAK,
+                    _ => theme::TEXT,
+                };
+                let mono = egui::TextStyle::Monospace.resolve(ui.style());
+                ui.painter().text(
+                    rect.left_center() + vec2(26.0, 0.0),
+                    Align2::RIGHT_CENTER,
+                    i,
+                    mono,
+                    theme::TEXT_WEAK,
+                );
+                let font = egui::TextStyle::Body.resolve(ui.style());
+                ui.painter().text(rect.left_center() + vec2(36.0, 0.0), Align2::LEFT_CENTER, name, font, colour);
+                if response.clicked() && !here {
+                    jump = Some(i);
                 }
-            },
-        );
+            }
+        });
         match jump {
             Some(i) if i < done => self.travel(HistoryCommand::Undo { steps: (done - i) as u32 }),
             Some(i) => self.travel(HistoryCommand::Redo { steps: (i - done) as u32 }),

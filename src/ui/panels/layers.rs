@@ -1,10 +1,11 @@
 //! How fields lie over each other: density with its grey window first, what is painted over it.
 
 use crate::document::{Command, Layer, ViewCommand, Window};
+use crate::interact::readout;
 use crate::ui::app::App;
 use crate::ui::icons::Icon;
 use crate::ui::theme::{self, LABEL, ROW};
-use crate::ui::widgets::{Face, Scale, icon_button, slider};
+use crate::ui::widgets::{Face, Scale, icon_button, menu, number, slider};
 use crate::volume::FieldKind;
 use egui::{Align2, DragValue, Sense, Ui, vec2};
 
@@ -16,6 +17,16 @@ const fn title(field: FieldKind) -> &'static str {
         FieldKind::Labels => "Segments",
     }
 }
+
+/// Grey windows of CT in Hounsfield units as radiology has them: name, level, width.
+const WINDOWS: [(&str, f64, f64); 6] = [
+    ("Brain", 40.0, 80.0),
+    ("Soft tissue, abdomen", 50.0, 400.0),
+    ("Liver", 60.0, 150.0),
+    ("Bone", 400.0, 1800.0),
+    ("Lung", -600.0, 1500.0),
+    ("Vessels with contrast", 300.0, 600.0),
+];
 
 impl App {
     pub(super) fn layer_panel(&mut self, ui: &mut Ui) {
@@ -47,7 +58,8 @@ impl App {
                 return;
             }
             let mut opacity = f64::from(layer.opacity);
-            let response = slider(ui, &format!("Opacity of layer {name}"), &mut opacity, 0.0..=1.0, Scale::PERCENT);
+            let about = (&*format!("Opacity of layer {name}"), "How strongly it lies over the grey values");
+            let response = slider(ui, about, &mut opacity, 0.0..=1.0, Scale::PERCENT);
             if response.changed() {
                 self.edit(&response, Command::View(ViewCommand::Layer(Layer { opacity: opacity as f32, ..layer })));
             }
@@ -56,16 +68,44 @@ impl App {
 
     fn window_fields(&mut self, ui: &mut Ui, window: Window) {
         let speed = (window.width / 200.0).max(f64::MIN_POSITIVE);
-        let each = (ui.available_width() - theme::GAP) * 0.5;
+        let width_of_menu = ROW;
+        let each = (ui.available_width() - width_of_menu - 2.0 * theme::GAP) * 0.5;
         let (mut level, mut width) = (window.level, window.width);
-        for (name, letter, value) in [("Window level", "L", &mut level), ("Window width", "W", &mut width)] {
-            let field = DragValue::new(value).speed(speed).max_decimals(2).prefix(format!("{letter} "));
-            let response = ui.add_sized(vec2(each, ROW - 2.0), field).accessible_name(name);
-            let response = response.on_hover_text(format!("{name} of the slices: right drag on a slice"));
+        for (name, letter, value, tip) in [
+            (
+                "Window level",
+                "L",
+                &mut level,
+                "Window level: the value shown as middle grey. Also right drag up on a slice",
+            ),
+            ("Window width", "W", &mut width, "Window width: from black to white. Also right drag across a slice"),
+        ] {
+            let field = DragValue::new(value).speed(speed).prefix(format!("{letter} "));
+            let show = move |x, chars| readout::field(x, window.width, chars);
+            let response = number(ui, each, (name, tip), letter, field, show);
             if response.changed() {
                 let (level, width) = if letter == "L" { (*value, window.width) } else { (window.level, *value) };
                 let width = width.max(f64::MIN_POSITIVE);
                 self.edit(&response, Command::View(ViewCommand::Window { level, width }));
+            }
+        }
+        let about = ("Ready windows", "", "Ready windows: from black to white for what you want to see");
+        menu(ui, vec2(width_of_menu, ROW), about, |ui| self.windows_menu(ui));
+    }
+
+    fn windows_menu(&mut self, ui: &mut Ui) {
+        let Some(open) = self.opened() else { return };
+        let histogram = open.histogram.clone();
+        let (min, max) = (open.statistics.min, open.statistics.max);
+        let automatic = Window::from_histogram(&histogram);
+        let whole = Window { level: (min + max) * 0.5, width: (max - min).max(f64::MIN_POSITIVE) };
+        let ready = WINDOWS.iter().map(|&(name, level, width)| (name, Window { level, width }));
+        let ready = ready.take(if histogram.is_hounsfield() { WINDOWS.len() } else { 0 });
+        for (name, window) in [("Automatic", automatic), ("All values", whole)].into_iter().chain(ready) {
+            let Window { level, width } = window;
+            let tip = format!("Level {}, width {}", readout::short(level), readout::short(width));
+            if ui.button(name).on_hover_text(tip).clicked() {
+                self.send(Command::View(ViewCommand::Window { level, width }));
             }
         }
     }

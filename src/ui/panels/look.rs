@@ -1,11 +1,13 @@
 //! The 3D view's mode and shading.
 
 use crate::document::{Command, ViewCommand};
+use crate::interact::readout;
 use crate::ui::app::App;
 use crate::ui::colour::colour_button;
-use crate::ui::widgets::{Scale, choice, row, slider};
+use crate::ui::theme::{self, ROW};
+use crate::ui::widgets::{Scale, choice, from_right, row, slider, tick};
 use crate::volume::{Lighting, Mode};
-use egui::Ui;
+use egui::{RichText, Ui};
 
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
@@ -34,13 +36,12 @@ impl App {
             Mode::Iso(_) => Kind::Iso,
             Mode::Mip => Kind::Mip,
         };
-        // Where opacity begins is a sensible first surface.
-        let first = scene.transfer.opacity.iter().rfind(|p| p.1 <= 0.0).map_or((min + max) * 0.5, |p| p.0);
-        row(ui, "Mode", |ui| {
+        let first = scene.transfer.first_surface(&open.histogram);
+        ui.horizontal(|ui| {
             let options = [
-                (Kind::Dvr, "Volume", "Colour and opacity along the ray"),
-                (Kind::Iso, "Surface", "The surface at one value"),
-                (Kind::Mip, "Maximum", "The largest value along the ray"),
+                (Kind::Dvr, "Volume", "Every value with the colour and opacity of the transfer function"),
+                (Kind::Iso, "Surface", "The surface where the volume has one value"),
+                (Kind::Mip, "Maximum", "The largest value along each line of sight"),
             ];
             let mode = choice(ui, "Mode", Some(kind), &options).map(|k| match k {
                 Kind::Dvr => Mode::Dvr,
@@ -51,37 +52,42 @@ impl App {
                 self.send(look(mode, None, None, None, None));
             }
         });
-        if let Mode::Iso(mut value) = now.mode {
-            row(ui, "Value", |ui| {
-                let scale = Scale { decimals: if max - min > 50.0 { 0 } else { 3 }, ..Scale::default() };
-                let response = slider(ui, "Surface value", &mut value, min..=max, scale);
+        ui.add_enabled_ui(kind == Kind::Iso, |ui| {
+            row(ui, "Surface at", |ui| {
+                let mut value = if let Mode::Iso(value) = now.mode { value } else { first };
+                let scale = Scale { decimals: readout::decimals(max - min), ..Scale::default() };
+                let about = ("Surface value", "The value on the surface (mode Surface)");
+                let response = slider(ui, about, &mut value, min..=max, scale);
                 if response.changed() {
                     self.edit(&response, look(Some(Mode::Iso(value)), None, None, None, None));
                 }
             });
-        }
-        row(ui, "Shading", |ui| {
+        });
+        ui.horizontal(|ui| {
+            ui.set_min_height(ROW);
             let mut shaded = now.lighting.is_some();
             ui.add_enabled_ui(kind != Kind::Mip, |ui| {
-                if ui.checkbox(&mut shaded, "Headlight").changed() {
+                let tip = "Lit from where you look, so that shapes are seen; mode Maximum needs no light";
+                if tick(ui, &mut shaded, "Headlight", tip) {
                     self.send(look(None, Some(shaded), None, None, None));
                 }
             });
+            from_right(ui, |ui| {
+                let mut background = now.background;
+                let response = colour_button(ui, "Background of the 3D view", &mut background);
+                if response.changed() {
+                    self.edit(&response, look(None, None, None, None, Some(background)));
+                }
+                ui.label(RichText::new("Background").color(theme::TEXT_WEAK));
+            });
         });
-        row(ui, "Background", |ui| {
-            let mut background = now.background;
-            let response = colour_button(ui, "Background of the 3D view", &mut background);
+        row(ui, "Detail", |ui| {
+            let mut detail = 1.0 / now.step_voxels;
+            let scale = Scale { logarithmic: true, decimals: 2, unit: " ×", percent: false };
+            let tip = "Samples along each line of sight, per voxel: more gives a smoother picture and takes longer";
+            let response = slider(ui, ("Detail of the 3D view", tip), &mut detail, 0.25..=4.0, scale);
             if response.changed() {
-                self.edit(&response, look(None, None, None, None, Some(background)));
-            }
-        });
-        row(ui, "Step", |ui| {
-            let mut step = now.step_voxels;
-            let scale = Scale { decimals: 2, unit: " vx", ..Scale::default() };
-            let response = slider(ui, "Step along the ray", &mut step, 0.25..=4.0, scale);
-            let response = response.on_hover_text("Voxels between samples: smaller is finer and slower");
-            if response.changed() {
-                self.edit(&response, look(None, None, None, Some(step), None));
+                self.edit(&response, look(None, None, None, Some(1.0 / detail), None));
             }
         });
     }

@@ -6,29 +6,20 @@ use crate::ui::app::App;
 use crate::ui::colour::{colour_button_with, strike_out};
 use crate::ui::icons::Icon;
 use crate::ui::theme::{self, ROW};
-use crate::ui::widgets::{Face, empty, from_right, icon_button, name_field};
-use egui::{Button, ScrollArea, Ui};
+use crate::ui::widgets::{Face, from_right, icon_button, list, name_field, tipped};
+use egui::{Button, Rect, Ui, vec2};
 
 impl App {
-    pub(super) fn part_panel(&mut self, ui: &mut Ui) {
+    pub(super) fn part_panel(&mut self, ui: &mut Ui, height: f32) {
         let Some(scene) = &self.scene else { return };
         let parts = scene.explosion.parts.clone();
         self.pointed_part = None;
-        if parts.is_empty() {
-            empty(ui, "One part: the whole volume.");
-        }
-        // All that is left of the panel but the section's end: it is the last.
-        let height = (ui.clip_rect().bottom() - ui.cursor().top() - ROW).max(ROW * 3.5);
-        ScrollArea::vertical().id_salt("parts").max_height(height).show_rows(
-            ui,
-            ROW - 4.0,
-            parts.len(),
-            |ui, range| {
-                for part in &parts[range] {
-                    self.part_row(ui, part);
-                }
-            },
-        );
+        self.grounds.detail(ui, Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), height)), theme::DEEP);
+        list(ui, "parts", height, ROW, parts.len(), false, |ui, range| {
+            for part in &parts[range] {
+                self.part_row(ui, part);
+            }
+        });
     }
 
     fn part_row(&mut self, ui: &mut Ui, part: &Part) {
@@ -44,14 +35,15 @@ impl App {
             let row = ui.horizontal(|ui| {
                 let hovered = self.hovered_part() == Some(id);
                 if hovered {
-                    let full = egui::Rect::from_min_size(ui.cursor().min, egui::vec2(ui.available_width(), ROW - 4.0));
+                    let full = egui::Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), ROW));
                     ui.painter().rect_filled(full, theme::ROUND, theme::CONTROL);
                 }
                 let mut colour = part.colour.unwrap_or([0.55, 0.55, 0.57]);
                 let mut own = false;
                 let response = colour_button_with(ui, &format!("Colour of {}", part.name), &mut colour, |ui| {
                     ui.separator();
-                    if ui.add_enabled(part.colour.is_some(), Button::new("The volume's own colours")).clicked() {
+                    let own_colours = ui.add_enabled(part.colour.is_some(), Button::new("The volume's own colours"));
+                    if tipped(own_colours, "No colour of the part's own: as the transfer function says").clicked() {
                         own = true;
                         ui.close();
                     }
@@ -78,7 +70,7 @@ impl App {
                     let show = format!("Show {}", part.name);
                     let (icon, tint) =
                         if part.visible { (Icon::Eye, theme::TEXT) } else { (Icon::EyeOff, theme::TEXT_WEAK) };
-                    if icon_button(ui, Face::small(icon, &show, "Shown or hidden").tint(tint)).clicked() {
+                    if icon_button(ui, Face::small(icon, &show, "Show or hide this part").tint(tint)).clicked() {
                         self.send(set(None, None, false, Some(!part.visible), None));
                     }
                 });

@@ -6,31 +6,34 @@ use crate::ui::app::App;
 use crate::ui::colour::colour_button;
 use crate::ui::icons::Icon;
 use crate::ui::theme::{self, ROW};
-use crate::ui::widgets::{Face, empty, from_right, icon_button, name_field};
+use crate::ui::widgets::{Face, button, empty, from_right, icon_button, list, name_field};
 use crate::volume::Segment;
-use egui::{ScrollArea, Sense, Ui, vec2};
+use egui::{Rect, Sense, Ui, vec2};
 
 impl App {
-    pub(super) fn segment_panel(&mut self, ui: &mut Ui) {
+    pub(super) fn segment_panel(&mut self, ui: &mut Ui, height: f32) {
         let Some(scene) = &self.scene else { return };
         let segments = scene.segments.0.clone();
         let painted = match scene.brush.target {
             Target::Label(id) => Some(id),
             _ => None,
         };
-        if segments.is_empty() {
-            empty(ui, "None yet. Paint a label (1 … 9), or add one.");
-        }
+        let height = height - ROW - theme::GAP;
+        let place = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), height));
+        self.grounds.detail(ui, place, theme::DEEP);
         // Hundreds of segments are normal: only the rows in sight are laid out.
-        let rows = segments.len();
-        ScrollArea::vertical().id_salt("segments").max_height(ROW * 6.0).show_rows(ui, ROW - 4.0, rows, |ui, range| {
+        list(ui, "segments", height, ROW, segments.len(), false, |ui, range| {
             for segment in &segments[range] {
                 self.segment_row(ui, segment, painted == Some(segment.id));
             }
         });
+        if segments.is_empty() {
+            let mut hint = ui.new_child(egui::UiBuilder::new().max_rect(place.shrink(theme::GAP)));
+            empty(&mut hint, "None yet. Paint a label (1 … 9), or add one.");
+        }
         let next = segments.last().map_or(1, |s| s.id.saturating_add(1));
-        let size = vec2(ui.available_width(), ROW - 2.0);
-        if ui.add_sized(size, egui::Button::new("Add segment")).clicked() {
+        let tip = "A new, empty segment; the brush paints it from now on";
+        if button(ui, vec2(ui.available_width(), ROW), "Add segment", tip) {
             let add = SegmentCommand::Set { id: next, name: None, colour: None, visible: None, locked: None };
             self.send(Command::Segment(add));
             self.paint_with(Target::Label(next));
@@ -43,11 +46,11 @@ impl App {
             |name, colour, visible, locked| Command::Segment(SegmentCommand::Set { id, name, colour, visible, locked });
         ui.push_id(("segment", id), |ui| {
             ui.horizontal(|ui| {
-                let full = egui::Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), ROW - 4.0));
+                let full = egui::Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), ROW));
                 if painted {
                     ui.painter().rect_filled(full, theme::ROUND, theme::ACCENT_FILL);
                 }
-                let (rect, pick) = ui.allocate_exact_size(vec2(22.0, ROW - 4.0), Sense::click());
+                let (rect, pick) = ui.allocate_exact_size(vec2(22.0, ROW), Sense::click());
                 let name = format!("Paint segment {}", segment.name);
                 pick.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, painted, &name));
                 let font = egui::TextStyle::Monospace.resolve(ui.style());
@@ -58,7 +61,7 @@ impl App {
                     font,
                     theme::TEXT,
                 );
-                if pick.on_hover_text("Paint this label").clicked() {
+                if pick.on_hover_text("Click to paint this segment").clicked() {
                     self.paint_with(Target::Label(id));
                 }
                 let mut colour = segment.colour;
@@ -72,7 +75,9 @@ impl App {
                 }
                 from_right(ui, |ui| {
                     let remove = format!("Remove {}", segment.name);
-                    if icon_button(ui, Face::small(Icon::Trash, &remove, &remove)).clicked() {
+                    if icon_button(ui, Face::small(Icon::Trash, &remove, "Remove this segment and its voxels’ label"))
+                        .clicked()
+                    {
                         self.send(Command::Segment(SegmentCommand::Remove { id }));
                     }
                     let lock = format!("Lock {}", segment.name);
@@ -85,7 +90,7 @@ impl App {
                     let show = format!("Show {}", segment.name);
                     let icon = if segment.visible { Icon::Eye } else { Icon::EyeOff };
                     let tint = if segment.visible { theme::TEXT } else { theme::TEXT_WEAK };
-                    if icon_button(ui, Face::small(icon, &show, "Shown or hidden").tint(tint)).clicked() {
+                    if icon_button(ui, Face::small(icon, &show, "Show or hide this segment").tint(tint)).clicked() {
                         self.send(same(None, None, Some(!segment.visible), None));
                     }
                 });

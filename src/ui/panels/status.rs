@@ -113,11 +113,11 @@ impl App {
         }
         match &self.snapshot.gpu {
             Some(Err(reason)) => {
-                ui.label(RichText::new("No GPU").color(theme::ERROR)).on_hover_text(reason);
+                ui.label(RichText::new("No pictures").color(theme::ERROR)).on_hover_text(reason);
             }
             Some(Ok(name)) => {
-                ui.add(Label::new(RichText::new(short_gpu(name)).color(theme::TEXT_WEAK)).truncate())
-                    .on_hover_text(name);
+                let (short, tip) = renderer(name);
+                ui.add(Label::new(RichText::new(short).color(theme::TEXT_WEAK)).truncate()).on_hover_text(tip);
             }
             None => {}
         }
@@ -161,7 +161,13 @@ fn at_rest(scene: &Scene, part: Option<PartId>, world: DVec3) -> DVec3 {
     part.map_or(world, |p| p.pose.unapply(world))
 }
 
-/// The card's name without what stands in brackets behind it.
-fn short_gpu(name: &str) -> String {
-    name.split(['(', ',', ';']).next().unwrap_or(name).trim().to_owned()
+/// What draws, in short and in full. A driver that draws on the processor is named by what it is.
+fn renderer(name: &str) -> (String, String) {
+    let software = ["llvmpipe", "lavapipe", "SwiftShader", "WARP", "Basic Render"];
+    if software.iter().any(|s| name.contains(s)) {
+        let tip = format!("Pictures are drawn by the processor ({name}): a graphics card would be much faster");
+        return ("Software renderer".into(), tip);
+    }
+    let short = name.split(['(', ',', ';']).next().unwrap_or(name).trim().to_owned();
+    (short, format!("Pictures are drawn by {name}"))
 }

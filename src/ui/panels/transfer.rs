@@ -1,19 +1,30 @@
 //! The transfer function over the histogram: points that are dragged, added and removed by hand.
+//!
+//! Opacity has its points in the plot, colour its own in the strip below: two curves over the same values, each moved by itself.
+//! Shift takes the colour along that stands at an opacity point.
 
 use crate::document::{Command, TransferCommand};
 use crate::interact::curve;
+use crate::interact::readout;
 use crate::ui::app::App;
 use crate::ui::colour::colour_button;
-use crate::ui::theme::{self, ROW};
-use crate::ui::widgets::row;
-use crate::volume::{Histogram, TransferFunction};
-use egui::{Color32, DragValue, Mesh, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
+use crate::ui::theme::{self, GAP, ROW};
+use crate::ui::widgets::{button, menu, number, row};
+use crate::volume::{Histogram, Preset, TransferFunction};
+use egui::{
+    Color32, DragValue, Label, Mesh, Pos2, Rect, Response, RichText, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
+    vec2,
+};
 use std::sync::Arc;
 
 /// As a share of the window: what stands below has to be in sight on a small screen too.
 const HEIGHT: f32 = 0.14;
 const STRIP: f32 = 14.0;
 const HANDLE: f32 = 9.0;
+/// What a point of opacity says of itself.
+const OPACITY_TIP: &str = "Opacity at a value: drag it; Shift takes its colour along; right-click removes it";
+/// And one of colour.
+const COLOUR_TIP: &str = "Colour at a value: drag it; click to change it; right-click removes it";
 
 /// A point of the function.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,7 +97,9 @@ impl App {
         }
         paint_curve(&painter, &plot, &old);
 
-        let ground = ground.on_hover_text("Double-click adds a point; right-click removes one");
+        let tip =
+            "How opaque each value is, over how often it occurs. Double-click adds a point; right-click removes one";
+        let ground = ground.on_hover_text(tip);
         let mut touched: Option<Response> = None;
         if ground.double_clicked()
             && let Some(at) = ground.interact_pointer_pos()
@@ -99,16 +112,21 @@ impl App {
             let (value, opacity) = old.opacity[i];
             let at = pos2(plot.x(value), plot.y(opacity));
             let name = format!("Opacity point {}", i + 1);
-            let response = handle(ui, ("opacity", i), at, &name);
+            let response = handle(ui, ("opacity", i), at, &name).on_hover_text(OPACITY_TIP);
             let selected = self.transfer.selected == Some(Point::Opacity(i));
-            paint_handle(&painter, at, theme::rgb(old.colour_at(value)), selected || response.hovered());
+            paint_handle(&painter, at, theme::TEXT, selected || response.hovered(), true);
             if response.drag_started() || response.clicked() {
                 self.transfer.selected = Some(Point::Opacity(i));
             }
             if response.dragged()
                 && let Some(to) = response.interact_pointer_pos()
             {
+                let beside = curve::colour_beside(&old, i, plot.gap()).filter(|_| ui.input(|i| i.modifiers.shift));
                 curve::move_opacity(&mut new, i, plot.value(to.x).clamp(lo, hi), plot.opacity(to.y), plot.gap());
+                if let Some(colour) = beside {
+                    let value = new.opacity[i].0;
+                    curve::move_colour(&mut new, colour, value, plot.gap());
+                }
                 touched = Some(response);
             } else if response.secondary_clicked() {
                 curve::remove(&mut new.opacity, i);
@@ -139,7 +157,7 @@ impl App {
         ground.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Colours over the values"));
         let bar = Rect::from_min_max(pos2(plot.rect.left(), outer.top()), pos2(plot.rect.right(), outer.top() + STRIP));
         paint_strip(ui.painter(), bar, plot, old);
-        let ground = ground.on_hover_text("Double-click adds a colour; click one to change it; right-click removes it");
+        let ground = ground.on_hover_text("The colour of each value. Double-click adds one; click one to change it");
         if ground.double_clicked()
             && let Some(at) = ground.interact_pointer_pos()
             && let Some(i) = curve::add_colour(new, plot.value(at.x).clamp(plot.lo, plot.hi), plot.gap())
@@ -149,9 +167,9 @@ impl App {
         }
         for (i, (value, colour)) in old.colour.iter().enumerate() {
             let at = pos2(plot.x(*value), outer.top() + STRIP + HANDLE * 0.5);
-            let response = handle(ui, ("colour", i), at, &format!("Colour point {}", i + 1));
+            let response = handle(ui, ("colour", i), at, &format!("Colour point {}", i + 1)).on_hover_text(COLOUR_TIP);
             let selected = self.transfer.selected == Some(Point::Colour(i));
-            paint_handle(ui.painter(), at, theme::rgb(*colour), selected || response.hovered());
+            paint_handle(ui.painter(), at, theme::rgb(*colour), selected || response.hovered(), false);
             if response.drag_started() || response.clicked() {
                 self.transfer.selected = Some(Point::Colour(i));
             }
@@ -169,50 +187,68 @@ impl App {
         touched
     }
 
-    /// The chosen point in numbers, and the way back to the start.
+    /// The chosen point in numbers; below it ready looks, and the way back to the start.
     fn number_rows(&mut self, ui: &mut Ui, plot: &Plot, new: &mut TransferFunction) -> Option<Response> {
         let mut touched = None;
-        let speed = (plot.hi - plot.lo) / 500.0;
-        let field = |ui: &mut Ui, value: &mut f64, speed: f64, name: &str| {
-            ui.add_sized(vec2(70.0, ROW - 2.0), DragValue::new(value).speed(speed).max_decimals(3))
-                .accessible_name(name)
+        let span = plot.hi - plot.lo;
+        let each = (ui.available_width() - theme::LABEL - 2.0 * GAP) * 0.5;
+        let field = |ui: &mut Ui, value: &mut f64, name: &str, tip: &str, span: f64| {
+            let field = DragValue::new(value).speed(span / 500.0);
+            number(ui, each, (name, tip), "", field, move |x, chars| readout::field(x, span, chars))
         };
-        row(ui, "Point", |ui| {
-            match self.transfer.selected {
-                Some(Point::Opacity(i)) if i < new.opacity.len() => {
-                    let (mut value, mut opacity) = (new.opacity[i].0, f64::from(new.opacity[i].1));
-                    let a = field(ui, &mut value, speed, "Value of the point").on_hover_text("Value");
-                    let b = field(ui, &mut opacity, 0.005, "Opacity of the point")
-                        .on_hover_text("Opacity of one unit of length");
-                    if a.changed() || b.changed() {
-                        curve::move_opacity(new, i, value, opacity, plot.gap());
-                        touched = Some(a | b);
-                    }
-                }
-                Some(Point::Colour(i)) if i < new.colour.len() => {
-                    let mut value = new.colour[i].0;
-                    let a = field(ui, &mut value, speed, "Value of the colour").on_hover_text("Value");
-                    let b = colour_button(ui, "Colour of the point", &mut new.colour[i].1);
-                    if a.changed() {
-                        curve::move_colour(new, i, value, plot.gap());
-                    }
-                    if a.changed() || b.changed() {
-                        touched = Some(a | b);
-                    }
-                }
-                _ => {
-                    ui.label(egui::RichText::new("none chosen").color(theme::TEXT_WEAK));
+        let chosen = match self.transfer.selected {
+            Some(Point::Opacity(_)) => "Opacity at",
+            Some(Point::Colour(_)) => "Colour at",
+            None => "Point",
+        };
+        row(ui, chosen, |ui| match self.transfer.selected {
+            Some(Point::Opacity(i)) if i < new.opacity.len() => {
+                let (mut value, mut opacity) = (new.opacity[i].0, f64::from(new.opacity[i].1));
+                let a = field(ui, &mut value, "Value of the point", "The value that the point stands at", span);
+                let tip = "Opacity there, 0 clear to 1 opaque, of one unit of length";
+                let b = field(ui, &mut opacity, "Opacity of the point", tip, 1.0);
+                if a.changed() || b.changed() {
+                    curve::move_opacity(new, i, value, opacity, plot.gap());
+                    touched = Some(a | b);
                 }
             }
-            crate::ui::widgets::from_right(ui, |ui| {
-                let tip = "Start again from the histogram";
-                if ui.button("Reset").on_hover_text(tip).clicked() {
-                    self.transfer.selected = None;
-                    self.send(Command::Transfer(TransferCommand::Reset {}));
+            Some(Point::Colour(i)) if i < new.colour.len() => {
+                let mut value = new.colour[i].0;
+                let a = field(ui, &mut value, "Value of the colour", "The value that the colour stands at", span);
+                let b = colour_button(ui, "Colour of the point", &mut new.colour[i].1);
+                if a.changed() {
+                    curve::move_colour(new, i, value, plot.gap());
                 }
-            });
+                if a.changed() || b.changed() {
+                    touched = Some(a | b);
+                }
+            }
+            _ => {
+                ui.add(Label::new(RichText::new("click one for its numbers").color(theme::TEXT_WEAK)).truncate());
+            }
+        });
+        ui.horizontal(|ui| {
+            let width = ((ui.available_width() - GAP) * 0.36).round();
+            let about = ("Ready looks", "Looks", "Ready colours and opacities for what you want to see");
+            menu(ui, vec2(width, ROW), about, |ui| self.looks_menu(ui));
+            let tip = "Start again: colours and opacities from how often each value occurs";
+            if button(ui, vec2(ui.available_width(), ROW), "Rebuild from histogram", tip) {
+                self.transfer.selected = None;
+                self.send(Command::Transfer(TransferCommand::Reset {}));
+            }
         });
         touched
+    }
+
+    fn looks_menu(&mut self, ui: &mut Ui) {
+        let Some(open) = self.opened() else { return };
+        let unit_mm = open.grid.voxel_mm();
+        for Preset { name, tip, function } in TransferFunction::presets(&open.histogram.clone(), unit_mm) {
+            if ui.button(name).on_hover_text(tip).clicked() {
+                self.transfer.selected = None;
+                self.send(Command::Transfer(TransferCommand::Set { function }));
+            }
+        }
     }
 }
 
@@ -253,12 +289,21 @@ fn handle(ui: &Ui, salt: (&str, usize), at: Pos2, name: &str) -> Response {
     response
 }
 
-fn paint_handle(painter: &egui::Painter, at: Pos2, fill: Color32, lit: bool) {
+/// A disc for opacity, a square for colour.
+fn paint_handle(painter: &egui::Painter, at: Pos2, fill: Color32, lit: bool, round: bool) {
     let radius = if lit { HANDLE * 0.6 } else { HANDLE * 0.5 };
-    // Discs over each other: a ring costs as many edges as a disc has none.
+    // Faces over each other: a ring costs as many edges as a face has none.
     let ring = if lit { Color32::WHITE } else { theme::TEXT_WEAK };
     for (grown, colour) in [(1.5, theme::DEEP), (0.75, ring), (-0.75, fill)] {
-        painter.circle_filled(at, radius + grown, colour);
+        if round {
+            painter.circle_filled(at, radius + grown, colour);
+        } else {
+            painter.rect_filled(
+                Rect::from_center_size(at, egui::Vec2::splat(2.0 * (radius + grown) - 1.0)),
+                1.0,
+                colour,
+            );
+        }
     }
 }
 
