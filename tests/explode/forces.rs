@@ -179,19 +179,26 @@ fn the_viewing_ray_starts_at_the_eye_and_runs_through_the_point() {
     close(from_ray(&viewing_ray(&flat, DVec3::X), centre), DVec3::new(-1.0, 0.0, 2.0), 1e-12);
 }
 
+/// What is built beside what is printed, where the print has no value, or the wrong sign.
 #[test]
 fn the_printed_forms_fail_where_these_hold() {
+    // Equation 1, c ln r: −∞ where a part rests, and away from its rest within distance 1.
     let printed_return = |r: f64| 0.25 * r.ln();
-    assert_eq!(printed_return(0.0), f64::NEG_INFINITY);
-    assert!(printed_return(0.5) < 0.0, "repels below 1");
-    assert!(return_force(DVec3::X * 0.5, 0.25, 0.1).x > 0.0);
-    let printed_viewing = |r: f64| 0.3 / r;
-    let printed_spacing = |r: f64| 0.3 / (r * r);
-    assert!(printed_viewing(0.0).is_infinite() && printed_spacing(0.0).is_infinite());
+    for r in [1e-9, 0.1, 0.5, 0.99] {
+        let built = return_force(DVec3::X * r, 0.25, 0.1);
+        assert!(built.x > 0.0 && built.y == 0.0 && printed_return(r) < 0.0, "{r}: {built}");
+    }
+    assert_eq!(return_force(DVec3::ZERO, 0.25, 0.1), DVec3::ZERO);
+    // Equations 3 and 4, c/r and c/r²: poles at 0.
+    for r in [0.0, 1e-12, 1e-6] {
+        let viewing = viewing_force(DVec3::X * r, 0.3, 0.05, DVec3::X);
+        let spacing = spacing_force(DVec3::X * r, 0.3, 0.05, DVec3::X);
+        assert!(viewing.length() <= 6.0 + 1e-9 && 0.3 / r > 1e5, "{r}: {viewing}");
+        assert!(spacing.length() <= 120.0 + 1e-9 && 0.3 / (r * r) > 1e10, "{r}: {spacing}");
+    }
     // Equation 2's direction r/|r| for a point inside, whose nearest point is itself.
-    let printed_explosion = |r: DVec3| r / r.length() * (0.5 / r.length().exp());
-    assert!(printed_explosion(DVec3::ZERO).is_nan());
     let explosion = octants(&cube(20));
     let solid = Solid::of(&explosion.parts[0], explosion.diagonal_mm() * 0.5).unwrap();
-    assert!((explosion_force(&solid, DVec3::ZERO, 0.5, 0.2).unwrap().force.length() - 0.5).abs() < 1e-12);
+    let built = explosion_force(&solid, DVec3::ZERO, 0.5, 0.2).unwrap().force;
+    assert!((built.length() - 0.5).abs() < 1e-12 && DVec3::ZERO.try_normalize().is_none(), "{built}");
 }

@@ -288,10 +288,13 @@ fn what_cannot_be_uncovered_ends_after_twelve_rounds() {
         &mut |_| Ok(()),
     );
     assert!(failed.is_err());
-    // A measurement of fewer parts, or of nothing that is a number, is no reason to panic.
+    // A measurement of fewer parts, or of nothing that is a number, raises no gain and ends like any other.
     for odd in [Measured::default(), Measured { visible: f64::NAN, hidden: vec![f64::NAN; 3] }] {
-        settle_with_gain::<ExplodeError>(&explosion, &points, &view, &mut |_| Ok(odd.clone()), &mut |_| Ok(()))
-            .unwrap();
+        let settled =
+            settle_with_gain::<ExplodeError>(&explosion, &points, &view, &mut |_| Ok(odd.clone()), &mut |_| Ok(()))
+                .unwrap();
+        assert!(settled.gains == [0.0; 8] && settled.rounds <= MAX_ROUNDS, "{settled:?}");
+        assert!(settled.poses.iter().all(|p| p.translation.is_finite() && *p != Pose::IDENTITY), "{settled:?}");
     }
 }
 

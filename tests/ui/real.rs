@@ -14,6 +14,20 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// Ends what it started, however the test ends.
 struct Running(Child);
 
+impl Running {
+    /// Starts a program that ends with this test, and with this process, also where that is killed.
+    fn start(program: &mut Process) -> std::io::Result<Self> {
+        #[cfg(target_os = "linux")]
+        {
+            use rustix::process::{Signal, set_parent_process_death_signal};
+            use std::os::unix::process::CommandExt;
+            // SAFETY: between fork and exec only a system call is made.
+            unsafe { program.pre_exec(|| Ok(set_parent_process_death_signal(Some(Signal::KILL))?)) };
+        }
+        program.spawn().map(Self)
+    }
+}
+
 impl Drop for Running {
     fn drop(&mut self) {
         let _ = self.0.kill();
@@ -31,18 +45,18 @@ impl Desk {
     fn new() -> Option<Self> {
         // Without -noreset the server starts anew whenever its last client leaves, as xdotool does at every look, and turns away
         // a program that connects at that moment.
-        let server = Process::new("Xvfb")
+        let mut server = Process::new("Xvfb");
+        server
             .args(["-displayfd", "1", "-screen", "0", "1280x800x24", "-nolisten", "tcp", "-noreset"])
             .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn();
-        let Ok(mut server) = server else {
+            .stderr(Stdio::null());
+        let Ok(mut server) = Running::start(&mut server) else {
             missing("Xvfb is not installed");
             return None;
         };
         let mut number = String::new();
-        BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
-        let desk = Self { display: format!(":{}", number.trim()), _server: Running(server) };
+        BufReader::new(server.0.stdout.take().unwrap()).read_line(&mut number).unwrap();
+        let desk = Self { display: format!(":{}", number.trim()), _server: server };
         if number.trim().is_empty() {
             missing("Xvfb gave no display");
             return None;
@@ -110,16 +124,15 @@ fn a_stroke_by_hand_is_in_the_saved_project() {
     let dir = tempfile::tempdir().unwrap();
     write_ball(&dir.path().join("ball.nrrd"));
     let said = dir.path().join("said");
-    let program = Process::new(env!("CARGO_BIN_EXE_burin"))
+    let mut program = Process::new(env!("CARGO_BIN_EXE_burin"));
+    program
         .arg(dir.path().join("ball.nrrd"))
         .env("DISPLAY", &desk.display)
         .env("BURIN_STATE_DIR", dir.path().join("state"))
         .env_remove("WAYLAND_DISPLAY")
         .env_remove("DBUS_SESSION_BUS_ADDRESS")
-        .stderr(std::fs::File::create(&said).unwrap())
-        .spawn()
-        .unwrap();
-    let mut program = Running(program);
+        .stderr(std::fs::File::create(&said).unwrap());
+    let mut program = Running::start(&mut program).unwrap();
     let window = wait_for(|| {
         if let Some(status) = program.0.try_wait().unwrap() {
             panic!("the program ended, {status}: {}", std::fs::read_to_string(&said).unwrap());
@@ -157,7 +170,11 @@ fn a_stroke_by_hand_is_in_the_saved_project() {
         }))
         .unwrap();
     let painted = document.apply(Command::Ask(Question::Field { field: FieldKind::Selection })).unwrap();
-    // 5 mm about 28 pixels of travel: a ball holds 65 voxels of 2 mm, the stroke some more, the volume 32,768.
     let count = painted["nonzero"].as_u64().unwrap();
-    assert!((50..3000).contains(&count), "{painted}");
+    // A ball of 5 mm drawn along 24 pixels, 31 if the press counted as it fell, in voxels of 8 mm³; a tenth for their corners.
+    let scene = document.apply(Command::Ask(Question::Scene {})).unwrap();
+    let slice = &scene["scene"]["views"]["slices"][0];
+    let mm_per_px = slice["height_mm"].as_f64().unwrap() / slice["size"][1].as_f64().unwrap();
+    let voxels = |px: f64| (4.0 / 3.0 * 125.0 + 25.0 * px * mm_per_px) * std::f64::consts::PI / 8.0;
+    assert!((voxels(24.0) * 0.9..voxels(31.0) * 1.1).contains(&(count as f64)), "{painted}: {mm_per_px} mm a pixel");
 }
