@@ -59,9 +59,8 @@ const PRODUCT: u32 = 1u;
 const LINEAR: u32 = 1u;
 const SMOOTH: u32 = 2u;
 
-const GATE_OWN: u32 = 1u;
-const GATE_CODES: u32 = 2u;
-const GATE_FLOATS: u32 = 3u;
+// Words of a slot's bits.
+const GATE_WORDS: u32 = 1229u;
 
 // 1.0
 const ONE: u32 = 0x3f800000u;
@@ -76,12 +75,9 @@ struct BrushStroke {
     operation: u32,
     gather: u32,
     falloff: u32,
+    // Not 0: only texels whose bit is set.
     gate: u32,
-    gate_lo: u32,
-    gate_hi: u32,
     unused_a: u32,
-    unused_b: u32,
-    unused_c: u32,
 }
 
 struct BrushDab {
@@ -134,8 +130,8 @@ struct BrushItem {
 @group(0) @binding(6) var<storage, read_write> changed: array<atomic<u32>>;
 // Unedited density, tight rows of the host's texels.
 @group(0) @binding(7) var<storage, read> base: array<u32>;
-// Density at the stroke's start, tight rows of the host's texels.
-@group(0) @binding(8) var<storage, read> density: array<u32>;
+// A bit for every texel of a slot, set where the range of values lets the brush paint: the host compares the values themselves.
+@group(0) @binding(8) var<storage, read> gate: array<u32>;
 // Bit of every locked label.
 @group(0) @binding(9) var<storage, read> locked: array<u32>;
 // Per workgroup: number of its item, and of the workgroup within the item's box in the lower 16 bits. Without it as many
@@ -188,11 +184,6 @@ fn cover_of(state: u32) -> f32 {
     return bitcast<f32>(state);
 }
 
-// A key that is ordered like the floats.
-fn ordered(bits: u32) -> u32 {
-    return select(bits | 0x80000000u, ~bits, bits >= 0x80000000u);
-}
-
 fn finite(bits: u32) -> bool {
     return (bits & 0x7f800000u) != 0x7f800000u;
 }
@@ -202,16 +193,9 @@ fn tight_code(word: u32, x: u32) -> u32 {
     return (word >> (16u * (x & 1u))) & 0xffffu;
 }
 
-fn is_open(own: u32, place: u32, row: u32, x: u32) -> bool {
-    var key = own;
-    if stroke.gate == GATE_CODES {
-        key = tight_code(density[(place * SLOT * SLOT + row) * 17u + x / 2u], x);
-    } else if stroke.gate == GATE_FLOATS {
-        key = ordered(density[(place * SLOT * SLOT + row) * SLOT + x]);
-    } else if stroke.gate != GATE_OWN {
-        return true;
-    }
-    return key >= stroke.gate_lo && key <= stroke.gate_hi;
+fn is_open(place: u32, row: u32, x: u32) -> bool {
+    let texel = row * SLOT + x;
+    return stroke.gate == 0u || ((gate[place * GATE_WORDS + texel / 32u] >> (texel % 32u)) & 1u) != 0u;
 }
 
 // Equation 1 for a number P and a number C; `back` is the number before any edit.
@@ -235,13 +219,10 @@ fn code(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
     return u32(clamp(floor(number(f32(old), f32(back), cover) + 0.5), LOW, TOP));
 }
 
-// Per format: the new texel, and the key of a texel that is density itself.
+// Per format: the new texel.
 #ifdef SELECTION
 fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
     return u32(floor(number(f32(old), 0.0, cover) + 0.5));
-}
-fn own_key(old: u32) -> u32 {
-    return 0u;
 }
 #else ifdef LABELS
 fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
@@ -257,23 +238,15 @@ fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
     }
     return label;
 }
-fn own_key(old: u32) -> u32 {
-    return 0u;
-}
 #else ifdef CODES
 fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
     return code(old, cover, place, row, x);
 }
-fn own_key(old: u32) -> u32 {
-    return old;
-}
 #else ifdef CODES_IN_FLOATS
 fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
-    let new_code = code(own_key(old), cover, place, row, x);
-    return select(bitcast<u32>(f32(new_code) / TOP), old, new_code == own_key(old));
-}
-fn own_key(old: u32) -> u32 {
-    return u32(floor(bitcast<f32>(old) * TOP + 0.5));
+    let old_code = u32(floor(bitcast<f32>(old) * TOP + 0.5));
+    let new_code = code(old_code, cover, place, row, x);
+    return select(bitcast<u32>(f32(new_code) / TOP), old, new_code == old_code);
 }
 #else ifdef FLOATS
 fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
@@ -294,9 +267,6 @@ fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
         return back;
     }
     return bitcast<u32>(number(bitcast<f32>(old), bitcast<f32>(back), cover));
-}
-fn own_key(old: u32) -> u32 {
-    return ordered(old);
 }
 #else
 fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
@@ -333,9 +303,6 @@ fn packed(colour: vec4<f32>) -> u32 {
     let steps = vec4<u32>(floor(clamp(colour, vec4<f32>(0.0), vec4<f32>(1.0)) * 255.0 + 0.5));
     let word = steps.x | (steps.y << 8u) | (steps.z << 16u) | (steps.w << 24u);
     return select(word, 0u, steps.w == 0u);
-}
-fn own_key(old: u32) -> u32 {
-    return 0u;
 }
 #endif
 
@@ -379,7 +346,7 @@ fn brush(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
         let old = (old_word >> (bits * lane)) & mask;
         let cover = cover_of(state);
         var new_texel = old;
-        if cover > 0.0 && is_open(own_key(old), place, row, x) {
+        if cover > 0.0 && is_open(place, row, x) {
             new_texel = texel(old, cover, place, row, x);
         }
         new_word |= new_texel << (bits * lane);

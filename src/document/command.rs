@@ -9,7 +9,7 @@ use super::keep::store::DensityKeeping;
 use super::scene::{Layer, ViewName};
 use crate::math::Camera;
 use crate::paint::{Falloff, Operation, Shape, Target, Tip};
-use crate::volume::{FieldKind, Lighting, Mode, TransferFunction};
+use crate::volume::{FieldKind, Lighting, Mode, Number, TransferFunction};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -258,9 +258,10 @@ pub enum BrushCommand {
         target: Option<Target>,
         #[serde(default)]
         spacing: Option<f64>,
-        /// Closed range of densities that may be painted.
+        /// Closed range of densities that may be painted, compared in the source's own type: integers to the last digit; `"inf"`
+        /// and `"-inf"` are ends too.
         #[serde(default)]
-        range: Option<[f64; 2]>,
+        range: Option<[Number; 2]>,
         /// Takes the range away.
         #[serde(default)]
         any_value: bool,

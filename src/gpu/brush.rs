@@ -121,7 +121,7 @@ impl Painter {
         self.stroke = Some(Stroke {
             brush: *brush,
             grid: *grid,
-            constants: BrushStroke::new(brush, grid, target, fields.density),
+            constants: BrushStroke::new(brush, grid, target),
             locked: locked_bits(segments),
             dabs: Vec::new(),
             chunks: Vec::new(),

@@ -7,7 +7,7 @@ use super::{Gpu, GpuError, shader};
 use crate::math::DMat3;
 use crate::paint::{Brush, EDGE, Falloff, Footprint, Operation, Target, Tip};
 use crate::shared_struct;
-use crate::volume::{DensityMap, Field, Grid, SLOT, SLOT_VOXELS, TexelFormat};
+use crate::volume::{Field, Grid, SLOT, SLOT_VOXELS, TexelFormat};
 use std::collections::HashMap;
 
 /// Dabs of one dispatch: `array<BrushDab, 256>`.
@@ -36,11 +36,7 @@ shared_struct! {
         gather: u32,
         falloff: u32,
         gate: u32,
-        gate_lo: u32,
-        gate_hi: u32,
         unused_a: u32,
-        unused_b: u32,
-        unused_c: u32,
     }
 }
 
@@ -147,7 +143,7 @@ impl Variant {
     }
 }
 
-/// Bytes of a slot in the host's format, as the kernel reads unedited density and the value range's density.
+/// Bytes of a slot in the host's format, as the kernel reads unedited density.
 pub(super) fn tight_bytes(format: TexelFormat) -> u64 {
     (SLOT_VOXELS * format.bytes()) as u64
 }
@@ -229,7 +225,7 @@ fn entry(
 
 impl BrushStroke {
     /// The constants of a stroke on a field of this format.
-    pub(super) fn new(brush: &Brush, grid: &Grid, target: &Field, density: &Field) -> Self {
+    pub(super) fn new(brush: &Brush, grid: &Grid, target: &Field) -> Self {
         let map = target.map();
         let operation = brush.effective();
         let offset = matches!(operation, Operation::Add | Operation::Subtract);
@@ -242,18 +238,6 @@ impl BrushStroke {
             Target::Colour(rgba) => rgba,
             Target::Selection(value) => [value * 255.0, 0.0, 0.0, 0.0],
             Target::Label(id) => [f32::from(id), 0.0, 0.0, 0.0],
-        };
-        let on_density = matches!(brush.target, Target::Density(_));
-        let (gate, [gate_lo, gate_hi]) = match brush.range {
-            None => (0, [0; 2]),
-            Some(range) => {
-                let gate = match density.format() {
-                    _ if on_density => 1,
-                    TexelFormat::R32Float => 3,
-                    _ => 2,
-                };
-                (gate, gate_keys(density.map(), range))
-            }
         };
         let rows = grid.index_from_world().matrix3.transpose();
         let normals = DMat3::from_cols(rows.x_axis.normalize(), rows.y_axis.normalize(), rows.z_axis.normalize());
@@ -279,12 +263,8 @@ impl BrushStroke {
                 Falloff::Linear => 1,
                 Falloff::Smooth => 2,
             },
-            gate,
-            gate_lo,
-            gate_hi,
+            gate: u32::from(brush.range.is_some()),
             unused_a: 0,
-            unused_b: 0,
-            unused_c: 0,
         }
     }
 }
@@ -308,41 +288,4 @@ impl BrushDab {
             unused: 0,
         }
     }
-}
-
-/// The closed range of keys (codes, or floats in an order of unsigned numbers) that decode to values within `range`.
-fn gate_keys(map: &DensityMap, [lo, hi]: [f64; 2]) -> [u32; 2] {
-    if map.format == TexelFormat::R32Float {
-        // The narrowest floats inside; both zeros count as zero.
-        let first = lo as f32;
-        let first = if f64::from(first) < lo { first.next_up() } else { first };
-        let last = hi as f32;
-        let last = if f64::from(last) > hi { last.next_down() } else { last };
-        return [ordered(if first == 0.0 { -0.0 } else { first }), ordered(if last == 0.0 { 0.0 } else { last })];
-    }
-    let value = |code: u32| {
-        let [a, b] = (code as u16).to_le_bytes();
-        map.decode([a, b, 0, 0])
-    };
-    // Codes rise with values, so the ends are found by halving.
-    let first_code = |inside: &dyn Fn(f64) -> bool| {
-        let (mut from, mut to) = (0_u32, 65_536_u32);
-        while from < to {
-            let middle = (from + to) / 2;
-            if inside(value(middle)) { to = middle } else { from = middle + 1 }
-        }
-        from
-    };
-    let first = first_code(&|v| v >= lo);
-    match first_code(&|v| v > hi) {
-        // Nothing is inside.
-        0 => [1, 0],
-        end => [first, end - 1],
-    }
-}
-
-/// A float's bits, ordered like the floats; NaN is below or above all numbers.
-fn ordered(value: f32) -> u32 {
-    let bits = value.to_bits();
-    if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
 }

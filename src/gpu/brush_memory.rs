@@ -9,14 +9,15 @@ use crate::volume::{BrickIndex, SLOT, SLOT_VOXELS, TexelFormat};
 /// Slots of the smallest and of the largest chunk; the latter is what one dispatch can take.
 const CAPACITY: [u32; 2] = [16, super::brush_kernel::MOST_ITEMS as u32];
 const COVERAGE_BYTES: u64 = SLOT_VOXELS as u64 * 4;
+const GATE_BYTES: u64 = crate::paint::GATE_WORDS as u64 * 4;
 
 /// What a stroke needs beyond start and coverage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Extras {
     /// Format of unedited density, if the stroke restores it.
     pub(super) base: Option<TexelFormat>,
-    /// Format of density, if another field's stroke respects a range of values.
-    pub(super) density: Option<TexelFormat>,
+    /// Whether the stroke respects a range of values.
+    pub(super) gate: bool,
 }
 
 #[derive(Debug)]
@@ -30,13 +31,14 @@ pub(super) struct Chunk {
     pub(super) coverage: wgpu::Buffer,
     pub(super) changed: wgpu::Buffer,
     pub(super) base: Option<wgpu::Buffer>,
-    pub(super) density: Option<wgpu::Buffer>,
+    /// A bit for every texel that the range lets through.
+    pub(super) gate: Option<wgpu::Buffer>,
 }
 
 /// Bytes that a slot takes, more or less: racks of several slots are counted in parts.
 pub(super) fn slot_bytes(variant: Variant, extras: Extras) -> u64 {
-    let extra = |format: Option<TexelFormat>| format.map_or(0, tight_bytes);
-    RACK / u64::from(variant.lanes()) + COVERAGE_BYTES + 4 + extra(extras.base) + extra(extras.density)
+    let gate = if extras.gate { GATE_BYTES } else { 0 };
+    RACK / u64::from(variant.lanes()) + COVERAGE_BYTES + 4 + extras.base.map_or(0, tight_bytes) + gate
 }
 
 /// How many slots the next chunk holds when `needed` have no place and `touched` have one.
@@ -58,8 +60,6 @@ impl Chunk {
         };
         gpu.scoped("a stroke's buffers", || {
             let racks = u64::from(capacity.div_ceil(variant.lanes()));
-            let tight =
-                |label, format: Option<TexelFormat>| format.map(|f| make(label, count * tight_bytes(f), Use::empty()));
             Ok(Self {
                 variant,
                 extras,
@@ -68,8 +68,8 @@ impl Chunk {
                 start: make("brush start", racks * RACK, Use::COPY_SRC),
                 coverage: make("brush coverage", count * COVERAGE_BYTES, Use::empty()),
                 changed: make("brush changed", count * 4, Use::COPY_SRC),
-                base: tight("brush base", extras.base),
-                density: tight("brush density", extras.density),
+                base: extras.base.map(|f| make("brush base", count * tight_bytes(f), Use::empty())),
+                gate: extras.gate.then(|| make("brush gate", count * GATE_BYTES, Use::empty())),
             })
         })
     }

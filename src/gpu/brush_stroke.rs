@@ -5,8 +5,8 @@ use super::brush_cells::LiveBricks;
 use super::brush_kernel::{BrushStroke, Variant};
 use super::brush_memory::{Chunk, Extras, next_capacity, slot_bytes};
 use super::{FieldPools, Fields, Gpu, GpuError};
-use crate::paint::{Brush, Dab, Operation, Target};
-use crate::volume::{BrickIndex, BrickKey, Field, FieldKind, Grid, Segments};
+use crate::paint::{Brush, Dab, Gate, Operation, Target};
+use crate::volume::{BrickIndex, Field, FieldKind, Grid, Segments};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -52,7 +52,7 @@ impl Stroke {
         let on_density = matches!(self.brush.target, Target::Density(_));
         let extras = Extras {
             base: (on_density && self.brush.effective() == Operation::Restore).then(|| density.format()),
-            density: (!on_density && self.brush.range.is_some()).then(|| density.format()),
+            gate: self.brush.range.is_some(),
         };
         loop {
             let room: usize = self.chunks.iter().map(Chunk::room).sum();
@@ -85,20 +85,24 @@ impl Stroke {
         encoder: &mut wgpu::CommandEncoder,
         texture: &wgpu::Texture,
     ) -> Result<(), GpuError> {
-        let read = |wanted: bool, slot: &(dyn Fn(BrickIndex) -> Result<Vec<u8>, GpuError> + Sync)| {
-            if wanted { new.par_iter().map(|&b| slot(b)).collect::<Result<Vec<_>, _>>() } else { Ok(Vec::new()) }
+        let (density, new_slots) = (fields.density, new.par_iter());
+        let base = match self.chunks.iter().any(|c| c.base.is_some()) {
+            true => new_slots.clone().map(|&b| density.base_slot(b)).collect::<Result<Vec<_>, _>>()?,
+            false => Vec::new(),
         };
-        let base = read(self.chunks.iter().any(|c| c.base.is_some()), &|b| Ok(fields.density.base_slot(b)?))?;
-        let density = read(self.chunks.iter().any(|c| c.density.is_some()), &|index| {
-            Ok(fields.density.slot(BrickKey { level: 0, index })?)
-        })?;
+        let gate = match self.brush.range.map(|range| Gate::new(range, density)) {
+            Some(gate) => new_slots.map(|&b| gate.slot(density, b)).collect::<Result<Vec<_>, _>>()?,
+            None => Vec::new(),
+        };
         for (i, (brick, &slot)) in new.iter().zip(slots).enumerate() {
             let Some(home) = self.chunks.iter().position(|c| c.room() > 0) else { continue };
             let chunk = &mut self.chunks[home];
             let place = chunk.take(encoder, *brick, texture, slot);
-            for (buffer, texels) in [(&chunk.base, base.get(i)), (&chunk.density, density.get(i))] {
-                if let (Some(buffer), Some(texels)) = (buffer, texels) {
-                    gpu.queue.write_buffer(buffer, u64::from(place) * texels.len() as u64, texels);
+            let base = base.get(i).map(Vec::as_slice);
+            let gate = gate.get(i).map(|bits| bytemuck::cast_slice(bits));
+            for (buffer, bytes) in [(&chunk.base, base), (&chunk.gate, gate)] {
+                if let (Some(buffer), Some(bytes)) = (buffer, bytes) {
+                    gpu.queue.write_buffer(buffer, u64::from(place) * bytes.len() as u64, bytes);
                 }
             }
             self.homes.insert(*brick, Home { chunk: home, place, slot });

@@ -131,7 +131,7 @@ fn bind(
         next.as_entire_binding(),
         chunk.changed.as_entire_binding(),
         chunk.base.as_ref().unwrap_or(nothing).as_entire_binding(),
-        chunk.density.as_ref().unwrap_or(nothing).as_entire_binding(),
+        chunk.gate.as_ref().unwrap_or(nothing).as_entire_binding(),
         locked.as_entire_binding(),
         jobs.as_entire_binding(),
     ];

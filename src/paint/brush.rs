@@ -2,7 +2,7 @@
 
 use super::PaintError;
 use crate::math::DVec3;
-use crate::volume::{BrickSource, DensityMap, Field, FieldKind, TexelFormat};
+use crate::volume::{BrickSource, DensityMap, Field, FieldKind, Number, TexelFormat};
 use serde::{Deserialize, Serialize};
 
 /// The footprint's form.
@@ -104,8 +104,8 @@ pub struct Brush {
     pub target: Target,
     /// Distance of dabs along the stroke as a share of the radius, in (0, ¼].
     pub spacing: f64,
-    /// Only voxels whose density before the stroke is in this closed range are painted.
-    pub range: Option<[f64; 2]>,
+    /// Only voxels whose density before the stroke is in this closed range are painted; see [`Gate`](super::Gate).
+    pub range: Option<[Number; 2]>,
     /// Whether the brush takes away instead: density restores the source, colour, selection and label go to 0.
     pub erase: bool,
 }

@@ -6,11 +6,13 @@
 mod brush;
 mod dab;
 mod error;
+mod gate;
 mod path;
 mod pile;
 
 pub use brush::{Brush, Falloff, Operation, Sample, Shape, Target, Tip};
 pub use dab::{Dab, EDGE, Footprint, IndexBox};
 pub use error::PaintError;
+pub use gate::{GATE_WORDS, Gate};
 pub use path::{MAX_DABS, StrokePath};
 pub use pile::Pile;

@@ -15,6 +15,7 @@ mod keep_zarr;
 mod labels;
 pub mod maker;
 pub mod maker_gpu;
+mod masks;
 mod memory;
 mod motion;
 mod nouns;

@@ -1,5 +1,5 @@
 use super::*;
-use burin::volume::{DensityMap, Field, MemorySource, Voxels};
+use burin::volume::{DensityMap, Field, MemorySource, Number, Voxels};
 use std::sync::Arc;
 
 #[test]
@@ -17,8 +17,8 @@ fn a_wrong_setting_is_named_with_what_was_found() {
         ("target.density", Brush { target: Target::Density(f64::NAN), ..good }),
         ("target.colour", Brush { target: Target::Colour([0.0, 0.0, 2.0, 1.0]), ..good }),
         ("target.selection", Brush { target: Target::Selection(-0.5), ..good }),
-        ("range", Brush { range: Some([3.0, 2.0]), ..good }),
-        ("range", Brush { range: Some([f64::NAN, 2.0]), ..good }),
+        ("range", Brush { range: Some([3.0, 2.0].map(Number::Real)), ..good }),
+        ("range", Brush { range: Some([f64::NAN, 2.0].map(Number::Real)), ..good }),
     ];
     for (field, brush) in bad {
         let text = brush.check().unwrap_err().to_string();

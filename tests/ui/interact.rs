@@ -383,13 +383,13 @@ fn only_what_changed_of_a_brush_is_sent() {
     let old = scene().1.brush;
     assert_eq!(burin::interact::brush_change(&old, &old), None);
     let mut new = old;
-    new.range = Some([1.0, 2.0]);
+    new.range = Some([1.0, 2.0].map(burin::volume::Number::Real));
     let Some(Command::Brush(BrushCommand::Set { range, radius_mm, any_value, .. })) =
         burin::interact::brush_change(&old, &new)
     else {
         panic!()
     };
-    assert_eq!((range, radius_mm, any_value), (Some([1.0, 2.0]), None, false));
+    assert_eq!((range, radius_mm, any_value), (Some([1.0, 2.0].map(burin::volume::Number::Real)), None, false));
     let Some(Command::Brush(BrushCommand::Set { range, any_value, .. })) = burin::interact::brush_change(&new, &old)
     else {
         panic!()

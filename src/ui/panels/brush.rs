@@ -8,6 +8,7 @@ use crate::ui::app::App;
 use crate::ui::colour::colour_button;
 use crate::ui::theme;
 use crate::ui::widgets::{Scale, choice, number, row, slider, tick, tipped};
+use crate::volume::Number;
 use egui::{ComboBox, DragValue, Label, Response, RichText, Ui, vec2};
 
 const TARGETS: [(&str, &str, &str); 4] = [
@@ -204,11 +205,12 @@ fn range_row(ui: &mut Ui, new: &mut Brush, span: Option<(f64, f64)>) {
     let (min, max) = span.unwrap_or((0.0, 1.0));
     let mut on = new.range.is_some();
     if tick(ui, &mut on, "Paint only where the value is", "All other voxels stay as they are") {
-        new.range = on.then_some([min, max]);
+        new.range = on.then_some([min, max].map(Number::Real));
     }
     ui.add_enabled_ui(on, |ui| {
         row(ui, "from – to", |ui| {
-            let mut range = new.range.unwrap_or([min, max]);
+            let old = new.range.map_or([min, max], |range| range.map(Number::to_f64));
+            let mut range = old;
             let dash = 8.0;
             let width = (ui.available_width() - dash - 2.0 * theme::GAP) * 0.5;
             let tip = "The smallest value that is painted";
@@ -219,7 +221,10 @@ fn range_row(ui: &mut Ui, new: &mut Brush, span: Option<(f64, f64)>) {
             let high = value_field(ui, width, ("Highest value to paint", tip), &mut range[1], max - min);
             if low.changed() || high.changed() {
                 range[1] = range[1].max(range[0]);
-                new.range = Some(range);
+                // An end that nobody touched keeps digits that this row does not show.
+                let held = new.range.unwrap_or(old.map(Number::Real));
+                let end = |i: usize| if range[i] == old[i] { held[i] } else { Number::Real(range[i]) };
+                new.range = Some([end(0), end(1)]);
             }
         });
     });

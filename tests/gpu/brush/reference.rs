@@ -142,7 +142,7 @@ pub fn stroke(canvas: &Canvas, brush: &Brush, dabs: &[Dab], printed: bool) -> Ve
         .map(|(i, v)| {
             let old = pad(&start[i * bytes..(i + 1) * bytes]);
             let keep = Expected { texel: old, doubtful: false };
-            if let Some([lo, hi]) = brush.range {
+            if let Some([lo, hi]) = brush.range.map(|range| range.map(Number::to_f64)) {
                 let value = canvas.density.map().decode(pad(&density[i * density_bytes..(i + 1) * density_bytes]));
                 if !(lo <= value && value <= hi) {
                     return keep;

@@ -260,7 +260,7 @@ fn a_stroke_that_changes_nothing_gives_no_brick() {
     let mut nothing = vec![
         // Erasing what was never edited, locked labels, a range that holds nothing, pressure 0, outside of the volume.
         (Brush { erase: true, ..brush(Target::Density(1.0), Operation::Replace) }, 1.0, 20.0),
-        (Brush { range: Some([1e6, 1e7]), ..brush(Target::Label(7), Operation::Replace) }, 1.0, 20.0),
+        (Brush { range: Some([1e6, 1e7].map(Number::Real)), ..brush(Target::Label(7), Operation::Replace) }, 1.0, 20.0),
         (brush(Target::Label(7), Operation::Replace), 0.0, 20.0),
         (brush(Target::Label(7), Operation::Replace), 1.0, 400.0),
         (Brush { strength: 0.4, ..brush(Target::Label(7), Operation::Replace) }, 1.0, 20.0),
@@ -377,7 +377,7 @@ fn a_device_without_16_bit_textures_paints_the_same_codes() {
         tip: Tip::BuildUp,
         strength: 0.37,
         radius_mm: 5.0,
-        range: Some([100.0, 50_000.0]),
+        range: Some([100.0, 50_000.0].map(Number::Real)),
         ..Brush::default()
     };
     for erase in [false, true] {

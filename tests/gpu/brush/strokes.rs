@@ -40,7 +40,7 @@ fn every_brush(canvases: &mut [Canvas], target: Target, range: [f64; 2]) {
                         tip,
                         target,
                         spacing: 0.25,
-                        range: (n % 5 == 0).then_some(range),
+                        range: (n % 5 == 0).then_some(range.map(Number::Real)),
                         erase: n % 13 == 0,
                     };
                     let dabs = dabs(&canvas.grid, brush.radius_mm, &mut rng);
