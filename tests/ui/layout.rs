@@ -165,7 +165,7 @@ fn nothing_moves_when_another_thing_is_chosen_or_comes_to_a_list() {
             let more = (2..40).map(|id| Part { id: PartId(id), name: format!("Piece {id}"), ..part.clone() });
             w.scene.explosion.parts.extend(more);
         });
-        then("an undone range", &[], &|w| w.scene.brush.range = Some([1.0, 99.5]));
+        then("an undone range", &[], &|w| w.scene.brush.range = Some([1.0, 99.5].map(burin::volume::Number::Real)));
     }
 }
 
