@@ -103,7 +103,7 @@ fn pictures(far: &Far, snapshot: &Snapshot) -> Result<usize, Failure> {
     for (_, request) in far.requests.try_iter() {
         let Request::Apply(Command::View(ViewCommand::Size { view, size })) = request else { continue };
         let rgba = (0..size[0] * size[1]).flat_map(|i| [i as u8, (i >> 8) as u8, 40, 255]).collect();
-        let picture = Picture { view, size, rgba, depth_mm: Vec::new(), object: Vec::new(), camera };
+        let picture = Picture { view, size, rgba, depth_mm: Vec::new(), object: Vec::new(), camera, serial: 0 };
         far.reports.send(Told::Picture(Box::new(picture)))?;
         sent += 1;
     }

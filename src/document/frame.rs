@@ -86,14 +86,10 @@ impl State {
 
     /// The part that a picked body is, or that holds the point of a body that is none.
     pub(super) fn part_at(&self, body: u32, rest: DVec3) -> Result<PartId, DocumentError> {
-        let parts = &self.scene.explosion.parts;
         if body != WHOLE {
             return Ok(PartId(body));
         }
-        let outside = |faces: &[crate::explode::Face]| {
-            faces.iter().map(|f| f.plane.distance(rest)).fold(f64::NEG_INFINITY, f64::max)
-        };
-        let nearest = parts.iter().min_by(|a, b| outside(&a.faces).total_cmp(&outside(&b.faces)));
+        let nearest = self.scene.explosion.holding(rest);
         nearest.map(|p| p.id).ok_or(DocumentError::NothingOpen)
     }
 }

@@ -62,6 +62,12 @@ impl Explosion {
         Self { parts: vec![part], degree: 0.0, forces: Forces::default(), seed: 0, next_id: 2 }
     }
 
+    /// The part that holds a point of the volume at rest, world mm; of a point outside all of them the nearest. `None` without parts.
+    pub fn holding(&self, rest: DVec3) -> Option<&Part> {
+        let outside = |p: &Part| p.faces.iter().map(|f| f.plane.distance(rest)).fold(f64::NEG_INFINITY, f64::max);
+        self.parts.iter().min_by(|a, b| outside(a).total_cmp(&outside(b)))
+    }
+
     /// The part of an id.
     ///
     /// # Errors

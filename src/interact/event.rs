@@ -30,6 +30,13 @@ pub struct Modifiers {
     pub erase: bool,
 }
 
+impl Modifiers {
+    /// Whether a drag moves a view or the crosshair, whatever the tool.
+    pub fn pans(self) -> bool {
+        self.space || self.alt || self.shift
+    }
+}
+
 /// What is under the pointer in the 3D view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
@@ -84,12 +91,16 @@ pub enum Key {
     Escape,
     /// F1, or `?`.
     Help,
-    /// Home: frame the volume.
+    /// Home: fit the view.
     Home,
     /// Arrow or page key up: the next slice.
     Up,
     /// Arrow or page key down: the slice before.
     Down,
+    /// Arrow left.
+    Left,
+    /// Arrow right.
+    Right,
 }
 
 /// See the module's head.

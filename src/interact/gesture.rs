@@ -1,7 +1,7 @@
 //! What a held button is doing, from its press to its release.
 
 use super::brush::set_erase;
-use super::slices::{crosshair, set_window, windowed};
+use super::slices::{CutSlice, crosshair, cuts_on, set_window, split as split_slice, windowed};
 use super::{Hit, PointerEvent, Tool};
 use crate::document::{
     Command, HistoryCommand, PartCommand, Place, Scene, Splitter, StrokeCommand, StrokePoint, ViewCommand, ViewName,
@@ -19,7 +19,7 @@ const DEGREES_PER_HEIGHT: f64 = 180.0;
 #[derive(Clone, Debug, PartialEq)]
 #[allow(missing_docs)] // fields: the variant's own text says what they are
 pub enum Gesture {
-    /// Turns the camera; `start` comes back on abort.
+    /// Turns the camera; one change of view, as pan, zoom and crosshair are. `start` comes back on abort.
     Orbit { start: Camera, last: DVec2 },
     /// Shifts a view.
     Pan { view: ViewName, start: DVec2, last: DVec2 },
@@ -31,10 +31,10 @@ pub enum Gesture {
     Crosshair { view: ViewName },
     /// A stroke. `erase`: the brush is set to take away for as long as the key is held; `fixed`: it takes away anyway.
     Stroke { view: ViewName, last: PointerEvent, erase: bool, fixed: bool },
-    /// A splitter that waits for its click to end.
-    Click { tool: Tool, from: DVec2, axis: Axis },
+    /// A splitter that waits for its click to end; on a slice with where that lies.
+    Click { tool: Tool, from: DVec2, axis: Axis, slice: Option<CutSlice> },
     /// The line splitter's line.
-    Line { from: DVec2, to: DVec2 },
+    Line { view: ViewName, from: DVec2, to: DVec2, slice: Option<CutSlice> },
     /// A part under the hand; one step of history.
     Part { id: PartId, start: Pose, from: DVec2, hit: Hit, turn: bool, centre: DVec3, moved: bool },
 }
@@ -43,13 +43,17 @@ impl Gesture {
     /// Commands of its start.
     pub(super) fn start(&self, e: &PointerEvent) -> Vec<Command> {
         match self {
-            Self::Crosshair { view } => vec![crosshair(*view, e.px, e.size)],
+            Self::Crosshair { view } => {
+                vec![Command::History(HistoryCommand::Begin {}), crosshair(*view, e.px, e.size)]
+            }
             Self::Stroke { erase, .. } => {
                 let begin = Command::Stroke(StrokeCommand::Begin { points: vec![stroke_point(e)] });
                 if *erase { vec![set_erase(true), begin] } else { vec![begin] }
             }
-            Self::Window { .. } | Self::Part { .. } => vec![Command::History(HistoryCommand::Begin {})],
-            _ => Vec::new(),
+            Self::Window { .. } | Self::Part { .. } | Self::Orbit { .. } | Self::Pan { .. } | Self::Zoom { .. } => {
+                vec![Command::History(HistoryCommand::Begin {})]
+            }
+            Self::Click { .. } | Self::Line { .. } => Vec::new(),
         }
     }
 
@@ -109,41 +113,49 @@ impl Gesture {
     }
 
     /// The button went up.
-    pub(super) fn commit(self, e: &PointerEvent) -> Vec<Command> {
+    pub(super) fn commit(self, e: &PointerEvent, scene: &Scene) -> Vec<Command> {
         let split = |by| vec![Command::Part(PartCommand::Split { by, size: Some(e.size) })];
         match self {
             Self::Stroke { erase, .. } => {
                 let end = Command::Stroke(StrokeCommand::End {});
                 if erase { vec![end, set_erase(false)] } else { vec![end] }
             }
-            Self::Click { tool, from, axis } if from.distance(e.px) <= CLICK_PX => match tool {
+            Self::Click { tool, from, axis, slice: Some(slice) } if from.distance(e.px) <= CLICK_PX => {
+                split_slice(&cuts_on(&slice, scene, tool, (from, from), axis))
+            }
+            Self::Line { from, to, slice: Some(slice), .. } if from.distance(to) > CLICK_PX => {
+                split_slice(&cuts_on(&slice, scene, Tool::LineSplit, (from, to), Axis::Horizontal))
+            }
+            Self::Click { tool, from, axis, .. } if from.distance(e.px) <= CLICK_PX => match tool {
                 Tool::DepthSplit => split(Splitter::Depth { px: from.to_array() }),
                 _ => split(Splitter::Axis { px: from.to_array(), axis }),
             },
-            Self::Line { from, to } if from.distance(to) > CLICK_PX => {
+            Self::Line { from, to, .. } if from.distance(to) > CLICK_PX => {
                 split(Splitter::Line { from: from.to_array(), to: to.to_array() })
             }
-            Self::Window { .. } | Self::Part { .. } => vec![Command::History(HistoryCommand::End {})],
-            _ => Vec::new(),
+            Self::Click { .. } | Self::Line { .. } => Vec::new(),
+            _ => vec![Command::History(HistoryCommand::End {})],
         }
     }
 
     /// Everything as it was at the start.
     pub(super) fn abort(self, height: u32) -> Vec<Command> {
+        let end = Command::History(HistoryCommand::End {});
         match self {
-            Self::Orbit { start, .. } => vec![Command::View(ViewCommand::Camera { camera: start })],
+            Self::Orbit { start, .. } => vec![Command::View(ViewCommand::Camera { camera: start }), end],
             Self::Pan { view, start, last } => {
-                vec![Command::View(ViewCommand::Pan { view, px: (start - last).to_array() })]
+                vec![Command::View(ViewCommand::Pan { view, px: (start - last).to_array() }), end]
             }
             Self::Zoom { view, start, last } => {
-                vec![Command::View(ViewCommand::Zoom { view, factor: zoom_factor(last, start, height.max(1)) })]
+                vec![Command::View(ViewCommand::Zoom { view, factor: zoom_factor(last, start, height.max(1)) }), end]
             }
+            Self::Crosshair { .. } => vec![end],
             Self::Stroke { erase, .. } => {
                 let cancel = Command::Stroke(StrokeCommand::Cancel {});
                 if erase { vec![cancel, set_erase(false)] } else { vec![cancel] }
             }
             Self::Window { .. } | Self::Part { .. } => vec![Command::History(HistoryCommand::Cancel {})],
-            Self::Crosshair { .. } | Self::Click { .. } | Self::Line { .. } => Vec::new(),
+            Self::Click { .. } | Self::Line { .. } => Vec::new(),
         }
     }
 }

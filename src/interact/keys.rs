@@ -1,6 +1,7 @@
 //! The keyboard: one table that the window obeys and the page of keys shows.
 
 use super::{Key, Modifiers, Tool};
+use crate::document::PastOf;
 
 /// What a key asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,8 +24,14 @@ pub enum Action {
     SaveAs,
     /// Opens a file or project.
     Open,
-    /// Frames the volume.
-    Frame,
+    /// Fits the view under the pointer.
+    Fit,
+    /// The 3D view from the front, fitted.
+    Front,
+    /// What was seen before the last change of views and looks, or of one of them.
+    Back(Option<PastOf>),
+    /// What was seen before `Back`.
+    Forward(Option<PastOf>),
     /// The view under the pointer alone, or all four.
     Maximise,
     /// Shows or hides the page of keys.
@@ -49,7 +56,7 @@ const fn line(group: &'static str, keys: &'static str, what: &'static str) -> Sh
 }
 
 /// Everything that the keyboard and the pointer can do.
-pub const SHORTCUTS: [Shortcut; 32] = [
+pub const SHORTCUTS: [Shortcut; 36] = [
     line("Paint", "B", "Brush"),
     line("Paint", "[  ]", "Smaller or larger brush"),
     line("Paint", "Shift + wheel", "Smaller or larger brush"),
@@ -68,11 +75,15 @@ pub const SHORTCUTS: [Shortcut; 32] = [
     line("Look", "Shift + click", "Crosshair here, with any tool"),
     line("Look", "Double-click the view's title", "One view or all four"),
     line("Look", "F", "One view or all four"),
-    line("Look", "Home", "Frame the volume"),
+    line("Look", "Home", "Fit the view under the pointer; in 3D the direction stays"),
+    line("Look", "Shift + Home", "3D view from the front"),
+    line("Look", "Alt + Left, Alt + Right", "View or look before, and after"),
+    line("Look", "Alt + Shift + Left, Right", "Look alone before, and after"),
     line("Parts", "X", "Axis split (Shift: vertical)"),
     line("Parts", "D", "Depth split"),
     line("Parts", "L", "Line split"),
     line("Parts", "M", "Move part"),
+    line("Parts", "Click or line on a slice", "Cut there, with the split tools"),
     line("Parts", "Drag, tool Move part", "Move a part and pin it"),
     line("Parts", "Ctrl + drag, tool Move part", "Turn a part and pin it"),
     line("Document", "Ctrl + Z", "Undo"),
@@ -87,7 +98,12 @@ pub const SHORTCUTS: [Shortcut; 32] = [
 /// What a key does, if anything. Held keys (Space, E) are modifiers of the pointer and not asked here.
 pub fn action_of(key: Key, modifiers: Modifiers) -> Option<Action> {
     if modifiers.alt {
-        return None;
+        let of = modifiers.shift.then_some(PastOf::Looks);
+        return match key {
+            Key::Left if !modifiers.ctrl => Some(Action::Back(of)),
+            Key::Right if !modifiers.ctrl => Some(Action::Forward(of)),
+            _ => None,
+        };
     }
     if modifiers.ctrl {
         return match (key, modifiers.shift) {
@@ -102,12 +118,14 @@ pub fn action_of(key: Key, modifiers: Modifiers) -> Option<Action> {
     match key {
         Key::Escape => Some(Action::Abort),
         Key::Help => Some(Action::Keys),
+        Key::Home if modifiers.shift => Some(Action::Front),
         _ if modifiers.shift => None,
         Key::BracketLeft => Some(Action::BrushSize(1.0 / super::machine::SIZE_STEP)),
         Key::BracketRight => Some(Action::BrushSize(super::machine::SIZE_STEP)),
         Key::Up => Some(Action::Slice(1)),
         Key::Down => Some(Action::Slice(-1)),
-        Key::Home => Some(Action::Frame),
+        Key::Home => Some(Action::Fit),
+        Key::Left | Key::Right => None,
         Key::Char('F') => Some(Action::Maximise),
         Key::Char(c @ '1'..='9') => Some(Action::Label(c as u16 - '0' as u16)),
         Key::Char(c) => Tool::ALL.into_iter().find(|t| t.key() == c).map(Action::Choose),

@@ -1,10 +1,12 @@
 //! The machine: which tool, which gesture, and what comes of an event.
 
 use super::brush::set_radius;
+use super::slices::CutSlice;
 use super::{Button, Event, Gesture, PointerEvent, Tool, Wheel};
 use crate::document::{Command, Scene, ViewCommand, ViewName};
 use crate::explode::{Axis, Part};
 use crate::math::DVec3;
+use crate::volume::Grid;
 
 /// One step of the brush's size.
 pub(super) const SIZE_STEP: f64 = 1.15;
@@ -18,6 +20,8 @@ const ZOOM_STEP: f64 = 1.15;
 pub struct Context<'a> {
     /// The scene as last seen.
     pub scene: &'a Scene,
+    /// The volume's lattice, which says where slices lie.
+    pub grid: &'a Grid,
     /// The smallest spacing in mm: the smallest brush that one can still grow is half of it.
     pub voxel_mm: f64,
 }
@@ -59,7 +63,7 @@ impl Interaction {
             Event::Release(button, e) => match self.gesture.take() {
                 Some((held, mut gesture, _)) if held == button => {
                     let mut commands = gesture.drag(&e, context.scene);
-                    commands.extend(gesture.commit(&e));
+                    commands.extend(gesture.commit(&e, context.scene));
                     commands
                 }
                 other => {
@@ -118,12 +122,18 @@ impl Interaction {
                 let fixed = context.scene.brush.erase;
                 Some(Gesture::Stroke { view: e.view, last: *e, erase: e.modifiers.erase && !fixed, fixed })
             }
-            Tool::LineSplit if three_d => Some(Gesture::Line { from: e.px, to: e.px }),
-            Tool::AxisSplit | Tool::DepthSplit if three_d && e.hit.is_some() => {
+            Tool::LineSplit => {
+                let slice = CutSlice::new(context.grid, context.scene, e.view, e.size);
+                Some(Gesture::Line { view: e.view, from: e.px, to: e.px, slice })
+            }
+            Tool::AxisSplit | Tool::DepthSplit if can_point => {
                 let axis = if e.modifiers.shift { Axis::Vertical } else { Axis::Horizontal };
-                Some(Gesture::Click { tool: self.tool, from: e.px, axis })
+                let slice = CutSlice::new(context.grid, context.scene, e.view, e.size);
+                Some(Gesture::Click { tool: self.tool, from: e.px, axis, slice })
             }
             Tool::MovePart if three_d => Some(self.part_gesture(e, context).unwrap_or(orbit)),
+            // Slices show the volume at rest: there is nothing to move there.
+            Tool::MovePart => None,
             _ if three_d => Some(orbit),
             _ => Some(Gesture::Crosshair { view: e.view }),
         }

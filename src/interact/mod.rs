@@ -14,6 +14,7 @@ pub mod preview;
 mod projection;
 pub mod readout;
 mod slices;
+pub mod surface;
 mod tool;
 
 pub use brush::{brush_change, reach};
@@ -22,4 +23,5 @@ pub use gesture::Gesture;
 pub use keys::{Action, SHORTCUTS, Shortcut, action_of};
 pub use machine::{Context, Interaction};
 pub use projection::projected;
+pub use slices::{Cut, CutSlice};
 pub use tool::Tool;

@@ -1,54 +1,90 @@
-//! Lines that say where parts end and where a splitter is about to cut. At rest parts make a picture without seams, and a cut
-//! through air shows nothing: without these lines the hand would work blind.
+//! What a splitter is about to cut and where parts end, so that the hand does not work blind: at rest parts make a picture
+//! without seams, and a cut shows nothing before it is made.
 //!
-//! Rings of world mm, closed, as the parts stand now. A cut is found by cutting a copy, so that it is the one that a click makes.
+//! Planes, not lines: whoever draws knows which surface is seen, and shows them there. Knows no pixels of pictures.
 
+use super::slices::{Cut, CutSlice, cuts_on};
 use super::{Gesture, Hit, Tool};
-use crate::document::Scene;
-use crate::explode::{Axis, Explosion, Part, PartId, axis_plane, depth_plane};
-use crate::math::{DVec2, DVec3};
+use crate::document::{Scene, SlicePlane};
+use crate::explode::{Axis, Part, axis_plane, depth_plane, line_plane};
+use crate::math::{DVec2, DVec3, Plane, Ray};
 
-/// The faces of a part that splitters made.
-pub fn seams(part: &Part) -> Vec<Vec<DVec3>> {
-    let rings = part.faces.iter().zip(part.polygons()).filter(|(face, ring)| face.cut && ring.len() > 2);
-    rings.map(|(_, ring)| placed(part, &ring)).collect()
+/// What a tool points at.
+#[derive(Clone, Copy, Debug)]
+pub enum Aim {
+    /// A pixel of the 3D view of `size` pixels, and what is seen there.
+    Solid {
+        /// Pixel.
+        px: DVec2,
+        /// The view's size.
+        size: [u32; 2],
+        /// What lies there.
+        hit: Option<Hit>,
+    },
+    /// A pixel of a slice.
+    Slice {
+        /// Pixel.
+        px: DVec2,
+        /// The slice.
+        slice: CutSlice,
+    },
 }
 
-/// The faces that a tool would make if the button went up now: at a pixel of the 3D view of `size` pixels that shows `hit`.
-pub fn cuts(
+/// What a tool would cut if the button went up now; what it would only graze is left out.
+pub fn cuts((tool, gesture): (Tool, Option<&Gesture>), scene: &Scene, aim: Aim, axis: Axis) -> Vec<Cut> {
+    let cuts = match aim {
+        Aim::Solid { px, size, hit } => solid_cuts((tool, gesture), scene, (px, size), hit, axis),
+        Aim::Slice { px, slice } => match (tool, gesture) {
+            (Tool::LineSplit, Some(Gesture::Line { from, to, .. })) => cuts_on(&slice, scene, tool, (*from, *to), axis),
+            (Tool::AxisSplit | Tool::DepthSplit, _) => cuts_on(&slice, scene, tool, (px, px), axis),
+            _ => Vec::new(),
+        },
+    };
+    let divides = |cut: &Cut| {
+        let mut copy = scene.explosion.clone();
+        copy.split_at_rest(cut.part, &cut.plane).is_ok_and(|halves| halves.is_some())
+    };
+    cuts.into_iter().filter(divides).collect()
+}
+
+fn solid_cuts(
     (tool, gesture): (Tool, Option<&Gesture>),
     scene: &Scene,
     (px, size): (DVec2, [u32; 2]),
     hit: Option<Hit>,
     axis: Axis,
-) -> Vec<Vec<DVec3>> {
-    let mut after: Explosion = scene.explosion.clone();
-    let camera = &scene.views.camera;
-    let halves = match (tool, gesture) {
-        (Tool::LineSplit, Some(Gesture::Line { from, to })) if from != to => {
-            after.split_by_line(camera, *from, *to, size).unwrap_or_default()
+) -> Vec<Cut> {
+    let (camera, explosion) = (&scene.views.camera, &scene.explosion);
+    let (ids, plane) = match (tool, gesture, hit) {
+        (Tool::LineSplit, Some(Gesture::Line { from, to, .. }), _) => {
+            (explosion.meeting(camera, *from, *to, size).unwrap_or_default(), line_plane(camera, *from, *to, size))
         }
-        (Tool::AxisSplit | Tool::DepthSplit, _) => {
-            let mut cut = || {
-                let hit = hit?;
-                let plane = match tool {
-                    Tool::AxisSplit => axis_plane(camera, px, size, axis, hit.world),
-                    _ => depth_plane(camera, hit.world),
-                };
-                after.split(hit.part?, &plane.ok()?).ok()?
-            };
-            cut().into_iter().collect()
+        (Tool::AxisSplit, _, Some(hit)) => {
+            (hit.part.into_iter().collect(), axis_plane(camera, px, size, axis, hit.world))
         }
-        _ => Vec::new(),
+        (Tool::DepthSplit, _, Some(hit)) => (hit.part.into_iter().collect(), depth_plane(camera, hit.world)),
+        _ => return Vec::new(),
     };
-    let made = |[half, _]: &[PartId; 2]| {
-        let part = after.part(*half).ok()?;
-        // A split puts its own face last.
-        Some(placed(part, part.polygons().last()?))
-    };
-    halves.iter().filter_map(made).collect()
+    let Ok(plane) = plane else { return Vec::new() };
+    let parts = ids.into_iter().filter_map(|id| explosion.part(id).ok());
+    parts.map(|p| Cut { part: p.id, plane: p.pose.unapply_plane(&plane) }).collect()
 }
 
-fn placed(part: &Part, ring: &[DVec3]) -> Vec<DVec3> {
-    ring.iter().map(|&corner| part.pose.apply(corner)).collect()
+/// The planes at rest, with their part inside, that splitters made of it.
+pub fn seams(part: &Part) -> impl Iterator<Item = Plane> {
+    part.faces.iter().filter(|f| f.cut).map(|f| f.plane)
+}
+
+/// Where a plane at rest crosses a part on a slice, which shows the volume at rest: both ends in world mm. The plane may be a face
+/// of the part. `None` if it does not, or lies in the slice.
+pub fn crossing(part: &Part, plane: &Plane, slice: &SlicePlane) -> Option<[DVec3; 2]> {
+    let seen = slice.right.cross(slice.up).try_normalize()?;
+    let dir = seen.cross(plane.normal).try_normalize()?;
+    // From the slice's middle within the slice to the plane.
+    let towards = plane.normal - seen * seen.dot(plane.normal);
+    let origin = slice.centre - towards * (plane.distance(slice.centre) / towards.length_squared());
+    let others: Vec<Plane> = part.faces.iter().map(|f| f.plane).filter(|face| face != plane).collect();
+    let line = Ray { origin, dir };
+    let (t0, t1) = line.clip(&others, f64::NEG_INFINITY, f64::INFINITY)?;
+    (t0.is_finite() && t1.is_finite()).then(|| [line.at(t0), line.at(t1)])
 }

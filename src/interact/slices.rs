@@ -1,7 +1,99 @@
-//! Gestures on slices: crosshair, and the grey window under the right button.
+//! Gestures on slices: crosshair, the grey window under the right button, and cuts that are seen as lines.
 
-use crate::document::{Command, Place, ViewCommand, ViewName, Window};
-use crate::math::DVec2;
+use super::Tool;
+use crate::document::{
+    Command, HistoryCommand, PartCommand, Place, Scene, SlicePlane, Splitter, ViewCommand, ViewName, Window,
+};
+use crate::explode::{Axis, Part, PartId};
+use crate::math::{DVec2, DVec3, Plane, Ray};
+use crate::volume::Grid;
+
+/// A slice under a splitter: slices show the volume at rest, so cuts made there are cuts at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CutSlice {
+    /// Where the slice's pixels are.
+    pub plane: SlicePlane,
+    /// Where the slice is seen along: a cut that is a line here goes on this way. World, any length.
+    pub through: DVec3,
+}
+
+impl CutSlice {
+    /// The slice of a view of `size` pixels; `None` for the 3D view.
+    pub fn new(grid: &Grid, scene: &Scene, view: ViewName, size: [u32; 2]) -> Option<Self> {
+        let mut views = scene.views.clone();
+        views.slices[view.slice()?].size = size;
+        let plane = SlicePlane::new(grid, &views, view)?;
+        Some(Self { plane, through: grid.world_from_index.matrix3.col(plane.axis) })
+    }
+
+    /// The cut along a line of the picture; `None` if the line has no length.
+    pub fn along(&self, from: DVec2, to: DVec2) -> Option<Plane> {
+        let along = self.plane.world(to) - self.plane.world(from);
+        Plane::through(self.plane.world(from), along.cross(self.through)).filter(|p| p.normal.is_finite())
+    }
+
+    /// The cut through a pixel, along the picture's width or height.
+    pub fn across(&self, px: DVec2, axis: Axis) -> Option<Plane> {
+        let step = match axis {
+            Axis::Horizontal => DVec2::X,
+            Axis::Vertical => DVec2::Y,
+        };
+        self.along(px, px + step)
+    }
+
+    /// The cut that is the slice itself.
+    pub fn flat(&self) -> Option<Plane> {
+        Plane::through(self.plane.centre, self.plane.right.cross(self.plane.up))
+    }
+}
+
+/// A cut of one part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cut {
+    /// The part.
+    pub part: PartId,
+    /// Where, world mm at rest.
+    pub plane: Plane,
+}
+
+/// What a splitter cuts on a slice, from pixel to pixel; a click cuts the part under it, a line every part that it crosses.
+pub(super) fn cuts_on(slice: &CutSlice, scene: &Scene, tool: Tool, (from, to): (DVec2, DVec2), axis: Axis) -> Vec<Cut> {
+    let plane = match tool {
+        Tool::LineSplit => slice.along(from, to),
+        Tool::AxisSplit => slice.across(from, axis),
+        Tool::DepthSplit => slice.flat(),
+        _ => None,
+    };
+    let Some(plane) = plane else { return Vec::new() };
+    let (a, b) = (slice.plane.world(from), slice.plane.world(to));
+    let parts = &scene.explosion.parts;
+    let ids: Vec<PartId> = match tool {
+        Tool::LineSplit => parts.iter().filter(|p| crosses(p, a, b)).map(|p| p.id).collect(),
+        _ => scene.explosion.holding(a).into_iter().map(|p| p.id).collect(),
+    };
+    ids.into_iter().map(|part| Cut { part, plane }).collect()
+}
+
+/// Whether a line from point to point goes through a part at rest.
+fn crosses(part: &Part, a: DVec3, b: DVec3) -> bool {
+    let planes: Vec<Plane> = part.faces.iter().map(|f| f.plane).collect();
+    Ray { origin: a, dir: b - a }.clip(&planes, 0.0, 1.0).is_some()
+}
+
+/// The same as commands; several are one step of history.
+pub(super) fn split(cuts: &[Cut]) -> Vec<Command> {
+    let one = |cut: &Cut| {
+        let point = (cut.plane.normal * cut.plane.offset).to_array();
+        let by = Splitter::Plane { point, normal: cut.plane.normal.to_array(), part: Some(cut.part) };
+        Command::Part(PartCommand::Split { by, size: None })
+    };
+    let mut commands: Vec<Command> = cuts.iter().map(one).collect();
+    if commands.len() > 1 {
+        commands.insert(0, Command::History(HistoryCommand::Begin {}));
+        commands.push(Command::History(HistoryCommand::End {}));
+    }
+    commands
+}
 
 /// Moves the crosshair to a pixel of a view.
 pub(super) fn crosshair(view: ViewName, px: DVec2, size: [u32; 2]) -> Command {

@@ -1,5 +1,7 @@
 //! The tools and what they call themselves.
 
+use crate::document::ViewName;
+
 /// What the primary button does in a view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Tool {
@@ -52,15 +54,20 @@ impl Tool {
         match self {
             Self::Navigate => "Drag turns the 3D view, on slices it moves the crosshair",
             Self::Brush => "Drag paints; hold E to erase; outside the object a drag turns the 3D view",
-            Self::AxisSplit => "Click a part to cut it along a horizontal plane; Shift: vertical",
-            Self::DepthSplit => "Click a part to cut it parallel to the picture",
-            Self::LineSplit => "Drag a line across the parts to cut",
-            Self::MovePart => "Drag moves a part and pins it; Ctrl+drag turns it",
+            Self::AxisSplit => "Click a part, in 3D or on a slice, to cut it along a horizontal plane; Shift: vertical",
+            Self::DepthSplit => "Click a part, in 3D or on a slice, to cut it parallel to the picture",
+            Self::LineSplit => "Drag a line across the parts to cut, in 3D or on a slice",
+            Self::MovePart => "In the 3D view a drag moves a part and pins it; Ctrl + drag turns it",
         }
     }
 
-    /// Whether it works on parts, that is, in the 3D view only.
-    pub const fn is_three_d_only(self) -> bool {
+    /// Whether it works on parts.
+    pub const fn is_of_parts(self) -> bool {
         matches!(self, Self::AxisSplit | Self::DepthSplit | Self::LineSplit | Self::MovePart)
+    }
+
+    /// What is said if it is used where it does nothing; `None` if it does something there.
+    pub fn refusal(self, view: ViewName) -> Option<&'static str> {
+        (self == Self::MovePart && view != ViewName::ThreeD).then_some("Parts are moved in the 3D view")
     }
 }

@@ -4,19 +4,27 @@ use super::borders::Borders;
 use super::dialogs::Dialog;
 use super::echo::echo;
 use super::layout::Layout;
+use super::notes::Note;
+use super::overlay::paint_colour;
 use super::panels::transfer::TransferEditor;
 use super::saving::{AfterSave, Coming};
 use super::session::{Gravity, Opened, Request, Session, Snapshot};
+use super::trail::Trail;
 use super::viewport::{Canvas, Grounds, Viewports};
 use super::{pictures::Pictures, theme};
-use crate::document::{Command, HistoryCommand, OpenAs, ProjectCommand, Scene, ViewCommand, ViewName, VolumeCommand};
+use crate::document::{
+    Command, HistoryCommand, OpenAs, ProjectCommand, Scene, StrokeCommand, ViewCommand, ViewName, VolumeCommand,
+};
 use crate::explode::PartId;
-use crate::interact::{Context, Event, Interaction};
+use crate::interact::{Context, Event, Hit, Interaction, reach};
 use egui::{Id, Response, Ui};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
+
+/// Seconds after which the wheel is at rest.
+const WHEEL_RESTS_S: f64 = 0.6;
 
 /// See the module's head.
 pub struct App {
@@ -39,6 +47,17 @@ pub struct App {
     /// Since when the document has not caught up (seconds of egui's clock).
     pub(super) behind_since: Option<f64>,
     pub(super) probe: serde_json::Value,
+    /// Whether what is under a resting pointer may be another value now.
+    pub(super) probe_again: bool,
+    /// The 3D stroke that no picture shows yet.
+    pub(super) trail: Trail,
+    pub(super) note: Option<Note>,
+    /// Whether the 3D view is to be drawn anew, or finer.
+    pub(super) refining: bool,
+    /// Since when, with no hand on anything.
+    pub(super) refining_since: Option<f64>,
+    /// When the wheel turned a view last; its turns until it rests are one change.
+    pub(super) wheeled: Option<f64>,
     pub(super) transfer: TransferEditor,
     /// The part whose row in the list is under the pointer.
     pub(super) pointed_part: Option<PartId>,
@@ -98,6 +117,12 @@ impl App {
             busy: None,
             behind_since: None,
             probe: serde_json::Value::Null,
+            probe_again: false,
+            trail: Trail::default(),
+            note: None,
+            refining: false,
+            refining_since: None,
+            wheeled: None,
             transfer: TransferEditor::default(),
             pointed_part: None,
             last_paint: BTreeMap::new(),
@@ -145,6 +170,7 @@ impl App {
     pub(super) fn edit(&mut self, response: &Response, command: Command) {
         let held = response.ctx.input(|i| i.pointer.any_down());
         if held && self.group != Some(response.id) {
+            self.end_wheel();
             self.end_group();
             self.group = Some(response.id);
             self.send(Command::History(HistoryCommand::Begin {}));
@@ -158,19 +184,64 @@ impl App {
         }
     }
 
+    /// The wheel turns a view: until it rests that is one change of view.
+    pub(super) fn begin_wheel(&mut self, now: f64) {
+        if self.group.is_none() && self.interaction.gesture().is_none() && self.wheeled.replace(now).is_none() {
+            self.send(Command::History(HistoryCommand::Begin {}));
+        }
+    }
+
+    /// The wheel rests.
+    pub(super) fn end_wheel(&mut self) {
+        if self.wheeled.take().is_some() {
+            self.send(Command::History(HistoryCommand::End {}));
+        }
+    }
+
+    /// Ends the wheel's change once it rests, or something else is done.
+    fn rest_wheel(&mut self, ctx: &egui::Context) {
+        let Some(since) = self.wheeled else { return };
+        let (now, other) = ctx.input(|i| {
+            let press = |e: &egui::Event| {
+                matches!(e, egui::Event::PointerButton { pressed: true, .. } | egui::Event::Key { pressed: true, .. })
+            };
+            (i.time, i.events.iter().any(press))
+        });
+        if other || now - since > WHEEL_RESTS_S {
+            self.end_wheel();
+        } else {
+            ctx.request_repaint_after(std::time::Duration::from_millis(100));
+        }
+    }
+
     /// Gives a tool what the hand did.
     pub(super) fn interact(&mut self, event: Event) {
         let (Some(scene), Some(open)) = (&self.scene, &self.snapshot.open) else { return };
         let was = self.interaction.gesture().is_some();
-        let context = Context { scene, voxel_mm: open.grid.voxel_mm() };
+        let grid = open.grid;
+        let context = Context { scene, grid: &grid, voxel_mm: grid.voxel_mm() };
         let commands = self.interaction.handle(event, &context);
         let is = self.interaction.gesture().is_some();
         if is && !was {
+            // What a control or the wheel had begun ends here: a gesture is a change of its own.
+            self.end_wheel();
+            self.end_group();
             let view = self.viewports.captured.map_or(self.viewports.last_used, |(_, view)| view);
             self.request(Request::Held(Some(view)));
         }
+        let hit = match event {
+            Event::Press(_, e) | Event::Move(e) | Event::Release(_, e) if e.view == ViewName::ThreeD => Some(e.hit),
+            _ => None,
+        };
         for command in commands {
+            let stroke = match &command {
+                Command::Stroke(stroke) => Some(stroke.clone()),
+                _ => None,
+            };
             self.send(command);
+            if let Some(stroke) = stroke {
+                self.follow_stroke(&stroke, hit);
+            }
         }
         if was && !is {
             self.request(Request::Held(None));
@@ -302,7 +373,9 @@ impl App {
     pub fn show(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         self.scale(&ctx);
+        self.rest_wheel(&ctx);
         self.take_reports(&ctx);
+        self.pointed_part = None;
         self.take_choices();
         self.take_drops(&ctx);
         self.guard_close(&ctx);
@@ -316,6 +389,7 @@ impl App {
         self.central(ui);
         self.drag_borders(ui);
         self.key_page(&ctx);
+        self.show_note(&ctx);
         self.dialogs(&ctx);
         self.drop_hint(&ctx);
         if let Err(error) = self.grounds.end(ui) {
@@ -341,9 +415,22 @@ impl App {
         }
     }
 
-    /// Frames the volume from the front.
-    pub(super) fn frame(&mut self) {
-        self.send(Command::View(ViewCommand::Frame { from: [0.0, 1.0, 0.0], up: None, zoom: None }));
+    /// Lets the trail in the 3D view follow a stroke's command; `hit`: what is seen there, if it is there.
+    fn follow_stroke(&mut self, stroke: &StrokeCommand, hit: Option<Option<Hit>>) {
+        let (Some(scene), Some(open)) = (&self.scene, &self.snapshot.open) else { return };
+        let serial = self.session.serial();
+        match (stroke, hit) {
+            (StrokeCommand::Begin { .. }, Some(hit)) => {
+                let brush = &scene.brush;
+                let colour = if brush.erase { theme::ERROR } else { paint_colour(brush.target, scene) };
+                self.trail.begin(brush.radius_mm * reach(brush), open.grid.voxel_mm(), colour);
+                self.trail.add(hit, serial);
+            }
+            (StrokeCommand::Extend { .. }, Some(hit)) if self.trail.is_running() => self.trail.add(hit, serial),
+            (StrokeCommand::End {}, _) => self.trail.end(),
+            (StrokeCommand::Cancel {}, _) => self.trail.clear(),
+            _ => {}
+        }
     }
 
     /// Tells the session which views are on the screen.

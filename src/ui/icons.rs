@@ -24,6 +24,9 @@ pub(super) enum Icon {
     Trash,
     Maximise,
     Four,
+    Fit,
+    Back,
+    Forward,
     Keys,
     Close,
     Message,
@@ -111,6 +114,15 @@ pub(super) fn paint(painter: &Painter, rect: Rect, icon: Icon, colour: Color32) 
             pen.line(&[(8.0, 2.5), (8.0, 13.5)]);
             pen.line(&[(2.5, 8.0), (13.5, 8.0)]);
         }
+        Icon::Fit => {
+            for (x, y) in [(2.5, 2.5), (13.5, 2.5), (13.5, 13.5), (2.5, 13.5)] {
+                let inward = |v: f32| if v < 8.0 { v + 3.5 } else { v - 3.5 };
+                pen.line(&[(inward(x), y), (x, y), (x, inward(y))]);
+            }
+            pen.circle((8.0, 8.0), 2.2);
+        }
+        Icon::Back => pen.line(&[(9.5, 3.5), (5.0, 8.0), (9.5, 12.5)]),
+        Icon::Forward => pen.line(&[(6.5, 3.5), (11.0, 8.0), (6.5, 12.5)]),
         Icon::Keys => {
             pen.closed(&[(1.0, 4.0), (15.0, 4.0), (15.0, 12.0), (1.0, 12.0)]);
             for x in [3.5, 6.5, 9.5, 12.5] {

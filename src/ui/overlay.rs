@@ -3,7 +3,7 @@
 use super::app::App;
 use super::theme::{self, view_colour};
 use crate::document::{SlicePlane, ViewName};
-use crate::interact::{Gesture, Tool, reach};
+use crate::interact::{Tool, reach};
 use crate::math::{DVec2, DVec3, Projection};
 use crate::paint::Target;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
@@ -30,16 +30,19 @@ impl App {
             for (line, colour) in crosshair(body, view, to_screen(plane.pixel(views.crosshair)), scale) {
                 self.grounds.mark(line, colour);
             }
+            self.slice_outlines(painter, plane, &to_screen);
             letters(painter, body, plane.side_letters());
             scale_bar(painter, body, plane.mm_per_px * f64::from(scale));
         } else {
             let (right, up) = views.camera.right_up();
+            self.stroke_trail(painter, body);
             orientation_mark(painter, body, right, up);
-            self.outlines(painter, &to_screen, size);
+            self.outlines(painter, body);
             if let Projection::Orthographic { .. } = views.camera.projection {
                 scale_bar(painter, body, views.camera.mm_per_pixel(1.0, size[1]) * f64::from(scale));
             }
         }
+        self.split_line(painter, view, &to_screen);
         self.tool_mark(painter, view, plane.as_ref(), &to_screen, size, scale);
     }
 
@@ -53,13 +56,6 @@ impl App {
         scale: f32,
     ) {
         let Some(scene) = &self.scene else { return };
-        if view == ViewName::ThreeD
-            && let Some(Gesture::Line { from, to }) = self.interaction.gesture()
-        {
-            let line = [to_screen(*from), to_screen(*to)];
-            painter.line_segment(line, Stroke::new(3.0, Color32::from_black_alpha(160)));
-            painter.line_segment(line, Stroke::new(1.5, theme::ACCENT));
-        }
         let Some((_, px)) = self.viewports.hovered.filter(|(v, _)| *v == view) else { return };
         let at = to_screen(px);
         if self.interaction.tool() != Tool::Brush {

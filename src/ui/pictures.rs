@@ -2,9 +2,11 @@
 
 use super::session::Picture;
 use crate::document::{Scene, ViewName};
-use crate::explode::{Part, PartId};
+use crate::explode::PartId;
 use crate::interact::Hit;
+use crate::interact::surface::Surface;
 use crate::math::{Camera, DVec2, DVec3, Pose};
+use std::cell::OnceCell;
 use std::collections::BTreeSet;
 
 /// See the module's head.
@@ -19,6 +21,8 @@ struct Depth {
     depth_mm: Vec<f32>,
     object: Vec<u32>,
     camera: Camera,
+    /// Made when somebody asks.
+    surface: OnceCell<Surface>,
 }
 
 impl Pictures {
@@ -33,7 +37,7 @@ impl Pictures {
         let pixels = picture.size[0] as usize * picture.size[1] as usize;
         if picture.view == ViewName::ThreeD && picture.depth_mm.len() == pixels && picture.object.len() == pixels {
             let Picture { size, depth_mm, object, camera, .. } = picture;
-            self.depth = Some(Depth { size, depth_mm, object, camera });
+            self.depth = Some(Depth { size, depth_mm, object, camera, surface: OnceCell::new() });
         }
     }
 
@@ -47,9 +51,11 @@ impl Pictures {
         self.drawn.contains(&view)
     }
 
-    /// The camera that the 3D view was drawn by.
-    pub(super) fn camera(&self) -> Option<Camera> {
-        self.depth.as_ref().map(|d| d.camera)
+    /// The surface that the 3D view shows.
+    pub(super) fn surface(&self) -> Option<&Surface> {
+        let depth = self.depth.as_ref()?;
+        let Depth { size, depth_mm, object, camera, surface } = depth;
+        Some(surface.get_or_init(|| Surface::new(camera, *size, depth_mm, object)))
     }
 
     /// What lies under a pixel of the 3D view of the given size.
@@ -81,6 +87,5 @@ fn part_of(scene: &Scene, body: u32, world: DVec3) -> Option<PartId> {
     if parts.iter().any(|p| p.pose != Pose::IDENTITY) {
         return None;
     }
-    let outside = |p: &Part| p.faces.iter().map(|f| f.plane.distance(world)).fold(f64::NEG_INFINITY, f64::max);
-    parts.iter().min_by(|a, b| outside(a).total_cmp(&outside(b))).map(|p| p.id)
+    scene.explosion.holding(world).map(|p| p.id)
 }

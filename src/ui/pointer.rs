@@ -61,6 +61,10 @@ impl App {
                         let over = rects.iter().find(|(_, r)| r.contains(pos) && open);
                         let Some(&(view, rect)) = over else { continue };
                         if self.viewports.captured.is_none() {
+                            let refusal = self.interaction.tool().refusal(view);
+                            if let (Some(text), Button::Primary, false) = (refusal, button, modifiers.pans()) {
+                                self.note(ctx, text);
+                            }
                             self.viewports.captured = Some((button, view));
                             self.viewports.last_used = view;
                             let e = self.pointer_event(view, rect, pos, scale, modifiers, time);
@@ -99,6 +103,9 @@ impl App {
                     };
                     self.viewports.last_used = view;
                     let modifiers = held(modifiers, space, erase);
+                    if !modifiers.shift {
+                        self.begin_wheel(time);
+                    }
                     self.interact(Event::Wheel(Wheel { view, notches: f64::from(notches), modifiers }));
                 }
                 _ => {}
@@ -120,7 +127,7 @@ impl App {
         let (px, size) = (pixel(rect, pos, scale), pixels(rect, scale));
         let entered = self.viewports.hovered.is_none_or(|(v, _)| v != view);
         self.viewports.hovered = Some((view, px));
-        if (moved || entered) && self.opened().is_some() {
+        if (moved || entered || std::mem::take(&mut self.probe_again)) && self.opened().is_some() {
             self.request(Request::Probe { view, px, size });
         }
     }
@@ -162,7 +169,7 @@ impl App {
             let Some(action) = action_of(key, modifiers) else { continue };
             let global = matches!(action, Action::Save | Action::SaveAs | Action::Open | Action::Keys | Action::Abort);
             let repeats = matches!(action, Action::BrushSize(_) | Action::Slice(_) | Action::Undo | Action::Redo);
-            let moves = matches!(action, Action::Slice(_) | Action::Frame);
+            let moves = matches!(action, Action::Slice(_) | Action::Fit | Action::Front);
             // A key hit by mistake must not take back the stroke under the hand.
             let busy = self.dialog.is_some() || self.interaction.gesture().is_some();
             let kept = (typing && !global) || (focused && moves) || (repeat && !repeats);
@@ -173,8 +180,11 @@ impl App {
         }
     }
 
-    /// Does what a key or a button asks for.
+    /// Does what a key or a button asks for; with nothing open there is little to do.
     pub(super) fn act(&mut self, action: Action) {
+        if self.opened().is_none() && !matches!(action, Action::Open | Action::Keys | Action::Abort) {
+            return;
+        }
         match action {
             Action::Choose(tool) => {
                 for command in self.interaction.choose(tool) {
@@ -184,13 +194,14 @@ impl App {
             }
             Action::BrushSize(factor) => {
                 if let (Some(scene), Some(open)) = (&self.scene, self.opened()) {
-                    let context = crate::interact::Context { scene, voxel_mm: open.grid.voxel_mm() };
+                    let grid = &open.grid;
+                    let context = crate::interact::Context { scene, grid, voxel_mm: grid.voxel_mm() };
                     self.send(Interaction::sized(factor, &context));
                 }
             }
             Action::Label(id) => self.paint_with(Target::Label(id)),
             Action::Slice(voxels) => {
-                let view = self.viewports.hovered.map_or(self.viewports.last_used, |(v, _)| v);
+                let view = self.viewports.meant();
                 if view != ViewName::ThreeD {
                     self.send_view(ViewCommand::Scroll { view, voxels });
                 }
@@ -203,15 +214,11 @@ impl App {
                 self.ask_path(Dialog::save_as(self));
             }
             Action::Open => self.ask_path(Dialog::open()),
-            Action::Frame => {
-                if self.opened().is_some() {
-                    self.frame();
-                }
-            }
-            Action::Maximise => {
-                let view = self.viewports.hovered.map_or(self.viewports.last_used, |(v, _)| v);
-                self.viewports.toggle(view);
-            }
+            Action::Fit => self.send_view(ViewCommand::Fit { view: self.viewports.meant() }),
+            Action::Front => self.send_view(ViewCommand::Frame { from: [0.0, 1.0, 0.0], up: None, zoom: None }),
+            Action::Back(of) => self.walk_past(ViewCommand::Back { of }),
+            Action::Forward(of) => self.walk_past(ViewCommand::Forward { of }),
+            Action::Maximise => self.viewports.toggle(self.viewports.meant()),
             Action::Keys => self.keys_open = !self.keys_open,
             Action::Abort => {
                 if self.interaction.gesture().is_some() {
@@ -222,6 +229,14 @@ impl App {
                     self.keys_open = false;
                 }
             }
+        }
+    }
+
+    /// Back or forward in the past of views and looks, unless a drag is under way.
+    pub(super) fn walk_past(&mut self, command: ViewCommand) {
+        if self.interaction.gesture().is_none() {
+            self.end_wheel();
+            self.send_view(command);
         }
     }
 
@@ -265,6 +280,8 @@ fn key_of(key: egui::Key) -> Option<Key> {
         K::Home => Key::Home,
         K::ArrowUp | K::PageUp => Key::Up,
         K::ArrowDown | K::PageDown => Key::Down,
+        K::ArrowLeft => Key::Left,
+        K::ArrowRight => Key::Right,
         key => {
             let mut name = key.name().chars();
             match (name.next(), name.next()) {

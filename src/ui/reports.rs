@@ -4,7 +4,7 @@ use super::app::{App, Busy};
 use super::dialogs::{Dialog, Lost};
 use super::panels::transfer::TransferEditor;
 use super::session::{Gravity, Report};
-use crate::document::{Command, ProjectCommand};
+use crate::document::{Command, ProjectCommand, ViewName};
 use crate::interact::readout;
 use std::sync::Arc;
 
@@ -21,6 +21,7 @@ impl App {
                     if opened_anew {
                         self.pictures.clear();
                         self.grounds.forget();
+                        self.trail.clear();
                         self.viewports.forget_sizes();
                         self.transfer = TransferEditor::default();
                     }
@@ -30,16 +31,25 @@ impl App {
                         // Views are never echoed in full: take the document's, so that the pointer is where the picture is.
                         scene.views = open.scene.views.clone();
                     }
+                    // A motion asks once it is at rest: each look into the 3D view costs it a picture.
+                    self.probe_again |= !snapshot.moving;
                     self.snapshot = snapshot;
                 }
                 Report::Picture(picture) => match self.grounds.take(&picture) {
-                    Ok(()) => self.pictures.take(*picture),
+                    Ok(()) => {
+                        if picture.view == ViewName::ThreeD {
+                            self.trail.shown(picture.serial);
+                        }
+                        self.pictures.take(*picture);
+                    }
                     Err(error) => {
                         self.pictures.lose(picture.view);
                         self.say(Gravity::Error, error.to_string());
                     }
                 },
                 Report::Probe(value) => self.probe = value,
+                Report::Refining(refining) => self.refining = refining,
+                Report::Nothing(text) => self.note(ctx, text),
                 Report::Started(what) => {
                     self.busy = Some(Busy { what, since: ctx.input(|i| i.time), percent: None, stopping: false });
                 }

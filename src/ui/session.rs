@@ -53,6 +53,12 @@ pub struct Snapshot {
     pub gpu: Option<Result<String, String>>,
     /// Whether parts are still on their way.
     pub moving: bool,
+    /// Whether anything is selected, for parts to make way for.
+    pub selected: bool,
+    /// The change of views or looks that `view.back` takes back.
+    pub back: Option<String>,
+    /// The one that `view.forward` brings again.
+    pub forward: Option<String>,
 }
 
 /// The open volume.
@@ -85,6 +91,8 @@ pub struct Picture {
     pub object: Vec<u32>,
     /// The camera that drew it.
     pub camera: Camera,
+    /// Serial of the last request that it shows.
+    pub serial: u64,
 }
 
 /// How grave a message is.
@@ -107,6 +115,10 @@ pub enum Report {
     Picture(Box<Picture>),
     /// The voxel under the pointer, as `ask.voxel` answers; null where there is none.
     Probe(Value),
+    /// Whether the 3D view is to be drawn anew, or finer.
+    Refining(bool),
+    /// Something was done and came to nothing: a sentence for where the hand is.
+    Nothing(String),
     /// Something began that takes its time.
     Started(String),
     /// Percent of it that is done; what tells this can be stopped.

@@ -69,9 +69,14 @@ impl Studio {
     /// Looks at a command that is about to be done: does it change more than a view's place?
     pub(super) fn note(&mut self, command: &Command) {
         let keeps = match command {
-            Command::View(view) => {
-                !matches!(view, ViewCommand::Look { .. } | ViewCommand::Window { .. } | ViewCommand::Layer(_))
-            }
+            Command::View(view) => !matches!(
+                view,
+                ViewCommand::Look { .. }
+                    | ViewCommand::Window { .. }
+                    | ViewCommand::Layer(_)
+                    | ViewCommand::Back { .. }
+                    | ViewCommand::Forward { .. }
+            ),
             Command::Brush(_) | Command::Ask(_) | Command::Render(_) => true,
             Command::Part(_) | Command::Explosion(_) => {
                 self.poses += 1;
@@ -107,6 +112,13 @@ impl Studio {
         let stale = stale.min_by_key(|(view, _)| (!in_hand(*view), waited(view), *view == ViewName::ThreeD));
         let coarse = || all().find(|(view, _)| !rough && self.drawn.get(view).is_some_and(|d| !d.fine));
         stale.or_else(coarse)
+    }
+
+    /// Whether the 3D view, if it is on the screen, shows something old or coarse.
+    pub(super) fn is_refining(&self, document: &Document, shown: &[ViewName]) -> bool {
+        let view = ViewName::ThreeD;
+        let Some(basis) = self.basis(document, view).filter(|_| shown.contains(&view)) else { return false };
+        self.drawn.get(&view).is_none_or(|d| !d.fine || !same(&d.basis, &basis, view))
     }
 
     /// Whether a view waits to be drawn.
@@ -182,7 +194,7 @@ impl Studio {
         self.drawn.insert(ViewName::ThreeD, Drawn { basis, fine: true, turn: self.turn });
         let Refining { rgba, depth_mm, object, .. } = now;
         let camera = basis.camera;
-        Ok(Some(Picture { view: ViewName::ThreeD, size: basis.size, rgba, depth_mm, object, camera }))
+        Ok(Some(Picture { view: ViewName::ThreeD, size: basis.size, rgba, depth_mm, object, camera, serial: 0 }))
     }
 
     fn learn(&mut self, begun: Instant, size: [u32; 2]) {
@@ -213,5 +225,6 @@ fn picture(view: ViewName, camera: Camera, image: &Image, background: [f32; 3]) 
         depth_mm: if solid { image.depth_mm.clone() } else { Vec::new() },
         object: if solid { image.object.clone() } else { Vec::new() },
         camera,
+        serial: 0,
     }
 }

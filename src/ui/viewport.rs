@@ -7,7 +7,7 @@ use super::layout::BORDER;
 use super::pointer::pixels;
 use super::theme::{self, GAP, view_colour, view_title};
 use super::widgets::{Face, icon_button, menu, spinner, tipped};
-use crate::document::{Place, SlicePlane, ViewCommand, ViewName};
+use crate::document::{Command, Place, SlicePlane, ViewCommand, ViewName};
 use crate::interact::{Button, projected};
 use crate::math::{DVec2, Projection};
 use egui::{
@@ -25,7 +25,9 @@ const HEADER: f32 = 26.0;
 /// Between the views: what is dragged.
 const SEAM: f32 = BORDER;
 /// Least width of a view's header that has room for the sides as letters.
-const ROOMY: f32 = 262.0;
+const ROOMY: f32 = 286.0;
+/// Seconds that a picture may be coarse without a word.
+const MARK_AFTER_S: f64 = 0.3;
 /// Least length of a slider that is worth its place.
 const SLIDER: f32 = 44.0;
 /// Directions that the 3D view can be seen from: letter, name, from the volume towards the eye.
@@ -84,6 +86,11 @@ impl Viewports {
     /// The view that commands without a view mean.
     pub(super) fn active(&self) -> ViewName {
         self.maximised.unwrap_or(self.last_used)
+    }
+
+    /// The view that a key means: the one under the pointer, or the one used last.
+    pub(super) fn meant(&self) -> ViewName {
+        self.maximised.or(self.hovered.map(|(view, _)| view)).unwrap_or(self.last_used)
     }
 
     /// For another volume, which knows nothing of this window's sizes.
@@ -155,6 +162,9 @@ impl App {
         if self.pictures.has(view) {
             self.overlay(&painter, view, body);
         }
+        if view == ViewName::ThreeD {
+            self.refining_mark(ui, body);
+        }
         if self.viewports.hovered.is_some_and(|(v, _)| v == view) && self.viewports.maximised.is_none() {
             let colour = view_colour(view).gamma_multiply(0.55);
             painter.rect_stroke(body, 0.0, Stroke::new(1.0, colour), StrokeKind::Inside);
@@ -174,6 +184,26 @@ impl App {
         ] {
             self.border(Edge { border, place, now, extent });
         }
+    }
+
+    /// Says in the corner of the 3D view that what is seen is not yet all there is; not while a hand holds something, when it never is.
+    fn refining_mark(&mut self, ui: &mut Ui, body: Rect) {
+        let now = ui.input(|i| i.time);
+        let waits = self.refining && self.pictures.has(ViewName::ThreeD) && self.interaction.gesture().is_none();
+        self.refining_since = if waits { self.refining_since.or(Some(now)) } else { None };
+        let Some(since) = self.refining_since else { return };
+        if now - since < MARK_AFTER_S {
+            ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(MARK_AFTER_S));
+            return;
+        }
+        let text = if self.snapshot.moving { "Parts are moving" } else { "Refining" };
+        let place = Rect::from_min_size(pos2(body.max.x - 150.0, body.min.y + 6.0), vec2(142.0, 20.0)).intersect(body);
+        let layout = egui::Layout::right_to_left(egui::Align::Center);
+        let mut corner = ui.new_child(UiBuilder::new().max_rect(place).layout(layout));
+        corner.set_clip_rect(body);
+        spinner(&mut corner, 12.0);
+        let label = egui::Label::new(egui::RichText::new(text).size(12.0).color(theme::TEXT)).selectable(false);
+        corner.add(label);
     }
 
     /// Title, what belongs to the view as far as there is room for it, and the button that enlarges it.
@@ -199,11 +229,20 @@ impl App {
                 menu(ui, vec2(20.0, 20.0), ("Sides of the 3D view", "From", tip), |ui| self.side_buttons(ui));
             }
         } else {
-            self.slice_slider(ui, view, inner.right() - button - GAP);
+            self.slice_slider(ui, view, inner.right() - 2.0 * button - GAP);
         }
-        let at = Rect::from_min_max(pos2(inner.right() - button, inner.top() + 1.0), inner.max - vec2(0.0, 1.0));
+        let at = Rect::from_min_max(pos2(inner.right() - 2.0 * button, inner.top() + 1.0), inner.max - vec2(0.0, 1.0));
         let mut corner =
             ui.new_child(UiBuilder::new().max_rect(at).layout(egui::Layout::left_to_right(egui::Align::Center)));
+        corner.spacing_mut().item_spacing.x = 0.0;
+        let tip = match view {
+            ViewName::ThreeD => "Fit all visible parts; the direction stays (Home). From the front: Shift + Home",
+            _ => "Fit the slice into its view (Home)",
+        };
+        let name = format!("Fit the {title} view");
+        if icon_button(&mut corner, Face::small(Icon::Fit, &name, tip)).clicked() {
+            self.send_view(ViewCommand::Fit { view });
+        }
         let name = if alone { "All four views".to_owned() } else { format!("Only the {title} view") };
         let face = Face::small(if alone { Icon::Four } else { Icon::Maximise }, &name, &name);
         if icon_button(&mut corner, face).clicked() {
@@ -253,12 +292,15 @@ impl App {
             let slider = ui
                 .add_enabled(count > 1, Slider::new(&mut index, 1..=count).show_value(false))
                 .accessible_name(format!("{} slice", view_title(view)));
-            if tipped(slider, "Which slice is shown: also the wheel, Up and Down").changed() {
+            let slider = tipped(slider, "Which slice is shown: also the wheel, Up and Down");
+            if slider.changed() {
                 let to_index = grid.index_from_world();
                 let mut at = to_index.transform_point3(scene.views.crosshair);
                 at[plane.axis] = f64::from(index) - 1.0;
                 let world = grid.world_from_index.transform_point3(at);
-                self.send_view(ViewCommand::Crosshair { at: Place::Mm(world.to_array()) });
+                // A drag is one change of view.
+                let at = Place::Mm(world.to_array());
+                self.edit(&slider, Command::View(ViewCommand::Crosshair { at }));
             }
         }
         if room >= text.size().x {

@@ -196,8 +196,18 @@ pub(super) fn tick(ui: &mut Ui, on: &mut bool, text: &str, tip: &str) -> bool {
     tipped(ui.checkbox(on, text), tip).changed()
 }
 
-/// One of a few: all are seen, one is lit. Answers the one that was clicked.
+/// One of a few: all are seen, one is lit. Answers another one that was clicked.
 pub(super) fn choice<T: PartialEq + Copy>(
+    ui: &mut Ui,
+    name: &str,
+    now: Option<T>,
+    options: &[(T, &str, &str)],
+) -> Option<T> {
+    pick(ui, name, now, options).filter(|picked| now != Some(*picked))
+}
+
+/// The same; answers the one that was clicked, also if it is lit already.
+pub(super) fn pick<T: PartialEq + Copy>(
     ui: &mut Ui,
     name: &str,
     now: Option<T>,
@@ -232,7 +242,7 @@ pub(super) fn choice<T: PartialEq + Copy>(
         paint_face(ui, rect, &response, on, round(i == 0, i + 1 == options.len()));
         let colour = face_colour(ui, &response, on);
         ui.painter().text(rect.center(), Align2::CENTER_CENTER, label, font.clone(), colour);
-        if tipped(response, tip).clicked() && !on {
+        if tipped(response, tip).clicked() {
             clicked = Some(*value);
         }
     }

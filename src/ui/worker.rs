@@ -4,7 +4,7 @@
 //! picture for longer than one takes. Knows egui only to wake the window.
 
 use super::progress::Progress;
-use super::session::{Far, Gravity, Opened, Report, Request, Session, Snapshot};
+use super::session::{Far, Gravity, Opened, Picture, Report, Request, Session, Snapshot};
 use super::stir::Cause;
 use super::studio::Studio;
 use crate::document::{
@@ -48,6 +48,7 @@ pub fn spawn(mut document: Document, wake: egui::Context) -> std::io::Result<(Se
         moving: false,
         histogram: None,
         told: None,
+        refining: false,
     };
     let thread = std::thread::Builder::new().name("document".into()).spawn(move || worker.run())?;
     Ok((session, thread))
@@ -75,6 +76,8 @@ struct Worker {
     histogram: Option<Arc<Histogram>>,
     /// Revision and serial of the last snapshot sent.
     told: Option<(u64, u64, bool)>,
+    /// What was said last of the 3D view.
+    refining: bool,
 }
 
 impl Worker {
@@ -101,8 +104,10 @@ impl Worker {
                 self.step();
             }
             self.tell();
+            self.tell_refining();
             self.answer_probe();
             self.draw();
+            self.tell_refining();
         }
     }
 
@@ -152,9 +157,19 @@ impl Worker {
     fn draw(&mut self) {
         let rough = self.rough();
         match self.studio.draw(&mut self.document, &self.shown, self.held, rough) {
-            Ok(Some(picture)) => self.report(Report::Picture(Box::new(picture))),
+            Ok(Some(picture)) => {
+                self.report(Report::Picture(Box::new(Picture { serial: self.serial, ..picture })));
+            }
             Ok(None) => {}
             Err(error) => self.report(Report::Message(Gravity::Error, error.to_string())),
+        }
+    }
+
+    /// Says when the 3D view begins and ceases to show less than all there is.
+    fn tell_refining(&mut self) {
+        let now = self.studio.is_refining(&self.document, &self.shown);
+        if std::mem::replace(&mut self.refining, now) != now {
+            self.report(Report::Refining(now));
         }
     }
 
@@ -176,6 +191,9 @@ impl Worker {
                 self.moving &= !replaces(&command);
                 self.moving |= Cause::stirred(before.as_ref(), &command, Cause::of(&self.document).as_ref());
                 self.say_warnings(&answer);
+                if let Some(nothing) = answer["nothing"].as_str() {
+                    self.report(Report::Nothing(nothing.to_owned()));
+                }
                 if started.is_some() || matches!(command, Command::Project(_)) {
                     self.report(Report::Done(command, answer));
                 }
@@ -251,6 +269,7 @@ impl Worker {
         });
         self.histogram = open.as_ref().map(|o| o.histogram.clone());
         let history = self.document.history();
+        let past = |back| self.document.state()?.past.next(None, back).map(str::to_owned);
         let snapshot = Snapshot {
             serial: self.serial,
             open,
@@ -260,6 +279,9 @@ impl Worker {
             unsaved: self.document.is_unsaved(),
             gpu: self.gpu.clone(),
             moving: self.moving,
+            selected: self.document.state().is_some_and(|s| !s.selection.is_blank()),
+            back: past(true),
+            forward: past(false),
         };
         self.told = Some(now);
         self.report(Report::Snapshot(Arc::new(snapshot)));

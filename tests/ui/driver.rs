@@ -78,8 +78,14 @@ impl Window {
         self
     }
 
-    /// The document says what it is now.
+    /// The document says what it is now; what the window answers is thrown away.
     pub fn snapshot(&mut self, change: impl FnOnce(&mut Snapshot)) {
+        self.tell(change);
+        self.sent();
+    }
+
+    /// The document says what it is now.
+    pub fn tell(&mut self, change: impl FnOnce(&mut Snapshot)) {
         let (grid, _) = scene();
         let histogram = Histogram { min: 0.0, max: 100.0, bins: (0..50).map(|i| 1000 / (i + 1)).collect() };
         let opened = Opened {
@@ -95,10 +101,12 @@ impl Window {
             undo: ["Stroke", "Axis split", "Rename part"].map(String::from).to_vec(),
             redo: vec!["Degree of explosion".into()],
             gpu: Some(Ok("llvmpipe (LLVM 15)".into())),
+            selected: true,
             ..Snapshot::default()
         };
         change(&mut snapshot);
-        self.report(Report::Snapshot(Arc::new(snapshot)));
+        self.far.reports.send(Report::Snapshot(Arc::new(snapshot))).unwrap();
+        self.harness.run_steps(3);
     }
 
     /// Something comes from the document; what the window answers is thrown away.

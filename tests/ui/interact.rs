@@ -2,17 +2,20 @@
 
 use super::scene;
 use burin::document::{
-    BrushCommand, Command, HistoryCommand, PartCommand, Place, Scene, Splitter, StrokeCommand, ViewCommand, ViewName,
+    BrushCommand, Command, HistoryCommand, PartCommand, PastOf, Place, Scene, Splitter, StrokeCommand, ViewCommand,
+    ViewName,
 };
 use burin::explode::{Axis, Part, PartId};
 use burin::interact::{
     Action, Button, Context, Event, Hit, Interaction, Key, Modifiers, PointerEvent, SHORTCUTS, Tool, Wheel, action_of,
 };
-use burin::math::{DVec2, DVec3, Pose};
+use burin::math::{DVec2, DVec3, Plane, Pose};
+use burin::volume::Grid;
 
 const SIZE: [u32; 2] = [400, 300];
 
 struct Hand {
+    grid: Grid,
     scene: Scene,
     interaction: Interaction,
     view: ViewName,
@@ -29,7 +32,8 @@ impl Hand {
             part: Some(PartId(3)),
             depth_mm: 200.0,
         });
-        Self { scene: scene().1, interaction, view, modifiers: Modifiers::default(), hit }
+        let (grid, scene) = scene();
+        Self { grid, scene, interaction, view, modifiers: Modifiers::default(), hit }
     }
 
     fn at(&self, x: f64, y: f64) -> PointerEvent {
@@ -45,7 +49,7 @@ impl Hand {
     }
 
     fn send(&mut self, event: Event) -> Vec<Command> {
-        self.interaction.handle(event, &Context { scene: &self.scene, voxel_mm: 1.0 })
+        self.interaction.handle(event, &Context { scene: &self.scene, grid: &self.grid, voxel_mm: 1.0 })
     }
 
     fn press(&mut self, button: Button, x: f64, y: f64) -> Vec<Command> {
@@ -68,6 +72,9 @@ impl Hand {
         self.send(Event::Wheel(wheel))
     }
 }
+
+const BEGIN: Command = Command::History(HistoryCommand::Begin {});
+const END: Command = Command::History(HistoryCommand::End {});
 
 fn pixel_of(command: &Command) -> [f64; 2] {
     let points = match command {
@@ -172,12 +179,14 @@ fn e_in_mid_stroke_makes_another_stroke_of_the_other_sign_from_there_on() {
 fn the_brush_beside_the_object_turns_the_view_instead() {
     let mut hand = Hand::new(Tool::Brush, ViewName::ThreeD);
     hand.hit = None;
-    assert_eq!(hand.press(Button::Primary, 100.0, 100.0), []);
+    assert_eq!(hand.press(Button::Primary, 100.0, 100.0), [BEGIN], "a drag is one change of view");
     let turned = hand.drag(130.0, 100.0);
     assert!(matches!(turned[..], [Command::View(ViewCommand::Orbit { azimuth_deg, elevation_deg })]
         if azimuth_deg < 0.0 && elevation_deg == 0.0));
     let start = hand.scene.views.camera;
-    assert_eq!(hand.send(Event::Abort), [Command::View(ViewCommand::Camera { camera: start })]);
+    assert_eq!(hand.send(Event::Abort), [Command::View(ViewCommand::Camera { camera: start }), END]);
+    hand.press(Button::Primary, 100.0, 100.0);
+    assert_eq!(hand.release(Button::Primary, 130.0, 100.0)[1..], [END]);
 }
 
 #[test]
@@ -186,14 +195,14 @@ fn space_and_the_wheel_button_pan_with_every_tool_and_abort_pans_back() {
         for view in [ViewName::ThreeD, ViewName::Sagittal] {
             let mut hand = Hand::new(tool, view);
             hand.modifiers.space = true;
-            hand.press(Button::Primary, 10.0, 10.0);
+            assert_eq!(hand.press(Button::Primary, 10.0, 10.0), [BEGIN]);
             hand.modifiers.space = false;
             let pan = |px| Command::View(ViewCommand::Pan { view, px });
             assert_eq!(hand.drag(13.0, 6.0), [pan([3.0, -4.0])]);
             assert_eq!(hand.drag(14.0, 6.0), [pan([1.0, 0.0])]);
-            assert_eq!(hand.send(Event::Abort), [pan([-4.0, 4.0])]);
+            assert_eq!(hand.send(Event::Abort), [pan([-4.0, 4.0]), END]);
             hand.press(Button::Middle, 10.0, 10.0);
-            assert_eq!(hand.release(Button::Middle, 11.0, 10.0), [pan([1.0, 0.0])]);
+            assert_eq!(hand.release(Button::Middle, 11.0, 10.0), [pan([1.0, 0.0]), END]);
         }
     }
 }
@@ -244,11 +253,12 @@ fn the_wheel_steps_slices_by_whole_voxels_and_modifiers_change_its_meaning() {
 
 #[test]
 fn a_brush_never_shrinks_below_half_a_voxel_and_can_grow_from_nothing() {
-    let mut scene = scene().1;
-    let radius = |scene: &Scene, factor| match Interaction::sized(factor, &Context { scene, voxel_mm: 2.0 }) {
-        Command::Brush(BrushCommand::Set { radius_mm: Some(r), .. }) => r,
-        other => panic!("{other:?}"),
-    };
+    let (grid, mut scene) = scene();
+    let radius =
+        |scene: &Scene, factor| match Interaction::sized(factor, &Context { scene, grid: &grid, voxel_mm: 2.0 }) {
+            Command::Brush(BrushCommand::Set { radius_mm: Some(r), .. }) => r,
+            other => panic!("{other:?}"),
+        };
     scene.brush.radius_mm = 0.0;
     assert!(radius(&scene, 1.15) > 1.0);
     assert_eq!(radius(&scene, 0.01), 1.0);
@@ -349,10 +359,103 @@ fn shift_click_moves_the_crosshair_with_any_tool_but_the_one_that_uses_shift() {
         let mut hand = Hand::new(tool, ViewName::Sagittal);
         hand.modifiers.shift = true;
         let commands = hand.press(Button::Primary, 7.0, 8.0);
+        assert_eq!(commands[0], BEGIN, "{tool:?}");
         assert!(
-            matches!(commands[..], [Command::View(ViewCommand::Crosshair { at: Place::Pixel { px: [7.0, 8.0], .. } })]),
+            matches!(
+                commands[1..],
+                [Command::View(ViewCommand::Crosshair { at: Place::Pixel { px: [7.0, 8.0], .. } })]
+            ),
             "{tool:?}"
         );
+        assert_eq!(hand.release(Button::Primary, 7.0, 8.0).last(), Some(&END), "{tool:?}");
+    }
+}
+
+#[test]
+fn shift_click_on_nothing_in_3d_moves_nothing() {
+    for tool in Tool::ALL.into_iter().filter(|t| *t != Tool::AxisSplit) {
+        let mut hand = Hand::new(tool, ViewName::ThreeD);
+        hand.hit = None;
+        hand.modifiers.shift = true;
+        assert_eq!(hand.press(Button::Primary, 7.0, 8.0), [], "{tool:?}");
+        assert!(hand.interaction.gesture().is_none(), "{tool:?}");
+        assert_eq!(hand.drag(90.0, 90.0), [], "{tool:?}");
+        assert_eq!(hand.release(Button::Primary, 90.0, 90.0), [], "{tool:?}");
+    }
+}
+
+/// The one plane splitter of a part that commands are.
+fn plane_of(commands: &[Command]) -> (Plane, PartId) {
+    match commands {
+        [Command::Part(PartCommand::Split { by: Splitter::Plane { point, normal, part: Some(part) }, .. })] => {
+            (Plane::through(DVec3::from_array(*point), DVec3::from_array(*normal)).unwrap(), *part)
+        }
+        other => panic!("one cut of one part expected, {other:?} found"),
+    }
+}
+
+#[test]
+fn splitters_on_a_slice_cut_what_is_seen_there_and_leave_the_crosshair() {
+    // Right and up in the picture and along the sight, of a grid that is aligned with the world.
+    for (view, right, up) in [
+        (ViewName::Axial, DVec3::NEG_X, DVec3::Y),
+        (ViewName::Coronal, DVec3::NEG_X, DVec3::Z),
+        (ViewName::Sagittal, DVec3::NEG_Y, DVec3::Z),
+    ] {
+        let world = |hand: &Hand, px: [f64; 2]| {
+            let slice = hand.scene.views.slice(view).unwrap();
+            let mm = slice.height_mm / f64::from(SIZE[1]);
+            let mut at = slice.centre + right * ((px[0] - 200.0) * mm) - up * ((px[1] - 150.0) * mm);
+            let sight = right.cross(up);
+            at += sight * (hand.scene.views.crosshair - at).dot(sight);
+            at
+        };
+        for (tool, shift, normal) in
+            [(Tool::AxisSplit, false, up), (Tool::AxisSplit, true, right), (Tool::DepthSplit, false, right.cross(up))]
+        {
+            let mut hand = Hand::new(tool, view);
+            hand.modifiers.shift = shift;
+            assert_eq!(hand.press(Button::Primary, 190.0, 140.0), []);
+            let (plane, part) = plane_of(&hand.release(Button::Primary, 191.0, 140.0));
+            assert_eq!(part, hand.scene.explosion.parts[0].id);
+            assert!(plane.normal.cross(normal).length() < 1e-9, "{view:?} {tool:?}: {plane:?}");
+            let off = plane.distance(world(&hand, [190.0, 140.0])).abs();
+            // A slice lies on the voxels nearest to the crosshair.
+            assert!(off < if tool == Tool::DepthSplit { 1.0 + 1e-9 } else { 1e-6 }, "{view:?} {tool:?}: {off} mm off");
+            hand.press(Button::Primary, 190.0, 140.0);
+            assert_eq!(hand.release(Button::Primary, 240.0, 140.0), [], "a hand that slides away has changed its mind");
+        }
+        let mut hand = Hand::new(Tool::LineSplit, view);
+        hand.press(Button::Primary, 120.0, 150.0);
+        hand.drag(200.0, 160.0);
+        let (plane, _) = plane_of(&hand.release(Button::Primary, 280.0, 180.0));
+        for px in [[120.0, 150.0], [280.0, 180.0]] {
+            assert!(plane.distance(world(&hand, px)).abs() < 1e-6, "{view:?}: the cut goes through both ends");
+        }
+        assert!(plane.normal.dot(right.cross(up)).abs() < 1e-9, "{view:?}: and straight through the slice");
+        let mut hand = Hand::new(Tool::MovePart, view);
+        assert_eq!(hand.press(Button::Primary, 190.0, 140.0), [], "slices show parts at rest");
+        assert!(Tool::MovePart.refusal(view).is_some() && Tool::MovePart.refusal(ViewName::ThreeD).is_none());
+        assert!(Tool::ALL.iter().all(|t| *t == Tool::MovePart || t.refusal(view).is_none()));
+    }
+}
+
+#[test]
+fn a_line_on_a_slice_cuts_the_parts_that_it_crosses_as_one_step() {
+    let mut hand = Hand::new(Tool::LineSplit, ViewName::Axial);
+    let middle = hand.grid.world_bounds().centre();
+    let halves = Plane::through(middle, DVec3::X).unwrap();
+    let id = hand.scene.explosion.parts[0].id;
+    hand.scene.explosion.split(id, &halves).unwrap().unwrap();
+    let mm = hand.scene.views.slices[0].height_mm / f64::from(SIZE[1]);
+    let reach = 0.3 * (hand.grid.world_bounds().max.x - middle.x) / mm;
+    for (from, to, cuts) in [(-reach, reach, 2), (reach * 0.2, reach, 1), (-reach, -0.2 * reach, 1)] {
+        hand.press(Button::Primary, 200.0 + from, 150.0);
+        let commands = hand.release(Button::Primary, 200.0 + to, 151.0);
+        let of: Vec<_> = commands.iter().filter(|c| matches!(c, Command::Part(PartCommand::Split { .. }))).collect();
+        assert_eq!(of.len(), cuts, "{commands:?}");
+        let framed = (commands.first(), commands.last()) == (Some(&BEGIN), Some(&END));
+        assert_eq!(framed, cuts > 1, "{commands:?}");
     }
 }
 
@@ -373,6 +476,20 @@ fn every_tool_has_its_own_key_and_keys_do_what_the_page_says() {
     assert_eq!(action_of(Key::Char('S'), ctrl), Some(Action::Save));
     assert_eq!(action_of(Key::Char('O'), ctrl), Some(Action::Open));
     assert_eq!(action_of(Key::Char('E'), none), None, "E is held, not pressed");
+    let shift = Modifiers { shift: true, ..none };
+    for key in ('A'..='Z').chain('0'..='9').map(Key::Char).chain([Key::Up, Key::Down, Key::BracketLeft]) {
+        assert_eq!(action_of(key, shift), None, "{key:?} with Shift is another key");
+        assert_eq!(action_of(key, Modifiers { alt: true, ..none }), None, "{key:?} with Alt is another key");
+    }
+    assert_eq!(action_of(Key::Home, none), Some(Action::Fit));
+    assert_eq!(action_of(Key::Home, shift), Some(Action::Front));
+    let alt = Modifiers { alt: true, ..none };
+    assert_eq!(action_of(Key::Left, alt), Some(Action::Back(None)));
+    assert_eq!(action_of(Key::Right, alt), Some(Action::Forward(None)));
+    let alone = Modifiers { shift: true, ..alt };
+    assert_eq!(action_of(Key::Left, alone), Some(Action::Back(Some(PastOf::Looks))));
+    assert_eq!(action_of(Key::Right, alone), Some(Action::Forward(Some(PastOf::Looks))));
+    assert_eq!(action_of(Key::Left, none), None);
     assert_eq!(action_of(Key::Help, Modifiers { shift: true, ..none }), Some(Action::Keys));
     assert!(matches!(action_of(Key::BracketLeft, none), Some(Action::BrushSize(f)) if f < 1.0));
     assert!(matches!(action_of(Key::BracketRight, none), Some(Action::BrushSize(f)) if f > 1.0));

@@ -1,5 +1,6 @@
 //! The window and its tools: pure state machines, panels driven by accessible names, and one real window.
 
+mod answers;
 mod busy;
 mod curve;
 mod driver;
@@ -14,6 +15,7 @@ mod reach;
 mod real;
 mod saving;
 mod slices;
+mod surface;
 mod swatches;
 mod tooltips;
 mod window;

@@ -20,7 +20,7 @@ fn plain(window: &Window, view: ViewName, size: [u32; 2], rgb: [u8; 3]) -> Pictu
     let pixels = (size[0] * size[1]) as usize;
     let rgba = [rgb[0], rgb[1], rgb[2], 255].repeat(pixels);
     let camera = window.scene.views.camera;
-    Picture { view, size, rgba, depth_mm: Vec::new(), object: Vec::new(), camera }
+    Picture { view, size, rgba, depth_mm: Vec::new(), object: Vec::new(), camera, serial: 0 }
 }
 
 #[test]

@@ -1,63 +1,97 @@
-//! Lines of parts and of the cut to come, against the planes that the splitters are defined by.
+//! What a splitter is about to cut and where parts end, against the planes that the splitters are defined by.
 
 use super::scene;
-use burin::explode::{Axis, PartId, depth_plane};
-use burin::interact::{Gesture, Hit, Tool, preview};
-use burin::math::{DQuat, DVec2, DVec3, Pose};
+use burin::document::{SlicePlane, ViewName};
+use burin::explode::Axis;
+use burin::interact::preview::{self, Aim};
+use burin::interact::{CutSlice, Gesture, Hit, Tool};
+use burin::math::{DVec2, DVec3, Plane, Pose};
 
 const SIZE: [u32; 2] = [400, 300];
 
-/// Distances of a ring's corners from a plane through a point.
-fn off(ring: &[DVec3], through: DVec3, normal: DVec3) -> f64 {
-    ring.iter().map(|c| (*c - through).dot(normal.normalize()).abs()).fold(0.0, f64::max)
-}
-
 #[test]
 fn a_preview_is_the_cut_that_a_click_makes() {
-    let (grid, scene) = scene();
-    let camera = scene.views.camera;
-    let bounds = grid.world_bounds();
-    let world = bounds.centre() + DVec3::new(5.0, 7.0, -3.0);
-    let (px, depth_mm) = camera.project(world, SIZE).unwrap();
-    let hit = Some(Hit { world, part: Some(scene.explosion.parts[0].id), depth_mm });
-    let (right, up) = camera.right_up();
-    let forward = camera.forward();
-    let sight = world - camera.eye;
-    for (tool, axis, normal) in [
-        (Tool::AxisSplit, Axis::Horizontal, sight.cross(right)),
-        (Tool::AxisSplit, Axis::Vertical, sight.cross(up)),
-        (Tool::DepthSplit, Axis::Horizontal, forward),
-    ] {
-        let rings = preview::cuts((tool, None), &scene, (px, SIZE), hit, axis);
-        assert_eq!(rings.len(), 1, "{tool:?} {axis:?}");
-        assert!(rings[0].len() >= 4, "a box is cut across: {rings:?}");
-        assert!(off(&rings[0], world, normal) < 1e-6, "{tool:?} {axis:?}: {rings:?}");
-        let out = |c: &DVec3| (*c - c.clamp(bounds.min, bounds.max)).length();
-        assert!(rings[0].iter().all(|c| out(c) < 1e-6), "{rings:?}");
-        assert_eq!(preview::cuts((tool, None), &scene, (px, SIZE), None, axis), Vec::<Vec<DVec3>>::new());
+    let (grid, mut scene) = scene();
+    let shift = DVec3::new(3.0, -2.0, 1.0);
+    let id = scene.explosion.parts[0].id;
+    for pose in [Pose::IDENTITY, Pose { translation: shift, ..Pose::IDENTITY }] {
+        scene.explosion.parts[0].pose = pose;
+        let camera = scene.views.camera;
+        let world = grid.world_bounds().centre() + DVec3::new(5.0, 7.0, -3.0);
+        let (px, depth_mm) = camera.project(world, SIZE).unwrap();
+        let hit = Some(Hit { world, part: Some(id), depth_mm });
+        let aim = |hit| Aim::Solid { px, size: SIZE, hit };
+        let (right, up) = camera.right_up();
+        let forward = camera.forward();
+        let sight = world - camera.eye;
+        for (tool, axis, normal) in [
+            (Tool::AxisSplit, Axis::Horizontal, sight.cross(right)),
+            (Tool::AxisSplit, Axis::Vertical, sight.cross(up)),
+            (Tool::DepthSplit, Axis::Horizontal, forward),
+        ] {
+            let cuts = preview::cuts((tool, None), &scene, aim(hit), axis);
+            assert_eq!(cuts.len(), 1, "{tool:?} {axis:?}");
+            assert_eq!(cuts[0].part, id);
+            let plane = cuts[0].plane;
+            assert!(plane.normal.cross(normal.normalize()).length() < 1e-9, "{tool:?} {axis:?}: {plane:?}");
+            assert!(plane.distance(world - pose.translation).abs() < 1e-6, "{tool:?} {axis:?}: at rest");
+            assert_eq!(preview::cuts((tool, None), &scene, aim(None), axis), []);
+        }
+        let (from, to) = (px - DVec2::new(300.0, 10.0), px + DVec2::new(300.0, 10.0));
+        let line = Gesture::Line { view: ViewName::ThreeD, from, to, slice: None };
+        let cuts = preview::cuts((Tool::LineSplit, Some(&line)), &scene, aim(hit), Axis::Horizontal);
+        let (a, b) = (camera.ray(from, SIZE).dir, camera.ray(to, SIZE).dir);
+        assert_eq!(cuts.len(), 1);
+        assert!(cuts[0].plane.normal.cross(a.cross(b).normalize()).length() < 1e-9, "{cuts:?}");
+        assert!(cuts[0].plane.distance(camera.eye - pose.translation).abs() < 1e-6, "{cuts:?}");
+        let beside = Gesture::Line { view: ViewName::ThreeD, from: DVec2::ZERO, to: DVec2::X, slice: None };
+        assert_eq!(preview::cuts((Tool::LineSplit, Some(&beside)), &scene, aim(None), Axis::Horizontal), []);
+        assert_eq!(preview::cuts((Tool::Navigate, None), &scene, aim(hit), Axis::Horizontal), []);
     }
-    let (from, to) = (px - DVec2::new(300.0, 10.0), px + DVec2::new(300.0, 10.0));
-    let line = Gesture::Line { from, to };
-    let rings = preview::cuts((Tool::LineSplit, Some(&line)), &scene, (px, SIZE), hit, Axis::Horizontal);
-    let (a, b) = (camera.ray(from, SIZE).dir, camera.ray(to, SIZE).dir);
-    assert_eq!(rings.len(), 1);
-    assert!(off(&rings[0], camera.eye, a.cross(b)) < 1e-6, "{rings:?}");
     assert_eq!(scene.explosion.parts.len(), 1, "only a copy is cut");
 }
 
 #[test]
-fn seams_are_the_cut_faces_where_the_part_stands() {
+fn a_cut_that_would_only_graze_is_none() {
+    let (grid, scene) = scene();
+    let slice = CutSlice::new(&grid, &scene, ViewName::Axial, SIZE).unwrap();
+    let inside = slice.plane.pixel(grid.world_bounds().centre());
+    let outside = slice.plane.pixel(grid.world_bounds().max + DVec3::splat(20.0));
+    let cuts = |px| preview::cuts((Tool::AxisSplit, None), &scene, Aim::Slice { px, slice }, Axis::Horizontal);
+    assert_eq!(cuts(inside).len(), 1);
+    assert_eq!(cuts(outside), []);
+}
+
+#[test]
+fn borders_of_parts_lie_where_the_cut_was_and_end_at_the_volume() {
     let (grid, mut scene) = scene();
-    assert_eq!(preview::seams(&scene.explosion.parts[0]), Vec::<Vec<DVec3>>::new(), "the volume's own faces are none");
-    let centre = grid.world_bounds().centre();
-    let plane = depth_plane(&scene.views.camera, centre).unwrap();
-    let [near, _]: [PartId; 2] = scene.explosion.split(scene.explosion.parts[0].id, &plane).unwrap().unwrap();
-    let part = scene.explosion.part_mut(near).unwrap();
-    part.pose = Pose { rotation: DQuat::from_rotation_z(0.5), translation: DVec3::new(0.0, 40.0, 3.0) };
-    let (part, forward) = (part.clone(), scene.views.camera.forward());
-    let rings = preview::seams(&part);
-    assert_eq!(rings.len(), 1);
-    let turned = DQuat::from_rotation_z(0.5);
-    let through = turned * centre + DVec3::new(0.0, 40.0, 3.0);
-    assert!(off(&rings[0], through, turned * forward) < 1e-6, "{rings:?}");
+    let bounds = grid.world_bounds();
+    let whole = scene.explosion.parts[0].clone();
+    assert_eq!(preview::seams(&whole).count(), 0, "the volume's own faces are none");
+    let cut = Plane::through(bounds.centre() + DVec3::new(2.0, 1.0, 0.0), DVec3::new(1.0, 0.4, 0.2)).unwrap();
+    let halves = scene.explosion.split(whole.id, &cut).unwrap().unwrap();
+    // Slices show parts at rest: a pose makes no difference.
+    scene.explosion.part_mut(halves[0]).unwrap().pose.translation = DVec3::splat(30.0);
+    for view in [ViewName::Axial, ViewName::Coronal, ViewName::Sagittal] {
+        let slice = SlicePlane::new(&grid, &scene.views, view).unwrap();
+        let normal = slice.right.cross(slice.up).normalize();
+        for id in halves {
+            let part = scene.explosion.part(id).unwrap();
+            let seams: Vec<Plane> = preview::seams(part).collect();
+            assert_eq!(seams.len(), 1);
+            let ends = preview::crossing(part, &seams[0], &slice).unwrap();
+            for end in ends {
+                assert!(cut.distance(end).abs() < 1e-6 && (end - slice.centre).dot(normal).abs() < 1e-6, "{view:?}");
+                let out = (end - end.clamp(bounds.min, bounds.max)).length();
+                let on_border =
+                    (0..3).any(|a| (end[a] - bounds.min[a]).abs() < 1e-6 || (end[a] - bounds.max[a]).abs() < 1e-6);
+                assert!(out < 1e-6 && on_border, "{view:?}: {end} of {bounds:?}");
+            }
+            assert!(ends[0].distance(ends[1]) > 5.0, "{view:?}: {ends:?}");
+        }
+        let beside = Plane::through(bounds.max + DVec3::splat(50.0), DVec3::new(1.0, 0.4, 0.2)).unwrap();
+        assert_eq!(preview::crossing(&whole, &beside, &slice), None);
+        let within = Plane::through(slice.centre, normal).unwrap();
+        assert_eq!(preview::crossing(&whole, &within, &slice), None, "a plane that is the slice has no line on it");
+    }
 }

@@ -19,7 +19,9 @@ impl Document {
                 edit.name("Degree of explosion");
                 explosion.degree = value;
                 explosion.check()?;
-                Ok(json!({ "degree": value }))
+                let mut answer = json!({ "degree": value });
+                self.hint(&mut answer);
+                Ok(answer)
             }
             ExplosionCommand::Forces { forces } => {
                 edit.name("Forces");
@@ -37,14 +39,16 @@ impl Document {
                 let settled = self.motion.settle(state, &mut self.graphics, &self.watch)?;
                 self.open_mut()?.scene.explosion.set_poses(&settled.poses);
                 edit.follows();
-                Ok(json!({
+                let mut answer = json!({
                     "poses": self.poses()?,
                     "gains": settled.gains,
                     "rounds": settled.rounds,
                     "steps": settled.steps,
                     "at_rest": settled.at_rest,
                     "visible": settled.visible,
-                }))
+                });
+                self.hint(&mut answer);
+                Ok(answer)
             }
             ExplosionCommand::Step { steps } => {
                 if steps > MOST_STEPS {
@@ -57,6 +61,20 @@ impl Document {
                 edit.follows();
                 Ok(json!({ "poses": self.poses()?, "moving": moved.moving || due, "visible": moved.visible }))
             }
+        }
+    }
+
+    /// Says what is missing where parts are to make way for nothing.
+    fn hint(&self, answer: &mut Value) {
+        let Some(state) = &self.state else { return };
+        let explosion = &state.scene.explosion;
+        if explosion.degree > 0.0 && explosion.parts.len() < 2 {
+            answer["hint"] = json!("there is one part, which nothing moves: cut it first (part.split)");
+        } else if explosion.degree > 0.0 && state.selection.is_blank() {
+            answer["hint"] = json!(
+                "nothing is selected, so parts have nothing to make way for: select something first (paint with target \
+                 selection, selection.from_label or selection.import)"
+            );
         }
     }
 

@@ -123,12 +123,33 @@ impl App {
             }
         }
         let four = self.viewports.alone().is_none();
-        if icon_button(ui, Face::tool(Icon::Four, "Four views", "All four views (F)", false).on(four)).clicked() {
-            self.viewports.show_all();
-        }
+        ui.add_enabled_ui(self.opened().is_some(), |ui| {
+            if icon_button(ui, Face::tool(Icon::Four, "Four views", "All four views (F)", false).on(four)).clicked() {
+                self.viewports.show_all();
+            }
+        });
+        self.past_buttons(ui);
         ui.add_space(8.0);
         let colour = if self.snapshot.unsaved { theme::TEXT } else { theme::TEXT_WEAK };
         ui.add(egui::Label::new(RichText::new(self.document_title()).color(colour)).truncate());
+    }
+}
+
+impl App {
+    /// Views and looks, back and forward; from the right.
+    fn past_buttons(&mut self, ui: &mut Ui) {
+        let (back, forward) = (self.snapshot.back.clone(), self.snapshot.forward.clone());
+        for (icon, name, keys, change, action) in [
+            (Icon::Forward, "Forward to the next view", "Alt + Right", forward, Action::Forward(None)),
+            (Icon::Back, "Back to the view before", "Alt + Left", back, Action::Back(None)),
+        ] {
+            let what = change.as_ref().map_or_else(String::new, |what| format!(" “{what}”"));
+            let tip = format!("{name}{what}: cameras, slices, window and looks ({keys}; looks alone with Shift)");
+            let face = Face::tool(icon, name, &tip, false);
+            if ui.add_enabled_ui(change.is_some(), |ui| icon_button(ui, face).clicked()).inner {
+                self.act(action);
+            }
+        }
     }
 }
 

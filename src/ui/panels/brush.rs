@@ -7,7 +7,7 @@ use crate::paint::{Brush, Falloff, Operation, Shape, Target, Tip};
 use crate::ui::app::App;
 use crate::ui::colour::colour_button;
 use crate::ui::theme;
-use crate::ui::widgets::{Scale, choice, number, row, slider, tick, tipped};
+use crate::ui::widgets::{Scale, choice, number, pick, row, slider, tick, tipped};
 use crate::volume::Number;
 use egui::{ComboBox, DragValue, Label, Response, RichText, Ui, vec2};
 
@@ -56,8 +56,8 @@ impl App {
         let voxel = self.opened().map_or(1.0, |o| o.grid.voxel_mm());
         self.last_paint.insert(kind(old.target), old.target);
 
-        let chosen = ui.horizontal(|ui| choice(ui, "Paint", Some(kind(old.target)), &TARGETS)).inner;
-        if let Some(name) = chosen {
+        let chosen = ui.horizontal(|ui| pick(ui, "Paint", Some(kind(old.target)), &TARGETS)).inner;
+        if let Some(name) = chosen.filter(|&name| name != kind(old.target)) {
             new.target = self.last_paint.get(name).copied().unwrap_or(match name {
                 "label" => Target::Label(1),
                 "colour" => Target::Colour([0.90, 0.35, 0.25, 1.0]),
@@ -116,6 +116,10 @@ impl App {
         if let Some(command) = brush_change(&old, &new) {
             self.last_paint.insert(kind(new.target), new.target);
             self.send(command);
+        }
+        let other_label = new.target != old.target && matches!(new.target, Target::Label(_));
+        if chosen.is_some() || other_label {
+            self.act(crate::interact::Action::Choose(Tool::Brush));
         }
     }
 }

@@ -37,6 +37,8 @@ impl App {
             ui.set_min_height(ROW);
             if !can {
                 empty(ui, "First cut it: Axis, Depth or Line split");
+            } else if !self.snapshot.selected {
+                empty(ui, "Select something first: paint a selection");
             }
         });
         self.force_rows(ui, forces);
