@@ -2,8 +2,9 @@
 //!
 //! Answers go to stdout, what is wrong to stderr; exit code 0 is done, 2 is not.
 
-use burin::document::{Document, DocumentError, OpenAs, Opened, Origin, ProjectCommand};
-use burin::script;
+use burin::document::{Document, DocumentError, KeepError, OpenAs, Opened, Origin, ProjectCommand, Wanted, at_home};
+use burin::interact::readout;
+use burin::script::{self, json_line, plain};
 use clap::{Parser, Subcommand};
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Write};
@@ -30,6 +31,9 @@ enum Command {
         /// A project to start with; if the folder is none yet, `project.save` without a path makes it one.
         #[arg(long)]
         project: Option<PathBuf>,
+        /// The volume of a project that names it, where it is not at the place that the project knows.
+        #[arg(long, requires = "project")]
+        source: Option<PathBuf>,
         /// Goes on after a command that failed; the exit code is 2 all the same.
         #[arg(long)]
         keep_going: bool,
@@ -38,6 +42,9 @@ enum Command {
     Render {
         /// A project folder or a volume file.
         path: PathBuf,
+        /// The volume of a project that names it, where it is not at the place that the project knows.
+        #[arg(long)]
+        source: Option<PathBuf>,
         /// PNG or EXR, by extension.
         #[arg(short, long)]
         output: PathBuf,
@@ -89,7 +96,7 @@ fn main() -> ExitCode {
     match perform(Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("burin: {error}");
+            warn(&error);
             ExitCode::from(2)
         }
     }
@@ -100,11 +107,12 @@ fn perform(arguments: Arguments) -> Result<(), String> {
         burin::document::remove_dead_history(&std::env::temp_dir());
     }
     match arguments.command {
-        None => burin::ui::run(burin::ui::Options { open: arguments.path }),
-        Some(Command::Run { script, project, keep_going }) => run(&script, project, keep_going),
-        Some(Command::Info { file, json }) => info(&file, json),
+        None => burin::ui::run(burin::ui::Options { open: arguments.path.map(at_home) }),
+        Some(Command::Run { script, project, source, keep_going }) => run(&script, project, source, keep_going),
+        Some(Command::Info { file, json }) => info(&at_home(file), json),
         Some(Command::Render {
             path,
+            source,
             output,
             size,
             camera,
@@ -116,6 +124,7 @@ fn perform(arguments: Arguments) -> Result<(), String> {
             transparent,
             background,
         }) => {
+            let output = output.to_str().ok_or("--output: a name that is not UTF-8 found, UTF-8 expected")?;
             let image = json!({
                 "path": output,
                 "size": size,
@@ -124,7 +133,7 @@ fn perform(arguments: Arguments) -> Result<(), String> {
                 "transparent": transparent,
                 "background": background,
             });
-            render(&path, [frame, component], camera, degree, &image)
+            render(&at_home(path), source, [frame, component], camera, degree, &image)
         }
         Some(Command::Schema) => {
             let schema = serde_json::to_string_pretty(&script::schema()).map_err(|e| e.to_string())?;
@@ -133,7 +142,7 @@ fn perform(arguments: Arguments) -> Result<(), String> {
     }
 }
 
-fn run(path: &Path, project: Option<PathBuf>, keep_going: bool) -> Result<(), String> {
+fn run(path: &Path, project: Option<PathBuf>, source: Option<PathBuf>, keep_going: bool) -> Result<(), String> {
     let input: Box<dyn BufRead> = if path == Path::new("-") {
         Box::new(std::io::stdin().lock())
     } else {
@@ -141,21 +150,17 @@ fn run(path: &Path, project: Option<PathBuf>, keep_going: bool) -> Result<(), St
         Box::new(BufReader::new(burin::io::open_regular(path).map_err(failed)?))
     };
     let mut document = Document::new();
-    if let Some(dir) = project {
-        if dir.join("project.json").exists() {
-            document
-                .apply(burin::document::Command::Project(ProjectCommand::Open {
-                    path: dir,
-                    source: None,
-                    generation: None,
-                }))
-                .map_err(said)?;
-        } else {
-            document.save_to(dir);
+    if let Some(dir) = project.map(at_home) {
+        let open = ProjectCommand::Open { path: dir.clone(), source, generation: None };
+        match document.apply(burin::document::Command::Project(open)) {
+            Ok(answer) => tell(&dir, &answer),
+            Err(DocumentError::Keep(KeepError::NotAProject { .. })) => document.save_to(dir),
+            Err(error) => return Err(said(error)),
         }
     }
     let outcome = script::run(&mut document, input, std::io::stdout().lock(), keep_going)
         .map_err(|e| format!("{}: {e}", path.display()))?;
+    source_is_right(&document);
     // The script has said what to save; a process that is killed instead leaves its journal to be found. What a crash left
     // before is not the script's to throw away.
     document.leave_as_found().map_err(said)?;
@@ -168,6 +173,7 @@ fn run(path: &Path, project: Option<PathBuf>, keep_going: bool) -> Result<(), St
 /// Says the same to a document as a script would.
 fn render(
     path: &Path,
+    source: Option<PathBuf>,
     [frame, component]: [Option<u32>; 2],
     camera: Option<String>,
     degree: Option<f64>,
@@ -183,12 +189,12 @@ fn render(
                 return Err(format!("--{name}: {found} found for a project, which has its own; none expected"));
             }
         }
-        Opened::project_to_read(path, Default::default(), &|_| true)
+        Opened::project_to_read(path, Wanted { source: source.as_deref(), generation: None }, &|_| true)
     } else {
         let (component, frame) = (component.unwrap_or(0), frame.unwrap_or(0));
         Opened::volume(Origin { path: path.into(), component, frame }, None, OpenAs::Image, None, &|_| true)
     };
-    document.take(opened.map_err(said)?);
+    tell(path, &document.take(opened.map_err(said)?));
     let mut lines = Vec::new();
     if let Some(text) = camera {
         lines.push(match serde_json::from_str::<Value>(&text) {
@@ -209,10 +215,31 @@ fn render(
     for line in lines {
         let answer = script::perform(&mut document, &line.to_string())?;
         if line.get("render").is_some() {
-            say(&answer.to_string())?;
+            say(&json_line(&answer))?;
         }
     }
+    source_is_right(&document);
     Ok(())
+}
+
+/// Says what is to be known of a document that was opened: what is wrong with it, what came back, what is lost.
+fn tell(path: &Path, answer: &Value) {
+    let warnings = answer["warnings"].as_array().into_iter().flatten().filter_map(Value::as_str);
+    for told in warnings.map(str::to_owned).chain(readout::recovered(&answer["recovered"])) {
+        warn(&format!("{}: {told}", path.display()));
+    }
+}
+
+/// Says so if the file that a project names is not the one that was painted on.
+fn source_is_right(document: &Document) {
+    if let Some(trouble) = document.source_trouble(true) {
+        warn(&trouble);
+    }
+}
+
+/// One line on stderr.
+fn warn(text: &str) {
+    eprintln!("burin: {}", plain(text));
 }
 
 fn finite(text: &str) -> Result<f64, String> {
@@ -243,12 +270,11 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 fn info(file: &Path, json: bool) -> Result<(), String> {
     let info = burin::io::info(file, &|_| true).map_err(|e| e.to_string())?;
     if json {
-        say(&serde_json::to_string(&info).map_err(|e| e.to_string())?)?;
-        return Ok(());
+        return say(&json_line(&serde_json::to_value(&info).map_err(|e| e.to_string())?));
     }
     let value = serde_json::to_value(&info).map_err(|e| e.to_string())?;
     for (name, value) in value.as_object().into_iter().flatten() {
-        say(&format!("{name}: {value}"))?;
+        say(&plain(&format!("{name}: {value}")))?;
     }
     Ok(())
 }

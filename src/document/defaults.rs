@@ -1,6 +1,6 @@
 //! What a volume that was just opened looks like.
 
-use super::{DocumentError, Layer, Look, Looks, Origin, Scene, SliceView, ViewName, Views, Window};
+use super::{Layer, Look, Looks, Origin, Scene, SliceView, ViewName, Views, Window};
 use crate::explode::Explosion;
 use crate::math::{Camera, DVec3};
 use crate::paint::Brush;
@@ -70,27 +70,6 @@ impl Scene {
     pub(super) fn sayable(&self) -> Self {
         let path = self.origin.path.to_string_lossy().into_owned().into();
         Self { origin: Origin { path, ..self.origin.clone() }, ..self.clone() }
-    }
-
-    /// Checks a scene that was read from disk, so that nothing behind it meets numbers it cannot use.
-    ///
-    /// # Errors
-    /// The first field that is wrong.
-    pub fn check(&self, grid: &Grid) -> Result<(), DocumentError> {
-        self.transfer.check().map_err(|found| DocumentError::NotNow(format!("transfer function: {found}")))?;
-        let bounds = grid.world_bounds();
-        super::handle::view::checked(self.views.camera, &bounds)?;
-        super::handle::view::near("views.crosshair", self.views.crosshair, &bounds)?;
-        for slice in &self.views.slices {
-            super::handle::view::positive("views.slices.height_mm", slice.height_mm)?;
-            super::handle::view::near("views.slices.centre", slice.centre, &bounds)?;
-            super::place::check_size(slice.size)?;
-        }
-        super::place::check_size(self.views.size)?;
-        super::handle::view::positive("window.width", self.window.width)?;
-        super::handle::view::positive("look.step_voxels", self.look.step_voxels)?;
-        self.brush.check()?;
-        Ok(self.explosion.check()?)
     }
 }
 

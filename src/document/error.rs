@@ -90,6 +90,16 @@ impl DocumentError {
         Self::Invalid { field: field.into(), found: found.to_string(), expected: expected.into() }
     }
 
+    /// The same of a field inside another.
+    pub(super) fn within(self, outer: &str) -> Self {
+        match self {
+            Self::Invalid { field, found, expected } => {
+                Self::Invalid { field: format!("{outer}.{field}"), found, expected }
+            }
+            other => other,
+        }
+    }
+
     /// A label that is no segment's.
     pub(super) fn no_segment(field: &str, label: u16, segments: &Segments) -> Self {
         let known: Vec<u16> = segments.0.iter().map(|s| s.id).collect();

@@ -5,8 +5,10 @@
 //! tools: they are saved, and undo leaves both alone. Views, looks, layers and window have a past of their own (`view.back`). Everything
 //! else is undone.
 
+mod check;
 mod command;
 mod command_parts;
+mod command_paths;
 mod defaults;
 mod edit;
 mod error;
@@ -29,6 +31,7 @@ mod watch;
 
 pub use command::*;
 pub use command_parts::*;
+pub use command_paths::at_home;
 pub use error::DocumentError;
 pub use history::{DEFAULT_BUDGET_BYTES, History};
 pub use keep::keep_error::KeepError;
@@ -123,6 +126,7 @@ impl Document {
     /// # Errors
     /// If the command cannot be done; nothing was changed then.
     pub fn apply(&mut self, command: Command) -> Result<Value, DocumentError> {
+        let command = command.at_home()?;
         if self.running.is_some() && !handle::stroke::leaves_running(&command) {
             self.settle()?;
         }

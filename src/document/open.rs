@@ -190,10 +190,11 @@ impl Opened {
         let recovered = kept.recovered.clone();
         let linked = |origin: &Origin| Ok(io::open(&origin.path)?.source(origin.component, origin.frame, &|_| true)?);
         let mut state = kept.into_state(linked, progress)?;
-        state.scene.check(state.grid())?;
         let grid = *state.grid();
+        let mended = state.scene.mend(&grid, &state.histogram);
         state.past.retain(&state.scene, |scene| scene.check(&grid).is_ok());
         let mut warnings = recovered.told.clone();
+        warnings.extend(mended.into_iter().map(|what| format!("the project cannot be used as it was kept: {what}")));
         if let Some((path, reason)) = &recovered.set_aside {
             warnings.push(format!("the journal was damaged and put aside as {}: {reason}", path.display()));
         }

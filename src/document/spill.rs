@@ -4,7 +4,6 @@
 //! folder whose lock nobody holds is nobody's. Knows no steps.
 
 use super::keep::store_lock::Lock;
-use std::fs::File;
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -26,7 +25,12 @@ impl SpillFolder {
     pub(super) fn new(parent: &Path) -> Result<Self, String> {
         let mut last = String::new();
         for _ in 0..TRIES {
-            let dir = tempfile::Builder::new().prefix(PREFIX).tempdir_in(parent).map_err(|e| e.to_string())?;
+            let mut builder = tempfile::Builder::new();
+            builder.prefix(PREFIX);
+            // What was painted on is nobody else's to read.
+            #[cfg(unix)]
+            builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o700));
+            let dir = builder.tempdir_in(parent).map_err(|e| e.to_string())?;
             match Lock::take(dir.path()) {
                 Ok(lock) if dir.path().join(LOCK).exists() => return Ok(Self { _lock: lock, dir }),
                 Ok(_) => last = "the folder was removed by another program".into(),
@@ -53,14 +57,18 @@ pub fn remove_dead_history(parent: &Path) -> usize {
 /// everybody's.
 fn is_dead(dir: &Path) -> bool {
     let about = |path: &Path| std::fs::symlink_metadata(path).ok();
-    let private = |dir: &std::fs::Metadata| {
+    // Older versions made folders that others could look into; into none of ours could others write.
+    let ours = |dir: &std::fs::Metadata| {
         #[cfg(unix)]
-        return std::os::unix::fs::PermissionsExt::mode(&dir.permissions()) & 0o077 == 0;
+        {
+            use std::os::unix::fs::MetadataExt;
+            dir.uid() == rustix::process::geteuid().as_raw() && dir.mode() & 0o022 == 0
+        }
         #[cfg(not(unix))]
         return dir.is_dir();
     };
     let lock = dir.join(LOCK);
-    about(dir).is_some_and(|d| d.is_dir() && private(&d))
+    about(dir).is_some_and(|d| d.is_dir() && ours(&d))
         && about(&lock).is_some_and(|l| l.is_file())
-        && File::open(&lock).is_ok_and(|file| file.try_lock().is_ok())
+        && crate::io::open_regular(&lock).is_ok_and(|file| file.try_lock().is_ok())
 }

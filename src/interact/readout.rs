@@ -91,6 +91,9 @@ pub fn ago(seconds: u64) -> String {
 /// What the answer of an opened project says of work that was not saved when the program ended; `None` if there was none.
 pub fn recovered(answer: &Value) -> Option<String> {
     let steps = answer["steps"].as_u64()?;
+    let torn = answer["torn_bytes"].as_u64().filter(|&n| n > 0);
+    let torn = torn
+        .map(|n| format!("The step that was being noted when the program ended is lost ({n} bytes of it are there)."));
     let text = match (answer["stroke"].as_str(), steps) {
         (Some("painted"), 0) => {
             "The stroke that was running when the program ended was brought back as far as it had come"
@@ -99,8 +102,8 @@ pub fn recovered(answer: &Value) -> Option<String> {
             "What was not saved when the program ended was brought back, and the stroke that was running as far as it had \
              come"
         }
-        (_, 0) => return None,
+        (_, 0) => return torn,
         _ => "What was not saved when the program ended was brought back",
     };
-    Some(format!("{text}. Save to keep it."))
+    Some([Some(format!("{text}. Save to keep it.")), torn].into_iter().flatten().collect::<Vec<_>>().join(" "))
 }

@@ -9,6 +9,7 @@
 
 mod decode;
 mod deflate;
+pub(crate) mod disk;
 mod error;
 mod export;
 mod inflate;
@@ -28,6 +29,7 @@ mod replace;
 mod statistics;
 mod stream;
 
+pub use disk::{Told, Witness};
 pub use error::IoError;
 pub use export::{Compression, Exported, export};
 pub use info::{Info, info};

@@ -4,6 +4,10 @@
 //! object: `{"line":3,"ok":{…}}` or `{"line":3,"error":"…"}`. The first error ends the script unless it is told to go on.
 //! Nothing is saved unless a line says so. Knows no GPU and no window.
 
+mod terminal;
+
+pub use terminal::{json_line, plain};
+
 use crate::document::{Command, Document};
 use serde_json::{Value, json};
 use std::io::{BufRead, Read, Write};
@@ -50,7 +54,7 @@ pub fn run(
             Ok(answer) => json!({ "line": number, "ok": answer }),
             Err(error) => json!({ "line": number, "error": error }),
         };
-        writeln!(answers, "{answer}")?;
+        writeln!(answers, "{}", json_line(&answer))?;
         answers.flush()?;
         match result {
             Ok(_) => outcome.done += 1,

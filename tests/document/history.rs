@@ -166,3 +166,70 @@ fn a_full_disk_is_an_answer_and_loses_no_step() {
     run(&mut document, r#"{"history":{"undo":{}}}"#).unwrap();
     assert_eq!(undone(&document), start);
 }
+
+#[test]
+fn what_was_taken_back_is_gone_once_something_else_is_done() {
+    let mut document = labelled();
+    for name in ["a", "b", "c"] {
+        run(&mut document, &format!(r#"{{"segment":{{"set":{{"id":1,"name":"{name}"}}}}}}"#)).unwrap();
+    }
+    run(&mut document, r#"{"history":{"undo":{"steps":2}}}"#).unwrap();
+    assert_eq!(document.history().redo_names().len(), 2);
+    run(&mut document, r#"{"segment":{"set":{"id":2,"name":"d"}}}"#).unwrap();
+    assert_eq!((document.history().undo_names().len(), document.history().redo_names().len()), (2, 0));
+    let here = undone(&document);
+    assert_eq!(run(&mut document, r#"{"history":{"redo":{}}}"#).unwrap()["redone"], serde_json::json!([]));
+    assert_eq!(undone(&document), here);
+}
+
+/// The folders of history in a folder.
+#[cfg(unix)]
+fn spilled(folder: &std::path::Path) -> Vec<std::path::PathBuf> {
+    let named = |e: &std::fs::DirEntry| e.file_name().to_string_lossy().starts_with("burin-history-");
+    std::fs::read_dir(folder).unwrap().map(Result::unwrap).filter(named).map(|e| e.path()).collect()
+}
+
+#[test]
+#[cfg(unix)]
+fn history_on_disk_is_private_and_goes_when_its_process_was_killed() {
+    use std::io::{BufRead, BufReader, Write};
+    use std::os::unix::fs::PermissionsExt;
+    use std::process::{Command, Stdio};
+    let folder = tempfile::tempdir().unwrap();
+    let grid = burin::volume::Grid::aligned([8; 3], burin::math::DVec3::ONE, burin::math::DVec3::ZERO);
+    super::maker::write_nrrd(&folder.path().join("v.nrrd"), &grid, |v| v[0] as f32);
+    let temporary = folder.path().join("tmp");
+    std::fs::create_dir(&temporary).unwrap();
+    let burin = || {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_burin"));
+        command.args(["run", "-"]).current_dir(folder.path()).env("TMPDIR", &temporary);
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
+        command
+    };
+    let mut child = burin().spawn().unwrap();
+    let lines = [
+        r#"{"volume":{"open":{"path":"v.nrrd"}}}"#,
+        r#"{"history":{"budget":{"bytes":0}}}"#,
+        r#"{"segment":{"set":{"id":1,"name":"jaw"}}}"#,
+        r#"{"ask":{"history":{}}}"#,
+    ];
+    let mut stdin = child.stdin.take().unwrap();
+    stdin.write_all((lines.join("\n") + "\n").as_bytes()).unwrap();
+    let answers = BufReader::new(child.stdout.take().unwrap()).lines().map_while(Result::ok).take(lines.len());
+    assert_eq!(answers.count(), lines.len());
+    let [left] = &spilled(&temporary)[..] else { panic!("one folder expected: {:?}", spilled(&temporary)) };
+    assert_eq!(left.metadata().unwrap().permissions().mode() & 0o777, 0o700);
+    assert!(left.join("step-1").exists());
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert_eq!(spilled(&temporary).len(), 1);
+    // One of an older version, that others could look into.
+    let older = temporary.join("burin-history-older");
+    std::fs::create_dir(&older).unwrap();
+    std::fs::write(older.join("lock"), b"").unwrap();
+    std::fs::set_permissions(&older, PermissionsExt::from_mode(0o755)).unwrap();
+    let mut next = burin().spawn().unwrap();
+    drop(next.stdin.take());
+    next.wait().unwrap();
+    assert!(spilled(&temporary).is_empty());
+}

@@ -2,6 +2,7 @@
 
 use super::keep_support::*;
 use burin::document::{BrushCommand, Command, KeepError, Keeper, KeptDocument, State, StrokeCommand, recovery};
+use burin::io::{Told, Witness};
 use burin::math::DVec3;
 use burin::paint::Sample;
 use burin::volume::*;
@@ -429,4 +430,83 @@ fn saving_elsewhere_takes_unsaved_steps_along() {
     drop(keeper);
     assert_kept(&saved, &reopened(&first).0, "the first as it was saved");
     assert_kept(&state, &reopened(&second).0, "the second as it is");
+}
+
+#[test]
+fn a_journal_that_is_long_while_a_stroke_runs_keeps_its_samples() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(SMALL, dir.path());
+    let (mut keeper, project) = project(dir.path(), &state);
+    let samples: Vec<Sample> = (0..5).map(|i| sample(f64::from(i))).collect();
+    keeper.samples(&samples).unwrap();
+    for n in 0..60 {
+        let (kind, index, _) = paint(&mut state, FieldKind::Colour, [n % 2, 0, 0], u64::from(5 * n + 1));
+        keeper.record(&other_command(), &state, &[(kind, index)], false).unwrap();
+    }
+    let length = std::fs::metadata(project.join("journal-000001")).unwrap().len();
+    assert!(length > 6 << 20, "{length}: long enough to be gathered, were it not for the stroke");
+    drop(keeper);
+    let (again, recovered) = reopened(&project);
+    assert_kept(&state, &again, "all steps");
+    assert_eq!((recovered.stroke, recovered.steps), (samples, 60));
+}
+
+/// Where in the notes a file's or folder's sync is.
+fn synced(told: &[Told], path: &Path) -> Vec<usize> {
+    (0..told.len()).filter(|&i| told[i] == Told::Sync(path.to_owned())).collect()
+}
+
+#[test]
+fn a_step_is_synced_before_it_is_answered() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(SMALL, dir.path());
+    let (mut keeper, project) = project(dir.path(), &state);
+    let witness = Witness::new(&project);
+    let journal = project.join("journal-000001");
+    for n in 1..4 {
+        let touched = step(&mut state, n);
+        keeper.record(&command(), &state, &touched, true).unwrap();
+        assert_eq!(synced(&witness.told(), &journal).len(), n as usize);
+    }
+    // Frames of an animation need not be.
+    keeper.record(&other_command(), &state, &[], false).unwrap();
+    assert_eq!(synced(&witness.told(), &journal).len(), 3);
+}
+
+#[test]
+fn everything_of_a_save_is_synced_before_the_one_rename_and_that_after_it() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(SMALL, dir.path());
+    let (mut keeper, project) = project(dir.path(), &state);
+    paint_all(&mut state);
+    let witness = Witness::new(&project);
+    keeper.save(None, &state, None, &|_| true).unwrap();
+    let told = witness.told();
+    let renames: Vec<usize> = (0..told.len()).filter(|&i| matches!(told[i], Told::Rename(_))).collect();
+    let [rename] = renames[..] else { panic!("one rename expected: {told:?}") };
+    assert_eq!(told[rename], Told::Rename(project.join("project.json")));
+    fn below(dir: &Path, found: &mut Vec<PathBuf>) {
+        found.push(dir.to_owned());
+        for entry in std::fs::read_dir(dir).unwrap().map(Result::unwrap) {
+            let path = entry.path();
+            if path.is_dir() { below(&path, found) } else { found.push(path) }
+        }
+    }
+    let mut written = vec![project.join("journal-000002"), project.join("project.new"), project.clone()];
+    below(&project.join("generation-000002"), &mut written);
+    // What is a link was synced when it was written.
+    written.retain(|path| !links(path));
+    assert!(written.iter().filter(|path| path.is_file()).count() > 5, "{written:?}");
+    for path in written {
+        assert!(synced(&told, &path).first().is_some_and(|&at| at < rename), "{} in {told:?}", path.display());
+    }
+    assert!(synced(&told, &project).last().is_some_and(|&at| at > rename), "{told:?}");
+}
+
+/// Whether a file is in another generation too.
+fn links(path: &Path) -> bool {
+    #[cfg(unix)]
+    return path.metadata().is_ok_and(|about| about.is_file() && std::os::unix::fs::MetadataExt::nlink(&about) > 1);
+    #[cfg(not(unix))]
+    return path.is_file() && path.to_string_lossy().contains("density");
 }

@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Command as Process, Stdio};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 fn line(rng: &mut ChaCha8Rng, volume: &Path, strokes: bool) -> String {
     let n: f64 = rng.random_range(1.0..150.0);
@@ -106,11 +106,18 @@ fn a_killed_script_loses_at_most_the_command_in_progress() {
         let mut stdin = child.stdin.take().unwrap();
         stdin.write_all((script.join("\n") + "\n").as_bytes()).unwrap();
         let mut answers = BufReader::new(child.stdout.take().unwrap()).lines().map_while(Result::ok);
-        let wait_for = rng.random_range(1..24);
+        // Every other time up to a save, which is under way then.
+        let first_save =
+            script.iter().position(|line| line.contains("\"save\"")).filter(|at| *at > 0 && round % 2 == 0);
+        let wait_for = first_save.map_or_else(|| rng.random_range(1..24), |at| at - 1);
         let mut said: Vec<String> = answers.by_ref().take(1).collect();
         let start = Instant::now();
         said.extend(answers.by_ref().take(wait_for));
-        std::thread::sleep((start.elapsed() / wait_for as u32).mul_f64(rng.random_range(0.0..2.0)));
+        if first_save.is_some() {
+            std::thread::sleep(Duration::from_micros(rng.random_range(0..2000)));
+        } else {
+            std::thread::sleep((start.elapsed() / wait_for as u32).mul_f64(rng.random_range(0.0..2.0)));
+        }
         child.kill().unwrap();
         child.wait().unwrap();
         said.extend(answers);
@@ -159,5 +166,6 @@ fn a_killed_script_loses_at_most_the_command_in_progress() {
         std::fs::remove_dir_all(&project).unwrap();
         std::fs::remove_dir_all(&mirror).unwrap();
     }
+    assert!(saves > 0 || kills() < 4, "no kill fell into a save");
     println!("{} kills over {commands} commands: {saves} before a save was answered, {ahead} a command ahead", kills());
 }

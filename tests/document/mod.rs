@@ -1,5 +1,6 @@
 //! Commands, history, journal, projects.
 
+mod doors;
 mod exploded;
 mod fixtures;
 mod history;
@@ -11,6 +12,7 @@ mod keep_linked;
 mod keep_program;
 mod keep_safe;
 mod keep_support;
+mod keep_values;
 mod keep_zarr;
 mod labels;
 pub mod maker;
@@ -27,6 +29,7 @@ mod projects;
 mod script;
 mod selection;
 mod strokes;
+mod unharmed;
 mod values;
 mod values_support;
 mod views;

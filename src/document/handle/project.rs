@@ -4,6 +4,7 @@
 //! Whoever closes a document in order, or opens another, throws away what was not saved; whatever else ends it is a crash, and
 //! all of it comes back.
 
+use super::command_paths::check_target;
 use super::open::Opened;
 use super::{Command, DensityKeeping, Document, DocumentError, Keeper, ProjectCommand, Wanted, recovery};
 use crate::volume::{BrickIndex, FieldKind};
@@ -110,6 +111,9 @@ impl Document {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
         let first = self.project_dir().is_none();
         let path = path.or(if first { self.save_to.as_deref() } else { None });
+        if let Some(path) = path {
+            check_target(path, state.files.as_deref())?;
+        }
         let saved = match (&mut self.keeper, path) {
             (Some(keeper), path) => keeper.save(path, state, density, progress)?,
             (None, Some(path)) => {

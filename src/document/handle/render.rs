@@ -1,5 +1,6 @@
 //! Pictures: to files by command, and for the window.
 
+use super::command_paths::check_target;
 use super::place::check_size;
 use super::view::{checked, checked_colour};
 use super::{Document, DocumentError, RenderCommand, ViewName};
@@ -17,6 +18,7 @@ const PIECE: u32 = 2048;
 impl Document {
     pub(in crate::document) fn render(&mut self, command: RenderCommand) -> Result<Value, DocumentError> {
         let RenderCommand::Image { path, view, size, camera, transparent, background, supersample } = command;
+        check_target(&path, self.open()?.files.as_deref())?;
         let views = &self.open()?.scene.views;
         let size = check_size(size.unwrap_or(views.slice(view).map_or(views.size, |s| s.size)))?;
         if view != ViewName::ThreeD && camera.is_some() {

@@ -1,10 +1,11 @@
 //! Commands on the table of segments.
 
+use super::check::check_segment;
 use super::edit::Edit;
 use super::labels::import;
 use super::{Document, DocumentError, SegmentCommand, State};
 use crate::io;
-use crate::volume::{Brick, BrickIndex, Changes, FieldKind, SourceError};
+use crate::volume::{Brick, BrickIndex, Changes, FieldKind, Segment, SourceError};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
@@ -30,14 +31,8 @@ impl Document {
                 Ok(answer)
             }
             SegmentCommand::Set { id, name, colour, visible, locked } => {
-                if id == 0 {
-                    return Err(DocumentError::invalid("id", 0, "1 to 65535; label 0 is unlabelled matter"));
-                }
-                if let Some(c) = colour
-                    && c.iter().any(|x| !(0.0..=1.0).contains(x))
-                {
-                    return Err(DocumentError::invalid("colour", format!("{c:?}"), "red, green and blue of 0 to 1"));
-                }
+                let wanted = Segment::new(id);
+                check_segment(&Segment { colour: colour.unwrap_or(wanted.colour), ..wanted })?;
                 let known = state.scene.segments.get(id).map(|s| s.name.clone());
                 edit.name(match (&known, &name) {
                     (None, _) => format!("Add segment {id}"),

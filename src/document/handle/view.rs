@@ -6,7 +6,7 @@ use super::{
     Document, DocumentError, Layer, PastGroup, PastOf, SlicePlane, State, ViewCommand, ViewName, Views, Window,
 };
 use crate::math::{Aabb, Camera, DVec2, DVec3, Projection};
-use crate::volume::{FieldKind, Lighting, Mode};
+use crate::volume::{Lighting, Mode};
 use serde_json::{Value, json};
 
 impl ViewCommand {
@@ -130,42 +130,27 @@ impl Document {
                     _ => "Look",
                 });
                 let mut look = state.scene.look;
-                if let Some(mode) = mode {
-                    if let Mode::Iso(value) = mode {
-                        finite("mode.iso", value)?;
-                    }
-                    look.mode = mode;
-                }
+                look.mode = mode.unwrap_or(look.mode);
                 if shaded == Some(false) && lighting.is_some() {
                     return Err(DocumentError::invalid("lighting", "given with shaded: false", "one of the two"));
                 }
-                if let Some(light) = lighting {
-                    let terms = [light.ambient, light.diffuse, light.specular, light.power];
-                    if terms.iter().any(|t| !(t.is_finite() && *t >= 0.0)) {
-                        return Err(DocumentError::invalid("lighting", format!("{light:?}"), "numbers from 0 up"));
-                    }
-                    look.lighting = Some(light);
-                }
+                look.lighting = lighting.or(look.lighting);
                 match shaded {
                     Some(false) => look.lighting = None,
                     Some(true) if look.lighting.is_none() => look.lighting = Some(Lighting::default()),
                     _ => {}
                 }
-                if let Some(step) = step_voxels {
-                    if !(0.05..=16.0).contains(&step) {
-                        return Err(DocumentError::invalid("step_voxels", step, "0.05 to 16 voxels"));
-                    }
-                    look.step_voxels = step;
-                }
-                if let Some(background) = background {
-                    look.background = checked_colour("background", background)?;
-                }
+                look.step_voxels = step_voxels.unwrap_or(look.step_voxels);
+                look.background = background.unwrap_or(look.background);
+                look.check()?;
                 state.scene.look = look;
                 Ok(json!({ "look": look }))
             }
             ViewCommand::Window { level, width } => {
                 edit.name("Window");
-                state.scene.window = Window { level: finite("level", level)?, width: positive("width", width)? };
+                let window = Window { level, width };
+                window.check()?;
+                state.scene.window = window;
                 Ok(json!({ "window": state.scene.window }))
             }
             ViewCommand::Layer(layer) => {
@@ -203,13 +188,7 @@ pub(in crate::document) fn nothing_there(field: &str, at: impl serde::Serialize)
 }
 
 fn set_layer(state: &mut State, layer: Layer) -> Result<(), DocumentError> {
-    if !(0.0..=1.0).contains(&layer.opacity) {
-        return Err(DocumentError::invalid("opacity", layer.opacity, "0 to 1"));
-    }
-    if layer.field == FieldKind::Density && layer.opacity != 1.0 {
-        let expected = "1: density's own look is the grey window in slices and the transfer function in 3D";
-        return Err(DocumentError::invalid("opacity", layer.opacity, expected));
-    }
+    layer.check()?;
     match state.scene.layers.iter_mut().find(|l| l.field == layer.field) {
         Some(known) => *known = layer,
         None => state.scene.layers.push(layer),

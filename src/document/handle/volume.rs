@@ -1,10 +1,10 @@
 //! Commands on the volume as a whole.
 
+use super::command_paths::check_target;
 use super::open::Opened;
 use super::{Document, DocumentError, Origin, VolumeCommand};
 use crate::io::{Compression, export};
 use serde_json::{Value, json};
-use std::path::Path;
 
 impl Document {
     pub(in crate::document) fn volume(&mut self, command: VolumeCommand) -> Result<Value, DocumentError> {
@@ -17,10 +17,7 @@ impl Document {
             }
             VolumeCommand::Export { field, path } => {
                 let state = self.open()?;
-                if same_file(&path, &state.scene.origin.path) {
-                    let expected = "another file than the volume's own, which the journal and linked projects go by";
-                    return Err(DocumentError::invalid("path", path.display(), expected));
-                }
+                check_target(&path, state.files.as_deref())?;
                 let exported = export(
                     path,
                     state.field(field),
@@ -33,9 +30,4 @@ impl Document {
             }
         }
     }
-}
-
-/// Whether both name one file that is there.
-fn same_file(a: &Path, b: &Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }

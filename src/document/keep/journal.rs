@@ -10,6 +10,7 @@
 use super::journal_record::{BrickEntry, Kind, RECORD_HEAD, SamplesHead, StepHead, decode, encode, encode_brick, runs};
 use super::store_files::sync_dir;
 use super::{Command, KeepError, Past, PastDelta, Scene, State};
+use crate::io::disk;
 use crate::paint::Sample;
 use crate::volume::{BrickIndex, DensityMap, FieldKind, TexelFormat};
 use rayon::prelude::*;
@@ -240,7 +241,7 @@ impl Journal {
             self.end += record.len() as u64;
         }
         if synced {
-            self.file.sync_data().map_err(KeepError::io("sync", &self.path))?;
+            disk::sync_data(&self.file, &self.path).map_err(KeepError::io("sync", &self.path))?;
         }
         Ok(())
     }
@@ -299,8 +300,8 @@ impl Journal {
             noted.push((entries, end + RECORD_HEAD as u64));
             end += record.len() as u64;
         }
-        file.sync_all().map_err(doing)?;
-        std::fs::rename(&beside, &self.path).map_err(doing)?;
+        disk::sync(&file, &beside).map_err(doing)?;
+        disk::rename(&beside, &self.path).map_err(doing)?;
         // From here on the path names the new file.
         (self.file, self.end, self.sequence) = (file, end, sequence);
         self.found = self.found.filter(|&found| found == HEADER);
@@ -341,7 +342,7 @@ fn start(path: &Path, generation: u64, first_sequence: u64) -> Result<File, Keep
     let write = || {
         let mut file = super::inside::create_anew(path)?;
         file.write_all(&header)?;
-        file.sync_all()?;
+        disk::sync(&file, path)?;
         Ok(file)
     };
     write().map_err(KeepError::io("write", path))

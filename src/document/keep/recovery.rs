@@ -77,6 +77,10 @@ pub(in crate::document) fn create(state_dir: &Path) -> Result<(PathBuf, Lock), K
     let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).map_or(0, |d| d.as_nanos());
     let dir = all.join(format!("{now:x}-{:x}", std::process::id()));
     create_dir(&dir)?;
+    // What was painted on is nobody else's to read.
+    #[cfg(unix)]
+    std::fs::set_permissions(&dir, std::os::unix::fs::PermissionsExt::from_mode(0o700))
+        .map_err(KeepError::io("create", &dir))?;
     let lock = Lock::take(&dir)?;
     Ok((dir, lock))
 }

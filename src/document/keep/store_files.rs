@@ -4,6 +4,7 @@
 //! Knows no format.
 
 use super::{KeepError, inside};
+use crate::io::disk;
 use rayon::prelude::*;
 use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Write};
@@ -82,7 +83,7 @@ impl Writer {
             sync_dir(dir)
         }
         let files = std::mem::take(&mut *self.unsynced.lock().unwrap_or_else(PoisonError::into_inner));
-        let sync = |path: &PathBuf| OpenOptions::new().write(true).open(path).and_then(|f| f.sync_all());
+        let sync = |path: &PathBuf| OpenOptions::new().write(true).open(path).and_then(|f| disk::sync(&f, path));
         files.par_iter().try_for_each(|path| sync(path).map_err(KeepError::io("sync", path)))?;
         walk(&self.dir)
     }
@@ -108,7 +109,7 @@ impl Writer {
 
 /// Writes a file that is not there yet, and syncs it.
 pub(in crate::document) fn write_new(path: &Path, bytes: &[u8]) -> Result<(), KeepError> {
-    create_new(path, bytes).and_then(|file| file.sync_all()).map_err(KeepError::io("write", path))
+    create_new(path, bytes).and_then(|file| disk::sync(&file, path)).map_err(KeepError::io("write", path))
 }
 
 fn create_new(path: &Path, bytes: &[u8]) -> std::io::Result<File> {
@@ -120,13 +121,21 @@ fn create_new(path: &Path, bytes: &[u8]) -> std::io::Result<File> {
 /// Makes `path` hold `bytes`: whoever looks finds the old file or the new one, also after a crash. A power cut may still bring
 /// the old one back until the folder is synced.
 pub(in crate::document) fn replace(path: &Path, bytes: &[u8]) -> Result<(), KeepError> {
+    let old = path.symlink_metadata().ok();
+    if old.as_ref().is_some_and(|about| about.permissions().readonly()) {
+        let protected = std::io::Error::new(ErrorKind::PermissionDenied, "the file is write-protected");
+        return Err(KeepError::io("replace", path)(protected));
+    }
     let beside = path.with_extension("new");
     match std::fs::remove_file(&beside) {
         Err(error) if error.kind() != ErrorKind::NotFound => return Err(KeepError::io("replace", &beside)(error)),
         _ => {}
     }
-    let replaced =
-        write_new(&beside, bytes).and_then(|()| std::fs::rename(&beside, path).map_err(KeepError::io("replace", path)));
+    let written = write_new(&beside, bytes).and_then(|()| match old.filter(std::fs::Metadata::is_file) {
+        Some(old) => std::fs::set_permissions(&beside, old.permissions()).map_err(KeepError::io("replace", path)),
+        None => Ok(()),
+    });
+    let replaced = written.and_then(|()| disk::rename(&beside, path).map_err(KeepError::io("replace", path)));
     if replaced.is_err() {
         // What little was written would only keep a full disk full.
         let _ = std::fs::remove_file(&beside);
@@ -136,11 +145,7 @@ pub(in crate::document) fn replace(path: &Path, bytes: &[u8]) -> Result<(), Keep
 
 /// Makes the names in a folder survive a power cut.
 pub(in crate::document) fn sync_dir(dir: &Path) -> Result<(), KeepError> {
-    // Only Unix opens a folder as a file.
-    if cfg!(unix) {
-        File::open(dir).and_then(|f| f.sync_all()).map_err(KeepError::io("sync", dir))?;
-    }
-    Ok(())
+    disk::sync_dir(dir).map_err(KeepError::io("sync", dir))
 }
 
 /// Makes a folder, and those above it that are missing, so that they survive a power cut.

@@ -16,6 +16,8 @@ pub(in crate::document) const VERSION: u64 = 1;
 pub(in crate::document) const PROJECT: &str = "project.json";
 /// A generation's own description.
 pub(in crate::document) const MANIFEST: &str = "generation.json";
+/// No histogram has more.
+const MOST_BINS: usize = 1 << 16;
 /// Neither is ever longer: a table of shards has some ten bytes a megabyte of voxels.
 const MOST_BYTES: u64 = 256 << 20;
 const PROJECT_FORMAT: &str = "burin project";
@@ -156,6 +158,16 @@ impl Manifest {
         }
         if !(grid.world_from_index.matrix3.determinant().abs() > 0.0 && grid.world_from_index.is_finite()) {
             return bad("volume.world_from_index", format!("{:?}", rows(&grid)), "an invertible matrix");
+        }
+        let [slope, intercept] = manifest.volume.scaling;
+        if !(slope.is_finite() && slope != 0.0 && intercept.is_finite()) {
+            return bad("volume.scaling", format!("[{slope}, {intercept}]"), "finite numbers, the first other than 0");
+        }
+        let HistogramRecord { min, max, bins } = &manifest.volume.histogram;
+        let total = bins.iter().try_fold(0_u64, |sum, n| sum.checked_add(*n));
+        if bins.is_empty() || bins.len() > MOST_BINS || total.is_none() || min > max {
+            let found = format!("{} bins from {min:?} to {max:?}", bins.len());
+            return bad("volume.histogram", found, "1 to 65536 counts over a range that rises");
         }
         let map = manifest.volume.map;
         let numbers = map.lo.is_finite() && map.codes_per_unit.is_finite() && map.codes_per_unit > 0.0;
