@@ -93,6 +93,7 @@ impl Opened {
                 let imported =
                     super::handle::labels::import(&state, &*state.source, &file.labels_of(component), go_on)?;
                 state.scene.segments = imported.segments;
+                warnings.extend(file.left_out(component));
                 warnings.extend(imported.warnings);
                 (imported.answer, Some((FieldKind::Labels, imported.changes)))
             }

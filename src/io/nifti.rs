@@ -1,23 +1,20 @@
-//! NIfTI-1: `.nii`, `.nii.gz`, and `.hdr` with `.img` (either gzipped), in both byte orders.
+//! NIfTI-1 and -2: `.nii`, `.nii.gz`, and `.hdr` with `.img` (either gzipped), in both byte orders.
 //!
-//! Reads what the standard's header (nifti1.h, 2005) says of type, scaling, frames (`dim[4]`) and components (`dim[5]`, and
-//! the parts of RGB, RGBA and complex voxels); the place in the world is `nifti_place`'s.
+//! Reads what the header says of type, scaling, frames (`dim[4]`) and components (`dim[5]` and on, and the parts of RGB, RGBA and
+//! complex voxels); the place in the world is `nifti_place`'s.
 
 use super::decode::Encoding;
 use super::inflate::{GZIP_MAGIC, open_file};
 use super::layout::{Axis, DataFile, Layout, Role, Skip};
+use super::nifti_header::Header;
 use super::reader::head;
 use super::{FileMark, IoError, Opened, Reader, nifti_place, place};
 use crate::volume::VoxelType;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Size of the header, and what its first field says.
-const HEADER_BYTES: usize = 348;
 /// Where voxels of a single file begin at the earliest: after the header and the extension flag.
-const SINGLE_OFFSET: u64 = 352;
-/// What the first field of a NIfTI-2 header says.
-const NIFTI_2: i32 = 540;
+const SINGLE_OFFSETS: [u64; 2] = [352, 544];
 
 /// The reader.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +22,7 @@ pub(super) struct Nifti;
 
 impl Reader for Nifti {
     fn name(&self) -> &'static str {
-        "NIfTI-1 (.nii, .nii.gz, .hdr with .img)"
+        "NIfTI-1 and -2 (.nii, .nii.gz, .hdr with .img)"
     }
 
     fn recognises(&self, head: &[u8]) -> bool {
@@ -44,14 +41,8 @@ impl Reader for Nifti {
         let header = Header::new(&file, &head(&header_path)?)?;
         let mark = FileMark::of(&header_path).map_err(IoError::system(&header_path, "open the file"))?;
         let mut warnings = Vec::new();
-        let (path, earliest) = match header.bytes::<4>(344) {
-            [b'n', b'+', b'1', 0] => (header_path, SINGLE_OFFSET),
-            [b'n', b'i', b'1', 0] => (image(&header_path)?, 0),
-            found => {
-                let expected = "\"n+1\" or \"ni1\"; if it is Analyze 7.5, convert it to NIfTI-1";
-                return Err(header.wrong("magic", format!("\"{}\"", String::from_utf8_lossy(&found)), expected));
-            }
-        };
+        let earliest = if header.single { SINGLE_OFFSETS[usize::from(header.version - 1)] } else { 0 };
+        let path = if header.single { header_path } else { image(&header_path, header.version)? };
         let (dims, frames, parts) = header.dims(&mut warnings)?;
         let (voxel_type, inner) = header.voxel_type(&mut warnings)?;
         let scaling = if inner.is_some_and(|i| i.colour) { (1.0, 0.0) } else { header.scaling(&mut warnings) };
@@ -60,7 +51,7 @@ impl Reader for Nifti {
         let mut axes: Vec<Axis> = inner.iter().map(|i| Axis { len: i.parts, role: Role::Component }).collect();
         axes.extend((0..3).map(|a| Axis { len: u64::from(dims[a]), role: Role::Space(a) }));
         axes.push(Axis { len: frames, role: Role::Frame });
-        axes.push(Axis { len: parts, role: Role::Component });
+        axes.extend(parts.map(|len| Axis { len, role: Role::Component }));
         let encoding = if is_gzip(&path)? { Encoding::Gzip } else { Encoding::Raw };
         let (data, skip) = (vec![DataFile { path, start: 0 }], Skip::Bytes(offset));
         let big_endian = header.big_endian;
@@ -78,98 +69,38 @@ struct Parts {
     colour: bool,
 }
 
-/// The 348 bytes, read by offset.
-pub(super) struct Header {
-    file: String,
-    bytes: [u8; HEADER_BYTES],
-    big_endian: bool,
-}
-
 impl Header {
-    fn new(file: &str, head: &[u8]) -> Result<Self, IoError> {
-        let Some(bytes) = head.first_chunk::<HEADER_BYTES>() else {
-            return Err(IoError::Truncated {
-                file: file.into(),
-                found: format!("{} bytes", head.len()),
-                expected: "a NIfTI-1 header of 348 bytes before the voxels".into(),
-            });
-        };
-        let mut header = Self { file: file.into(), bytes: *bytes, big_endian: false };
-        for big_endian in [false, true] {
-            header.big_endian = big_endian;
-            match header.i32(0) {
-                348 => return Ok(header),
-                NIFTI_2 => {
-                    let expected = "348: this is NIfTI-2, which is not supported yet; convert it to NIfTI-1";
-                    return Err(header.wrong("sizeof_hdr", NIFTI_2, expected));
-                }
-                _ => {}
-            }
-        }
-        header.big_endian = false;
-        Err(header.wrong("sizeof_hdr", header.i32(0), "348 in either byte order"))
-    }
-
-    fn wrong(&self, field: &str, found: impl std::fmt::Display, expected: &str) -> IoError {
-        IoError::field(&self.file, field, found, expected)
-    }
-
-    fn bytes<const N: usize>(&self, at: usize) -> [u8; N] {
-        let mut out = [0; N];
-        out.copy_from_slice(&self.bytes[at..at + N]);
-        out
-    }
-
-    pub(super) fn i16(&self, at: usize) -> i16 {
-        let bytes = self.bytes(at);
-        if self.big_endian { i16::from_be_bytes(bytes) } else { i16::from_le_bytes(bytes) }
-    }
-
-    fn i32(&self, at: usize) -> i32 {
-        let bytes = self.bytes(at);
-        if self.big_endian { i32::from_be_bytes(bytes) } else { i32::from_le_bytes(bytes) }
-    }
-
-    pub(super) fn f32(&self, at: usize) -> f64 {
-        let bytes = self.bytes(at);
-        f64::from(if self.big_endian { f32::from_be_bytes(bytes) } else { f32::from_le_bytes(bytes) })
-    }
-
-    pub(super) fn u8(&self, at: usize) -> u8 {
-        self.bytes[at]
-    }
-
-    /// Voxels, frames, components.
-    fn dims(&self, warnings: &mut Vec<String>) -> Result<([u32; 3], u64, u64), IoError> {
-        let rank = self.i16(40);
+    /// Voxels, frames, and what `dim[5]` to `dim[7]` count.
+    fn dims(&self, warnings: &mut Vec<String>) -> Result<([u32; 3], u64, [u64; 3]), IoError> {
+        let rank = self.dim[0];
         if !(1..=7).contains(&rank) {
             return Err(self.wrong("dim[0]", rank, "1 to 7 dimensions"));
         }
         let mut dims = [1_u64; 8];
         for (a, dim) in dims.iter_mut().enumerate().take(rank as usize + 1).skip(1) {
             let field = format!("dim[{a}]");
-            *dim = match self.i16(40 + 2 * a) {
+            *dim = match self.dim[a] {
                 n @ 1.. => n as u64,
                 // Writers leave unused dimensions at 0 and count them all the same.
-                0 if a > 3 => {
+                0 if a > 1 => {
                     warnings.push(format!("{field} is 0; taken as 1"));
                     1
                 }
-                n => return Err(self.wrong(&field, n, "1 to 32767")),
+                n => return Err(self.wrong(&field, n, if self.version == 1 { "1 to 32767" } else { "1 or more" })),
             };
             if a > 5 && *dim > 1 {
-                return Err(self.wrong(&field, dim, "1: only space, time (dim[4]) and components (dim[5]) are read"));
+                warnings.push(format!("{field} is {dim}, neither space nor time: counted as components"));
             }
         }
         let mut out = [0; 3];
         for a in 0..3 {
             out[a] = place::dimension(&self.file, &format!("dim[{}]", a + 1), dims[a + 1])?;
         }
-        Ok((out, dims[4], dims[5]))
+        Ok((out, dims[4], [dims[5], dims[6], dims[7]]))
     }
 
     fn voxel_type(&self, warnings: &mut Vec<String>) -> Result<(VoxelType, Option<Parts>), IoError> {
-        let code = self.i16(70);
+        let code = self.datatype;
         let colour = |parts| Some(Parts { parts, colour: true });
         let complex = Some(Parts { parts: 2, colour: false });
         let (voxel_type, parts) = match code {
@@ -199,7 +130,7 @@ impl Header {
             }
         };
         let bits = voxel_type.bytes() * 8 * parts.map_or(1, |p| p.parts as usize);
-        let found = self.i16(72);
+        let found = self.bitpix;
         if i32::from(found) != bits as i32 {
             warnings.push(format!("bitpix is {found}, datatype {code} has {bits}; datatype is believed"));
         }
@@ -208,7 +139,7 @@ impl Header {
 
     /// `scl_slope`, `scl_inter`: none if the slope is 0 or not a number.
     fn scaling(&self, warnings: &mut Vec<String>) -> (f64, f64) {
-        let (slope, intercept) = (self.f32(112), self.f32(116));
+        let (slope, intercept) = (self.slope, self.intercept);
         if slope == 0.0 || !slope.is_finite() {
             return (1.0, 0.0);
         }
@@ -220,7 +151,7 @@ impl Header {
     }
 
     fn offset(&self, earliest: u64, warnings: &mut Vec<String>) -> Result<u64, IoError> {
-        let found = self.f32(108);
+        let found = self.vox_offset;
         if !(found >= 0.0 && found.fract() == 0.0 && found < 9e15) {
             return Err(self.wrong("vox_offset", found, "a whole number of bytes, at least 0"));
         }
@@ -251,10 +182,11 @@ fn partner(path: &Path, from: &str, to: &str) -> Option<PathBuf> {
 }
 
 /// The file of voxels that belongs to a header.
-fn image(header: &Path) -> Result<PathBuf, IoError> {
+fn image(header: &Path, version: u8) -> Result<PathBuf, IoError> {
     partner(header, ".hdr", ".img").ok_or_else(|| {
         let expected = "a file of the same name ending in .img or .img.gz beside a header ending in .hdr";
-        IoError::field(&header.display().to_string(), "magic", "\"ni1\" (voxels in another file)", expected)
+        let found = format!("\"ni{version}\" (voxels in another file)");
+        IoError::field(&header.display().to_string(), "magic", found, expected)
     })
 }
 

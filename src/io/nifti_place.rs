@@ -2,15 +2,15 @@
 //!
 //! A form that cannot be used (not finite, singular) is passed over with a warning, as the standard's own reader does.
 
-use super::nifti::Header;
+use super::nifti_header::Header;
 use super::place::flaw;
 use crate::math::{DAffine3, DMat3, DVec3};
 
 /// RAS+ mm from index.
 pub(super) fn world_from_index(header: &Header, warnings: &mut Vec<String>) -> DAffine3 {
-    let mm = mm_per_unit(header.u8(123), warnings);
+    let mm = mm_per_unit(header.xyzt_units, warnings);
     let scaled = |a: DAffine3| DAffine3 { matrix3: a.matrix3 * mm, translation: a.translation * mm };
-    let (sform_code, qform_code) = (header.i16(254), header.i16(252));
+    let (sform_code, qform_code) = (header.sform_code, header.qform_code);
     if sform_code > 0 {
         let sform = scaled(sform(header));
         match flaw(&sform) {
@@ -44,7 +44,7 @@ pub(super) fn world_from_index(header: &Header, warnings: &mut Vec<String>) -> D
 }
 
 /// `xyzt_units`, its lowest three bits: 1 m, 2 mm, 3 µm; 0, unknown, is mm by custom.
-fn mm_per_unit(xyzt_units: u8, warnings: &mut Vec<String>) -> f64 {
+fn mm_per_unit(xyzt_units: i32, warnings: &mut Vec<String>) -> f64 {
     match xyzt_units & 7 {
         0 | 2 => 1.0,
         1 => 1000.0,
@@ -59,10 +59,10 @@ fn mm_per_unit(xyzt_units: u8, warnings: &mut Vec<String>) -> f64 {
 /// `pixdim[1..=3]`, made positive; 1 where there is nothing sensible.
 fn spacing(header: &Header, warnings: &mut Vec<String>) -> DVec3 {
     let mut size = |a: usize| {
-        let found = header.f32(76 + 4 * a);
+        let found = header.pixdim[a];
         let taken = if found.is_finite() && found != 0.0 { found.abs() } else { 1.0 };
         // Axes that a picture does not have are often left at 0.
-        if taken != found && header.i16(40) >= a as i16 {
+        if taken != found && header.dim[0] >= a as i64 {
             warnings.push(format!("pixdim[{a}] is {found}; taken as {taken}"));
         }
         taken
@@ -72,14 +72,13 @@ fn spacing(header: &Header, warnings: &mut Vec<String>) -> DVec3 {
 
 /// Method 3: rows `srow_x`, `srow_y`, `srow_z`.
 fn sform(header: &Header) -> DAffine3 {
-    let row = |r: usize, c: usize| header.f32(280 + 16 * r + 4 * c);
-    let column = |c| DVec3::new(row(0, c), row(1, c), row(2, c));
+    let column = |c: usize| DVec3::new(header.rows[0][c], header.rows[1][c], header.rows[2][c]);
     DAffine3 { matrix3: DMat3::from_cols(column(0), column(1), column(2)), translation: column(3) }
 }
 
 /// Method 2: the quaternion's rotation, pixdim's spacing, `pixdim[0]` (qfac) the sign of k, `qoffset`.
 fn qform(header: &Header, spacing: DVec3, warnings: &mut Vec<String>) -> Result<DAffine3, String> {
-    let (mut b, mut c, mut d) = (header.f32(256), header.f32(260), header.f32(264));
+    let [mut b, mut c, mut d] = header.quaternion;
     let length2 = b * b + c * c + d * d;
     if !length2.is_finite() {
         return Err("a quaternion that is not finite".into());
@@ -102,8 +101,8 @@ fn qform(header: &Header, spacing: DVec3, warnings: &mut Vec<String>) -> Result<
         DVec3::new(2.0 * (b * c - a * d), a * a + c * c - b * b - d * d, 2.0 * (c * d + a * b)),
         DVec3::new(2.0 * (b * d + a * c), 2.0 * (c * d - a * b), a * a + d * d - c * c - b * b),
     );
-    let qfac = if header.f32(76) < 0.0 { -1.0 } else { 1.0 };
-    let offset = DVec3::new(header.f32(268), header.f32(272), header.f32(276));
+    let qfac = if header.pixdim[0] < 0.0 { -1.0 } else { 1.0 };
+    let offset = DVec3::from_array(header.offset);
     let scale = DVec3::new(spacing.x, spacing.y, qfac * spacing.z);
     Ok(DAffine3 { matrix3: rotation * DMat3::from_diagonal(scale), translation: offset })
 }

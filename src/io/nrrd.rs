@@ -5,7 +5,7 @@ use super::inflate::open_file;
 use super::layout::{DataFile, Layout, Role, Skip};
 use super::nrrd_files::data_files;
 use super::nrrd_header::Header;
-use super::{IoError, Opened, Reader, nrrd_place};
+use super::{IoError, Opened, Reader, nrrd_place, nrrd_segments};
 use std::io::{BufRead, BufReader, Seek, SeekFrom};
 use std::path::Path;
 
@@ -59,7 +59,9 @@ impl Reader for Nrrd {
             warnings.push("several axes are neither space nor time: they count together as components".into());
         }
         let layout = Layout { data, file, grid, voxel_type, big_endian, scaling: (1.0, 0.0), axes, encoding, skip };
-        layout.opened(warnings)
+        let mut opened = layout.opened(warnings)?;
+        opened.labels = nrrd_segments::segments(&header.keys, opened.components, &mut opened.warnings);
+        Ok(opened)
     }
 }
 

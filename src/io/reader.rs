@@ -12,6 +12,9 @@ pub type Progress<'a> = &'a (dyn Fn(f32) -> bool + Sync);
 /// Bytes of a file's beginning, inflated if it is gzip, that readers may look at.
 const HEAD_BYTES: u64 = 544;
 
+/// Segments that are named in a message.
+const MOST_NAMES: usize = 10;
+
 /// A format.
 pub trait Reader: Sync {
     /// The format's name and its usual extensions, for messages.
@@ -96,6 +99,26 @@ impl Opened {
     /// The segments that the header names for one component.
     pub fn labels_of(&self, component: u32) -> Vec<NamedLabel> {
         self.labels.iter().filter(|l| l.component == component).cloned().collect()
+    }
+
+    /// What is left out where one component is taken for labels, in words; `None` if nothing is.
+    pub fn left_out(&self, component: u32) -> Option<String> {
+        if self.components < 2 {
+            return None;
+        }
+        let others: Vec<String> = self
+            .labels
+            .iter()
+            .filter(|l| l.component != component)
+            .map(|l| l.name.clone().unwrap_or_else(|| format!("Segment {}", l.value)))
+            .collect();
+        let named = match &others[..] {
+            [] => String::new(),
+            few if few.len() <= MOST_NAMES => format!(": {} left out", few.join(", ")),
+            many => format!(": {} and {} more left out", many[..MOST_NAMES].join(", "), many.len() - MOST_NAMES),
+        };
+        let taken = if component == 0 { "the first".into() } else { format!("number {component}, counted from 0,") };
+        Some(format!("labels lie in {} layers, which may overlap; {taken} is taken{named}", self.components))
     }
 
     /// Over all components of all frames.

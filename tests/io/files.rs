@@ -90,6 +90,25 @@ impl Nifti {
         header
     }
 
+    /// The same as NIfTI-2; field offsets as in nifti2.h.
+    pub fn second(ty: VoxelType, dims: &[i64], big: bool) -> Self {
+        let mut header = Self { bytes: vec![0; 544], big };
+        header.bytes[4..12].copy_from_slice(b"n+2\0\r\n\x1a\n");
+        let (code, bits) = nifti_code(ty);
+        header.i32(0, 540).i16(12, code).i16(14, bits).put(16, (dims.len() as i64).to_le_bytes());
+        for a in 0..7 {
+            header.put(24 + 8 * a, dims.get(a).copied().unwrap_or(1).to_le_bytes());
+        }
+        header.f64s(104, &[1.0; 8]).put(168, 544_i64.to_le_bytes()).clone()
+    }
+
+    pub fn f64s(&mut self, at: usize, xs: &[f64]) -> &mut Self {
+        for (i, &x) in xs.iter().enumerate() {
+            self.put(at + 8 * i, x.to_le_bytes());
+        }
+        self
+    }
+
     pub fn put<const N: usize>(&mut self, at: usize, mut bytes: [u8; N]) -> &mut Self {
         if self.big {
             bytes.reverse();

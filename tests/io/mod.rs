@@ -9,5 +9,6 @@ mod nrrd;
 mod nrrd_data;
 mod places;
 mod regular;
+mod segments;
 mod statistics;
 mod types;

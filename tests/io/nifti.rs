@@ -43,9 +43,6 @@ fn headers_that_cannot_be_are_refused_by_field() {
     bad(70, 2048, "datatype", "2048 (256-bit complex)");
     bad(70, -7, "datatype", "-7");
     let mut h = header();
-    h.i16(40, 6).i16(52, 2);
-    refused(&folder, &h.with(&voxels()), "dim[6]", "2");
-    let mut h = header();
     h.i16(40, 4).i16(48, -1);
     refused(&folder, &h.with(&voxels()), "dim[4]", "-1");
     for (offset, found) in [(-1.0, "-1"), (352.5, "352.5"), (f32::NAN, "NaN"), (f32::INFINITY, "inf")] {
@@ -57,7 +54,24 @@ fn headers_that_cannot_be_are_refused_by_field() {
     h.i32(0, 347);
     refused(&folder, &h.with(&voxels()), "sizeof_hdr", "347");
     h.i32(0, 540);
-    assert!(refused(&folder, &h.with(&voxels()), "sizeof_hdr", "540").contains("NIfTI-2"));
+    refused(&folder, &[&h.with(&voxels())[..], &[0; 200]].concat(), "magic", "");
+    assert!(refused(&folder, &h.with(&voxels())[..400], "a NIfTI header", "400 bytes").contains("540 bytes"));
+    let second = Nifti::second(VoxelType::I16, &[3, 4, 5], false);
+    let mut sent_as_text = second.clone();
+    sent_as_text.bytes[8] = b'\n';
+    assert!(refused(&folder, &sent_as_text.with(&voxels()), "magic", "\"n+2").contains("as text"));
+    for (at, x, field, found) in [
+        (16, 9_i64, "dim[0]", "9"),
+        (24, 0, "dim[1]", "0"),
+        (32, -1, "dim[2]", "-1"),
+        (40, 1 << 40, "dim[3]", "1099511627776"),
+        (168, -3, "vox_offset", "-3"),
+        (168, i64::MAX, "vox_offset", "9223372036854775807"),
+    ] {
+        let mut h = second.clone();
+        h.put(at, x.to_le_bytes());
+        refused(&folder, &h.with(&voxels()), field, &found[..found.len().min(10)]);
+    }
     let mut h = header();
     h.bytes[344..348].copy_from_slice(b"\0\0\0\0");
     assert!(refused(&folder, &h.with(&voxels()), "magic", "\"\\0\\0\\0\\0\"").contains("Analyze"));
@@ -104,6 +118,73 @@ fn oddities_that_do_no_harm_are_taken_with_a_warning() {
         h.f32s(112, &[slope, inter]);
         let (found, scaling) = open(&h);
         assert_eq!((found.len(), scaling), (warnings, expected), "{slope} {inter}");
+    }
+}
+
+#[test]
+fn dimensions_that_a_file_leaves_at_0_are_1_and_those_beyond_time_are_components() {
+    let folder = tempfile::tempdir().unwrap();
+    // As FSL, SPM and others leave pictures: counted as three dimensions, the third 0.
+    for (rank, dims) in
+        [(3, [12, 5, 0]), (2, [12, 5, 0]), (2, [12, 5, 9]), (3, [60, 0, 0]), (1, [60, 0, 0]), (3, [12, 5, 1])]
+    {
+        let mut h = header();
+        h.i16(40, rank).i16(42, dims[0]).i16(44, dims[1]).i16(46, dims[2]);
+        let opened = io::open(keep(&folder, "flat.nii", &h.with(&voxels()))).unwrap();
+        let expected = if dims[0] == 60 { [60, 1, 1] } else { [12, 5, 1] };
+        assert_eq!((opened.grid.dims, opened.components, opened.frames), (expected, 1, 1));
+        assert_eq!(opened.source(0, 0, &|_| true).unwrap().read([0; 3], expected).unwrap(), voxels());
+    }
+    // x y z t and three more, in both versions.
+    let sizes = [2, 3, 2, 2, 2, 3, 2];
+    let all = noise(VoxelType::U16, sizes.iter().product(), 8);
+    for second in [false, true] {
+        let file = if second {
+            Nifti::second(VoxelType::U16, &sizes.map(|s| s as i64), true).with(&all)
+        } else {
+            Nifti::new(VoxelType::U16, &sizes.map(|s| s as i16), true).with(&all)
+        };
+        let opened = io::open(keep(&folder, "seven.nii", &file)).unwrap();
+        assert_eq!((opened.grid.dims, opened.components, opened.frames), ([2, 3, 2], 12, 2));
+        assert!(opened.warnings.iter().any(|w| w.starts_with("dim[6] is 3")), "{:?}", opened.warnings);
+        for frame in 0..2 {
+            for component in 0..12 {
+                // The first of the further dimensions runs fastest.
+                let from = (frame + 2 * component) * 12;
+                let Voxels::U16(numbers) = &all else { panic!() };
+                let expected = Voxels::U16(numbers[from..from + 12].to_vec());
+                let source = opened.source(component as u32, frame as u32, &|_| true).unwrap();
+                assert_eq!(source.read([0; 3], [2, 3, 2]).unwrap(), expected, "{frame} {component}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_second_nifti_is_read_as_the_first_is() {
+    let folder = tempfile::tempdir().unwrap();
+    for (round, ty) in ALL_TYPES.into_iter().enumerate() {
+        let big = round % 2 == 0;
+        let numbers = noise(ty, 60, 3);
+        let mut h = Nifti::second(ty, &[3, 4, 5], big);
+        h.f64s(176, &[0.1, -7.0]);
+        let file = h.with(&numbers);
+        let mut pair = h.clone();
+        pair.bytes[4..7].copy_from_slice(b"ni2");
+        pair.bytes.truncate(540);
+        pair.put(168, 0_i64.to_le_bytes());
+        keep(&folder, "pair.img", &bytes_of(&numbers, big));
+        for path in [
+            keep(&folder, "a.nii", &file),
+            keep(&folder, "a.nii.gz", &gzip(&file)),
+            keep(&folder, "pair.hdr", &pair.bytes),
+            folder.path().join("pair.img"),
+        ] {
+            let opened = io::open(path).unwrap();
+            assert_eq!((opened.voxel_type, opened.scaling), (ty, (0.1, -7.0)));
+            let read = opened.source(0, 0, &|_| true).unwrap().read([0; 3], [3, 4, 5]).unwrap();
+            assert_eq!(read.as_bytes(), numbers.as_bytes());
+        }
     }
 }
 

@@ -190,6 +190,40 @@ fn metres_and_micrometres_become_millimetres() {
         assert_eq!(open_nifti(&folder, &header).grid.world_from_index, expected);
         header.i16(254, 0).f32s(80, &[2.0; 3]);
         assert_eq!(open_nifti(&folder, &header).grid.spacing(), DVec3::splat(2.0 * factor));
+        // A qform says the unit of its offset and of the spacings that it turns: a quarter turn about z, k the other way.
+        let half = std::f32::consts::FRAC_1_SQRT_2;
+        header.i16(252, 1).f32s(76, &[-1.0, 2.0, 3.0, 5.0]).f32s(256, &[0.0, 0.0, half, 7.0, -8.0, 9.0]);
+        let turned = affine([[0.0, 2.0, 0.0], [-3.0, 0.0, 0.0], [0.0, 0.0, -5.0]], [7.0, -8.0, 9.0]);
+        let expected = DAffine3 { matrix3: turned.matrix3 * factor, translation: turned.translation * factor };
+        assert!(near(&open_nifti(&folder, &header).grid.world_from_index, &expected, 1e-6 * factor), "{unit}");
+    }
+}
+
+#[test]
+fn a_second_nifti_says_its_place_in_doubles() {
+    let folder = tempfile::tempdir().unwrap();
+    for seed in 0..10 {
+        for (unit, factor) in [(2, 1.0), (1, 1000.0), (3, 0.001)] {
+            let place = oblique(seed);
+            let mut header = Nifti::second(VoxelType::I16, &[3, 4, 5], seed % 3 == 0);
+            header.i32(348, 2).i32(500, unit + 8);
+            let (m, t) = (place.matrix3, place.translation);
+            for r in 0..3 {
+                header.f64s(400 + 32 * r, &[m.x_axis[r], m.y_axis[r], m.z_axis[r], t[r]]);
+            }
+            let expected = DAffine3 { matrix3: m * factor, translation: t * factor };
+            assert_eq!(open_nifti(&folder, &header).grid.world_from_index, expected);
+            // The same by its qform.
+            let turn = m * DMat3::from_diagonal(DVec3::new(1.0 / 0.4, 1.0 / 0.9765625, 1.0 / 3.1));
+            let qfac = turn.determinant().signum();
+            let q = DQuat::from_mat3(&(turn * DMat3::from_diagonal(DVec3::new(1.0, 1.0, qfac))));
+            let q = if q.w < 0.0 { -q } else { q };
+            header.i32(348, 0).i32(344, 1).f64s(104, &[qfac, 0.4, 0.9765625, 3.1]);
+            header.f64s(352, &[q.x, q.y, q.z, t.x, t.y, t.z]);
+            let opened = open_nifti(&folder, &header);
+            assert!(near(&opened.grid.world_from_index, &expected, 1e-9 * factor.max(1.0)), "{seed} {unit}");
+            assert!(opened.warnings.is_empty(), "{:?}", opened.warnings);
+        }
     }
 }
 

@@ -27,7 +27,8 @@ impl Document {
                 state.scene.segments = imported.segments;
                 edit.swap(state, FieldKind::Labels, imported.changes)?;
                 let mut answer = imported.answer;
-                answer["warnings"] = json!([opened.warnings, imported.warnings].concat());
+                let left_out = opened.left_out(component).into_iter().collect();
+                answer["warnings"] = json!([opened.warnings, left_out, imported.warnings].concat());
                 Ok(answer)
             }
             SegmentCommand::Set { id, name, colour, visible, locked } => {
