@@ -30,6 +30,7 @@ pub(crate) mod regular;
 mod replace;
 mod statistics;
 mod stream;
+mod words;
 
 pub use disk::{Told, Witness};
 pub use error::IoError;
@@ -39,3 +40,4 @@ pub use reader::{Contents, NamedLabel, Opened, Progress, Reader, open, readers};
 pub use regular::{FileMark, open_regular, read_regular};
 pub use replace::replace_file;
 pub use statistics::statistics;
+pub use words::{in_words, without_numbers};

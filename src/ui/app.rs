@@ -1,13 +1,15 @@
 //! The window's state, and how commands leave it and reports reach it.
 
 use super::borders::Borders;
-use super::dialogs::Dialog;
+use super::dialogs::{Chosen, Dialog, Export, Parked, Wish, has_file_dialog};
 use super::echo::echo;
 use super::layout::Layout;
 use super::notes::Note;
 use super::overlay::paint_colour;
+use super::panels::messages::{Message, Toast};
 use super::panels::transfer::TransferEditor;
-use super::saving::{AfterSave, Coming};
+use super::recent::Recent;
+use super::saving::AfterSave;
 use super::session::{Gravity, Opened, Request, Session, Snapshot};
 use super::trail::Trail;
 use super::viewport::{Canvas, Grounds, Viewports};
@@ -17,6 +19,7 @@ use crate::document::{
 };
 use crate::explode::PartId;
 use crate::interact::{Context, Event, Hit, Interaction, reach};
+use crate::volume::FieldKind;
 use egui::{Id, Response, Ui};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -39,10 +42,27 @@ pub struct App {
     /// How the window is divided; changed by [`drag_borders`](Self::drag_borders) alone.
     pub(super) layout: Layout,
     pub(super) borders: Borders,
-    pub(super) messages: Vec<(Gravity, String)>,
+    pub(super) messages: Vec<Message>,
     pub(super) messages_open: bool,
+    pub(super) toast: Option<Toast>,
     pub(super) keys_open: bool,
     pub(super) dialog: Option<Dialog>,
+    /// The browser of a path that is being tried.
+    pub(super) parked: Option<Parked>,
+    /// Whether the system shows file dialogs; without them the browser does.
+    pub(super) system_dialogs: bool,
+    /// How many files were glanced at.
+    pub(super) glances: u64,
+    /// How the last picture was wished.
+    pub(super) picture_wish: Wish,
+    /// What was exported last.
+    pub(super) export_wish: Export,
+    pub(super) recent: Recent,
+    /// Somebody has looked which of them are still there.
+    pub(super) recent_looked: bool,
+    pub(super) home: Option<PathBuf>,
+    /// To be woken by other threads.
+    pub(super) context: egui::Context,
     pub(super) busy: Option<Busy>,
     /// Since when the document has not caught up (seconds of egui's clock).
     pub(super) behind_since: Option<f64>,
@@ -87,16 +107,6 @@ pub(super) struct Busy {
     pub(super) stopping: bool,
 }
 
-/// What a file dialog, which runs beside the window, came back with.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Chosen {
-    Open(PathBuf),
-    SaveAs(PathBuf),
-    Export(crate::volume::FieldKind, PathBuf),
-    Image(PathBuf),
-    Selection(PathBuf),
-}
-
 impl App {
     /// A window on a session.
     pub fn new(session: Session) -> Self {
@@ -112,8 +122,18 @@ impl App {
             borders: Borders::default(),
             messages: Vec::new(),
             messages_open: false,
+            toast: None,
             keys_open: false,
             dialog: None,
+            parked: None,
+            system_dialogs: false,
+            glances: 0,
+            picture_wish: Wish::default(),
+            export_wish: Export::of(FieldKind::Labels),
+            recent: Recent::default(),
+            recent_looked: false,
+            home: None,
+            context: egui::Context::default(),
             busy: None,
             behind_since: None,
             probe: serde_json::Value::Null,
@@ -144,6 +164,16 @@ impl App {
     /// The same with the layout that a file keeps, and keeps it there.
     pub fn with_layout(self, kept_in: PathBuf) -> Self {
         Self { layout: Layout::read(&kept_in), borders: Borders::kept_in(kept_in), ..self }
+    }
+
+    /// The same with a list of what was open lately, and the user's home folder.
+    pub fn with_files(self, recent: Recent, home: Option<PathBuf>) -> Self {
+        Self { recent, home, ..self }
+    }
+
+    /// The same with the system's file dialogs, if it has any; without them the window's own browser asks for paths.
+    pub fn with_system_dialogs(self) -> Self {
+        Self { system_dialogs: has_file_dialog(), ..self }
     }
 
     /// The open volume, if any.
@@ -248,39 +278,27 @@ impl App {
         }
     }
 
-    /// Adds to the list of messages; errors stay until they are dismissed.
-    pub(super) fn say(&mut self, gravity: Gravity, text: String) {
-        if self.messages.last().is_some_and(|last| last.1 == text) {
-            return;
-        }
-        self.messages_open |= gravity == Gravity::Error;
-        self.messages.push((gravity, text));
-        // A program that fails in a loop must not fill the memory with its complaints.
-        if self.messages.len() > 200 {
-            self.messages.remove(0);
+    /// Opens whatever a path is: a project folder or a volume. What is open is replaced.
+    pub fn open(&mut self, path: &Path) {
+        // A dialog of the system may show a project's files and not let the folder be chosen.
+        let manifest = path.file_name().is_some_and(|name| name == "project.json");
+        let path = if manifest { path.parent().unwrap_or(path) } else { path };
+        if path.is_dir() {
+            self.send(Command::Project(ProjectCommand::Open { path: path.into(), source: None, generation: None }));
+        } else {
+            self.open_as(path.into(), OpenAs::Image);
         }
     }
 
-    /// Opens whatever a path is: a project folder or a volume. What is open is replaced.
-    pub fn open(&mut self, path: &Path) {
-        let command = if path.is_dir() {
-            Command::Project(ProjectCommand::Open { path: path.into(), source: None, generation: None })
-        } else {
-            Command::Volume(VolumeCommand::Open {
-                path: path.into(),
-                component: 0,
-                frame: 0,
-                range: None,
-                open_as: OpenAs::Image,
-            })
-        };
-        self.send(command);
+    /// Opens a volume.
+    pub(super) fn open_as(&mut self, path: PathBuf, open_as: OpenAs) {
+        self.send(Command::Volume(VolumeCommand::Open { path, component: 0, frame: 0, range: None, open_as }));
     }
 
     /// First thing: opens what was named, and asks for what a crash left behind.
     pub(super) fn start(&mut self, open: Option<&Path>, warning: Option<String>) {
         if let Some(warning) = warning {
-            self.say(Gravity::Warning, warning);
+            self.warn_until("project.save", warning);
         }
         if let Some(path) = open {
             self.open(path);
@@ -291,6 +309,7 @@ impl App {
     /// Asks what takes its time to stop.
     pub(super) fn stop(&mut self) {
         self.wait_no_more();
+        self.parked = None;
         if let Some(busy) = &mut self.busy {
             busy.stopping = true;
             self.session.stop();
@@ -301,42 +320,6 @@ impl App {
     pub(super) fn travel(&mut self, command: HistoryCommand) {
         if self.group.is_none() && self.interaction.gesture().is_none() {
             self.send(Command::History(command));
-        }
-    }
-
-    fn take_choices(&mut self) {
-        let choices: Vec<_> = self.chosen.1.try_iter().collect();
-        for choice in choices {
-            self.choose(choice);
-        }
-    }
-
-    /// Does what was chosen in a file dialog.
-    pub(super) fn choose(&mut self, choice: Chosen) {
-        match choice {
-            Chosen::Open(path) => self.open_guarded(Coming::Path(path)),
-            Chosen::SaveAs(path) => self.send_save(Some(path)),
-            Chosen::Export(field, path) => self.send(Command::Volume(VolumeCommand::Export { field, path })),
-            Chosen::Image(path) => self.send(Command::Render(crate::document::RenderCommand::Image {
-                path,
-                view: self.viewports.active(),
-                size: None,
-                camera: None,
-                transparent: false,
-                background: None,
-                supersample: 1,
-            })),
-            Chosen::Selection(path) => {
-                let import = crate::document::SelectionCommand::Import { path, threshold: 0.0, soften_mm: 0.0 };
-                self.send(Command::Selection(import));
-            }
-        }
-    }
-
-    fn take_drops(&mut self, ctx: &egui::Context) {
-        let dropped = ctx.input(|i| i.raw.dropped_files.first().map(|f| f.path().to_path_buf()));
-        if let Some(path) = dropped {
-            self.open_guarded(Coming::Path(path));
         }
     }
 
@@ -372,12 +355,12 @@ impl App {
     /// One pass over the window.
     pub fn show(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
+        self.context = ctx.clone();
         self.scale(&ctx);
         self.rest_wheel(&ctx);
         self.take_reports(&ctx);
         self.pointed_part = None;
-        self.take_choices();
-        self.take_drops(&ctx);
+        self.take_files(&ctx);
         self.guard_close(&ctx);
         self.take_keys(&ctx);
         self.grounds.begin(ui);

@@ -32,6 +32,11 @@ pub(super) enum Icon {
     Message,
     Down,
     Right,
+    Up,
+    Folder,
+    Project,
+    File,
+    Recent,
 }
 
 /// Draws an icon in the middle of a rectangle.
@@ -141,6 +146,23 @@ pub(super) fn paint(painter: &Painter, rect: Rect, icon: Icon, colour: Color32) 
         }
         Icon::Down => pen.line(&[(4.5, 6.5), (8.0, 10.0), (11.5, 6.5)]),
         Icon::Right => pen.line(&[(6.5, 4.5), (10.0, 8.0), (6.5, 11.5)]),
+        Icon::Up => {
+            pen.line(&[(8.0, 13.0), (8.0, 3.5)]);
+            pen.line(&[(4.0, 7.5), (8.0, 3.5), (12.0, 7.5)]);
+        }
+        Icon::Folder => pen.folder(),
+        Icon::Project => {
+            pen.folder();
+            pen.closed(&[(8.0, 7.0), (10.5, 9.5), (8.0, 12.0), (5.5, 9.5)]);
+        }
+        Icon::File => {
+            pen.closed(&[(3.5, 1.5), (9.5, 1.5), (12.5, 4.5), (12.5, 14.5), (3.5, 14.5)]);
+            pen.line(&[(9.5, 1.5), (9.5, 4.5), (12.5, 4.5)]);
+        }
+        Icon::Recent => {
+            pen.circle((8.0, 8.0), 6.0);
+            pen.line(&[(8.0, 4.5), (8.0, 8.0), (10.5, 9.5)]);
+        }
     }
 }
 
@@ -179,6 +201,10 @@ impl Pen<'_> {
             .map(|(s, c)| self.at((centre.0 + rx * c, centre.1 + ry * s)))
             .collect();
         self.painter.add(egui::Shape::closed_line(points, Stroke::new(1.1, self.colour)));
+    }
+
+    fn folder(&self) {
+        self.closed(&[(1.5, 13.5), (1.5, 3.0), (6.0, 3.0), (7.5, 5.0), (14.5, 5.0), (14.5, 13.5)]);
     }
 
     /// The arrow of undo, or of redo mirrored.

@@ -5,9 +5,11 @@
 
 mod app;
 mod borders;
+pub mod browse;
 mod colour;
 mod dialogs;
 mod echo;
+mod glance;
 mod icons;
 mod layout;
 mod notes;
@@ -17,9 +19,12 @@ mod panels;
 mod pictures;
 mod pointer;
 mod progress;
+mod recent;
 mod reports;
+mod sample;
 mod saving;
 mod session;
+mod start;
 mod stir;
 mod studio;
 pub mod theme;
@@ -29,8 +34,11 @@ mod widgets;
 mod worker;
 
 pub use app::App;
+pub use glance::{Glance, glance};
 pub use layout::Layout;
 pub use progress::Stop;
+pub use recent::{Recent, Seen};
+pub use sample::Sample;
 pub use session::{Far, Gravity, Opened, Picture, Report, Request, Session, Snapshot};
 pub use viewport::Canvas;
 pub use worker::spawn;
@@ -61,9 +69,11 @@ pub fn run(options: Options) -> Result<(), String> {
     let native = eframe::NativeOptions { viewport, dithering: false, ..Default::default() };
     let mut document = Document::new();
     // Without a place for a journal work goes on; the first save makes it safe.
+    let mut recent = Recent::default();
     let unsafe_until_saved = match recovery::state_dir() {
         Ok(folder) => {
-            document.keep_unsaved_in(folder);
+            document.keep_unsaved_in(folder.clone());
+            recent = Recent::kept_in(folder);
             None
         }
         Err(error) => Some(format!("work is not safe from a crash until it is saved: {error}")),
@@ -79,7 +89,8 @@ pub fn run(options: Options) -> Result<(), String> {
                 *place = Some(thread);
             }
             let state = cc.wgpu_render_state.as_ref().ok_or("no graphics device for the window")?;
-            let mut app = App::new(session).with_canvas(Canvas::new(state)?);
+            let app = App::new(session).with_canvas(Canvas::new(state)?);
+            let mut app = app.with_files(recent, std::env::home_dir()).with_system_dialogs();
             if let Ok(folder) = recovery::state_dir() {
                 app = app.with_layout(folder.join("window.json"));
             }

@@ -1,7 +1,7 @@
 //! From egui's raw events to the tools' events: every sample of the pointer, not just the last of a frame.
 
 use super::app::App;
-use super::dialogs::Dialog;
+use super::dialogs::What;
 use super::session::Request;
 use crate::document::{HistoryCommand, ViewCommand, ViewName};
 use crate::interact::{Action, Button, Event, Interaction, Key, Modifiers, PointerEvent, Wheel, action_of};
@@ -211,9 +211,11 @@ impl App {
             Action::Save => self.save(),
             Action::SaveAs => {
                 self.after_save = None;
-                self.ask_path(Dialog::save_as(self));
+                if self.opened().is_some() {
+                    self.ask(What::SaveAs);
+                }
             }
-            Action::Open => self.ask_path(Dialog::open()),
+            Action::Open => self.ask(What::Open),
             Action::Fit => self.send_view(ViewCommand::Fit { view: self.viewports.meant() }),
             Action::Front => self.send_view(ViewCommand::Frame { from: [0.0, 1.0, 0.0], up: None, zoom: None }),
             Action::Back(of) => self.walk_past(ViewCommand::Back { of }),
@@ -223,9 +225,9 @@ impl App {
             Action::Abort => {
                 if self.interaction.gesture().is_some() {
                     self.interact(Event::Abort);
-                } else if self.dialog == Some(Dialog::Saving) {
-                    self.stop();
-                } else if self.dialog.take().is_none() {
+                } else if self.dialog.is_some() {
+                    self.leave_dialog();
+                } else {
                     self.keys_open = false;
                 }
             }

@@ -1,11 +1,16 @@
 //! What comes back from the document, and what the window makes of it.
 
 use super::app::{App, Busy};
+use super::browse::shown;
 use super::dialogs::{Dialog, Lost};
 use super::panels::transfer::TransferEditor;
 use super::session::{Gravity, Report};
-use crate::document::{Command, ProjectCommand, ViewName};
+use super::worker::topic;
+use crate::document::{
+    Command, ProjectCommand, RenderCommand, SegmentCommand, SelectionCommand, ViewName, VolumeCommand,
+};
 use crate::interact::readout;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 impl App {
@@ -19,6 +24,7 @@ impl App {
                         (new, old) => new.is_some() != old.is_some(),
                     };
                     if opened_anew {
+                        self.all_mended();
                         self.pictures.clear();
                         self.grounds.forget();
                         self.trail.clear();
@@ -47,6 +53,7 @@ impl App {
                         self.say(Gravity::Error, error.to_string());
                     }
                 },
+                Report::Sketch(command, sketch) => self.take_sketch(&command, sketch),
                 Report::Probe(value) => self.probe = value,
                 Report::Refining(refining) => self.refining = refining,
                 Report::Nothing(text) => self.note(ctx, text),
@@ -66,6 +73,9 @@ impl App {
                     self.say(gravity, text);
                 }
                 Report::Done(command, answer) => self.done(ctx, &command, &answer),
+                Report::Refused(command, reason) => self.refused(&command, reason),
+                Report::Complaint(topic, reason) => self.complain(&topic, reason),
+                Report::Mended(topic) => self.mended(&topic),
             }
         }
     }
@@ -80,8 +90,53 @@ impl App {
             self.say(Gravity::Warning, text);
             self.messages_open = true;
         }
+        self.file_done(command);
+        self.tell_of_file(command, answer);
         if let Command::Project(ProjectCommand::Save { .. }) = command {
             self.saved(ctx);
+        }
+    }
+
+    fn refused(&mut self, command: &Command, reason: String) {
+        if matches!(command, Command::Project(ProjectCommand::Save { .. })) {
+            self.wait_no_more();
+        }
+        // Whoever typed the path reads the reason beside it.
+        if !self.file_failed(command, &reason) {
+            self.complain(&topic(command), reason);
+        }
+    }
+
+    /// Notes what was opened or saved, and says where what was written lies.
+    fn tell_of_file(&mut self, command: &Command, answer: &serde_json::Value) {
+        let named = |path: &Path| shown(path.file_name().unwrap_or(path.as_os_str()));
+        match command {
+            Command::Volume(VolumeCommand::Open { path, .. }) => self.recent.note(path, false),
+            Command::Project(ProjectCommand::Open { path, .. }) => self.recent.note(path, true),
+            Command::Project(ProjectCommand::Save { path, .. }) => {
+                let known = self.snapshot.project.clone();
+                let path = answer["path"].as_str().map(PathBuf::from).or_else(|| path.clone()).or(known);
+                self.mended("project.save");
+                if let Some(path) = path {
+                    self.recent.note(&path, true);
+                    self.confirm(format!("Saved project {}", named(&path)), Some(path));
+                }
+            }
+            Command::Volume(VolumeCommand::Export { field, path }) => {
+                self.confirm(format!("Exported {} to {}", field.name(), named(path)), Some(path.clone()));
+            }
+            Command::Render(RenderCommand::Image { path, .. }) => {
+                self.confirm(format!("Saved picture {}", named(path)), Some(path.clone()));
+            }
+            Command::Segment(SegmentCommand::Import { path, .. }) => {
+                let count = answer["segments"].as_array().map_or(0, Vec::len);
+                let segments = if count == 1 { "one segment".to_owned() } else { format!("{count} segments") };
+                self.confirm(format!("Imported {segments} from {}", named(path)), None);
+            }
+            Command::Selection(SelectionCommand::Import { path, .. }) => {
+                self.confirm(format!("Imported the selection from {}", named(path)), None);
+            }
+            _ => {}
         }
     }
 }

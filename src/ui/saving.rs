@@ -3,9 +3,9 @@
 //! While something waits nothing can be changed, so that what closes is what was saved.
 
 use super::app::App;
-use super::dialogs::Dialog;
+use super::dialogs::{Dialog, What};
 use super::theme;
-use crate::document::{Command, ProjectCommand};
+use crate::document::{Command, OpenAs, ProjectCommand};
 use egui::{Button, ProgressBar, Ui, ViewportCommand, vec2};
 use std::path::PathBuf;
 
@@ -14,6 +14,8 @@ use std::path::PathBuf;
 pub(super) enum Coming {
     /// A volume or a project.
     Path(PathBuf),
+    /// A volume whose values mean something else than grey.
+    Volume(PathBuf, OpenAs),
     /// What a crash left behind, and the file that it was of.
     Lost { id: String, origin: String },
 }
@@ -22,7 +24,7 @@ impl Coming {
     /// What the user knows it by.
     pub(super) fn name(&self) -> String {
         let path = match self {
-            Self::Path(path) => path.as_path(),
+            Self::Path(path) | Self::Volume(path, _) => path.as_path(),
             Self::Lost { origin, .. } => std::path::Path::new(origin),
         };
         path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
@@ -51,7 +53,7 @@ impl App {
         if self.snapshot.project.is_some() {
             self.send_save(None);
         } else {
-            self.ask_path(Dialog::save_as(self));
+            self.ask(What::SaveAs);
         }
     }
 
@@ -76,6 +78,7 @@ impl App {
     pub(super) fn open_now(&mut self, coming: Coming) {
         match coming {
             Coming::Path(path) => self.open(&path),
+            Coming::Volume(path, open_as) => self.open_as(path, open_as),
             Coming::Lost { id, .. } => self.send(Command::Project(ProjectCommand::Recover { id })),
         }
     }
@@ -83,7 +86,7 @@ impl App {
     /// Nothing follows a save that runs: it failed, or was stopped.
     pub(super) fn wait_no_more(&mut self) {
         self.after_save = None;
-        self.dialog.take_if(|d| *d == Dialog::Saving);
+        self.dialog.take_if(|d| matches!(d, Dialog::Saving));
     }
 
     /// All is on disk.
@@ -100,7 +103,7 @@ impl App {
         }
     }
 
-    pub(super) fn saving_dialog(&mut self, ui: &mut Ui) {
+    pub(super) fn saving_dialog(&mut self, ui: &mut Ui) -> Option<Dialog> {
         let name = self.document_title();
         ui.heading(format!("Saving {}", name.trim_end_matches('*')));
         ui.add_space(12.0);
@@ -111,6 +114,9 @@ impl App {
             super::widgets::from_right_row(ui, |ui| ui.add(Button::new("Cancel").min_size(vec2(90.0, 30.0))).clicked());
         if cancelled {
             self.stop();
+            return None;
         }
+        // What was waited for may have come in this very frame.
+        self.after_save.is_some().then_some(Dialog::Saving)
     }
 }

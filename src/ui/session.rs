@@ -4,7 +4,7 @@
 //! a serial; a snapshot says which was the last that it knows of.
 
 use super::progress::Stop;
-use crate::document::{Command, Scene, ViewName};
+use crate::document::{Command, RenderCommand, Scene, ViewName};
 use crate::math::{Camera, DVec2};
 use crate::volume::{Grid, Histogram, Statistics, VoxelType};
 use serde_json::Value;
@@ -30,6 +30,8 @@ pub enum Request {
     Show(Vec<ViewName>),
     /// The view that something is held in: pictures may be coarse meanwhile, and this one comes first.
     Held(Option<ViewName>),
+    /// A small picture that shows what a large one will be; its path is not looked at.
+    Sketch(RenderCommand),
     /// The window is closed in order; what is not saved may be thrown away.
     Quit,
 }
@@ -111,6 +113,8 @@ pub enum Gravity {
 pub enum Report {
     /// The document changed.
     Snapshot(Arc<Snapshot>),
+    /// What was asked for by [`Request::Sketch`]: pixels and display-referred r, g, b, a, or why not.
+    Sketch(RenderCommand, Result<([u32; 2], Vec<u8>), String>),
     /// A view was drawn.
     Picture(Box<Picture>),
     /// The voxel under the pointer, as `ask.voxel` answers; null where there is none.
@@ -129,6 +133,12 @@ pub enum Report {
     Message(Gravity, String),
     /// A command was done; its answer.
     Done(Command, Value),
+    /// A command was not done; why.
+    Refused(Box<Command>, String),
+    /// Something else was not done, by a name of its own; why.
+    Complaint(String, String),
+    /// What was refused before, as `noun.verb`, has now worked.
+    Mended(String),
 }
 
 /// The window's end.

@@ -83,11 +83,6 @@ impl Viewports {
         self.maximised
     }
 
-    /// The view that commands without a view mean.
-    pub(super) fn active(&self) -> ViewName {
-        self.maximised.unwrap_or(self.last_used)
-    }
-
     /// The view that a key means: the one under the pointer, or the one used last.
     pub(super) fn meant(&self) -> ViewName {
         self.maximised.or(self.hovered.map(|(view, _)| view)).unwrap_or(self.last_used)
@@ -107,7 +102,8 @@ impl App {
             let all = ui.max_rect();
             if self.opened().is_none() {
                 self.grounds.fill(all, theme::DEEP);
-                self.welcome(ui);
+                self.start_page(ui);
+                self.toast(ui.ctx(), all);
                 return;
             }
             let tiles: Vec<(ViewName, Rect)> = match self.viewports.maximised {
@@ -131,6 +127,7 @@ impl App {
             }
             let sizes = bodies.iter().map(|&(v, r)| (v, pixels(r, scale))).collect();
             self.report_views(tiles.iter().map(|t| t.0).collect(), sizes);
+            self.toast(ui.ctx(), all);
         });
     }
 
@@ -307,39 +304,6 @@ impl App {
             let (rect, _) = ui.allocate_exact_size(vec2(right - ui.cursor().left(), 20.0), Sense::hover());
             ui.painter().galley(rect.right_center() - vec2(text.size().x, text.size().y * 0.5), text, theme::TEXT_WEAK);
         }
-    }
-
-    fn welcome(&mut self, ui: &mut Ui) {
-        let busy = self.busy.is_some();
-        let width = 420.0;
-        let rect = Rect::from_center_size(ui.max_rect().center(), vec2(width, 200.0));
-        ui.scope_builder(UiBuilder::new().max_rect(rect).layout(egui::Layout::top_down(egui::Align::Center)), |ui| {
-            let title = if busy { "One moment" } else { "Open a volume to begin" };
-            ui.label(egui::RichText::new(title).size(20.0).color(theme::TEXT));
-            ui.add_space(8.0);
-            let text = self
-                .busy
-                .as_ref()
-                .map_or("NIfTI (.nii, .nii.gz), NRRD (.nrrd), or a Burin project folder", |b| b.what.as_str());
-            ui.label(egui::RichText::new(text).color(theme::TEXT_WEAK));
-            ui.add_space(16.0);
-            if let Some(busy) = &self.busy {
-                match busy.percent {
-                    Some(percent) => {
-                        let bar = egui::ProgressBar::new(percent as f32 / 100.0).desired_width(width * 0.5);
-                        ui.add(bar.desired_height(6.0).fill(theme::ACCENT));
-                    }
-                    None => spinner(ui, 24.0),
-                }
-                return;
-            }
-            let button = egui::Button::new(egui::RichText::new("Open…").color(Color32::WHITE)).fill(theme::ACCENT_FILL);
-            if ui.add(button.min_size(vec2(140.0, 34.0))).on_hover_text("A volume or a project (Ctrl + O)").clicked() {
-                self.act(crate::interact::Action::Open);
-            }
-            ui.add_space(8.0);
-            ui.label(egui::RichText::new("or drop a file here").color(theme::TEXT_WEAK));
-        });
     }
 }
 

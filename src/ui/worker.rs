@@ -9,11 +9,13 @@ use super::stir::Cause;
 use super::studio::Studio;
 use crate::document::{
     Command, Document, DocumentError, ExplosionCommand, HistoryCommand, KeepError, Place, ProjectCommand, Question,
-    SegmentCommand, ViewName, VolumeCommand,
+    RenderCommand, SegmentCommand, ViewName, VolumeCommand,
 };
+use crate::io::in_words;
 use crate::math::DVec2;
 use crate::volume::Histogram;
 use serde_json::Value;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::mpsc::TryRecvError;
 use std::thread::JoinHandle;
@@ -23,6 +25,8 @@ use std::time::{Duration, Instant};
 const MOST_STEPS: u32 = 4;
 /// Milliseconds after which a picture is due: a step that measures what hides the selection draws a picture of its own.
 const STEPS_MS: u128 = 30;
+/// Names pictures among what can be refused.
+const PICTURE: &str = "picture";
 /// As good as at once.
 const SOON: Duration = Duration::from_millis(1);
 
@@ -47,6 +51,7 @@ pub fn spawn(mut document: Document, wake: egui::Context) -> std::io::Result<(Se
         gpu: None,
         moving: false,
         histogram: None,
+        refused: BTreeSet::new(),
         told: None,
         refining: false,
     };
@@ -74,6 +79,8 @@ struct Worker {
     gpu: Option<Result<String, String>>,
     moving: bool,
     histogram: Option<Arc<Histogram>>,
+    /// What was refused and has not worked since, as `noun.verb`.
+    refused: BTreeSet<String>,
     /// Revision and serial of the last snapshot sent.
     told: Option<(u64, u64, bool)>,
     /// What was said last of the 3D view.
@@ -143,6 +150,7 @@ impl Worker {
             Request::Apply(command) => self.apply(command),
             Request::Probe { view, px, size } => self.probe = Some((view, px, size)),
             Request::Show(views) => self.shown = views,
+            Request::Sketch(command) => self.sketch(command),
             Request::Held(held) => self.held = held,
             Request::Quit => return false,
         }
@@ -158,10 +166,14 @@ impl Worker {
         let rough = self.rough();
         match self.studio.draw(&mut self.document, &self.shown, self.held, rough) {
             Ok(Some(picture)) => {
+                self.worked(PICTURE);
                 self.report(Report::Picture(Box::new(Picture { serial: self.serial, ..picture })));
             }
             Ok(None) => {}
-            Err(error) => self.report(Report::Message(Gravity::Error, error.to_string())),
+            Err(error) => {
+                self.refused.insert(PICTURE.into());
+                self.report(Report::Complaint(PICTURE.into(), error.to_string()));
+            }
         }
     }
 
@@ -194,6 +206,9 @@ impl Worker {
                 if let Some(nothing) = answer["nothing"].as_str() {
                     self.report(Report::Nothing(nothing.to_owned()));
                 }
+                if !self.refused.is_empty() {
+                    self.worked(&topic(&command));
+                }
                 if started.is_some() || matches!(command, Command::Project(_)) {
                     self.report(Report::Done(command, answer));
                 }
@@ -208,7 +223,17 @@ impl Worker {
             Err(error @ DocumentError::Keep(KeepError::Stopped)) => {
                 self.report(Report::Message(Gravity::Note, error.to_string()));
             }
-            Err(error) => self.report(Report::Message(Gravity::Error, error.to_string())),
+            Err(error) => {
+                self.refused.insert(topic(&command));
+                self.report(Report::Refused(Box::new(command), error.to_string()));
+            }
+        }
+    }
+
+    /// What was refused before has worked now.
+    fn worked(&mut self, topic: &str) {
+        if self.refused.remove(topic) {
+            self.report(Report::Mended(topic.to_owned()));
         }
     }
 
@@ -218,6 +243,22 @@ impl Worker {
         for warning in one.chain(many) {
             self.report(Report::Message(Gravity::Warning, warning.to_owned()));
         }
+    }
+
+    /// Does the command that writes a picture, to a place of its own, and shows what was written.
+    fn sketch(&mut self, asked: RenderCommand) {
+        let mut drawn = || -> Result<([u32; 2], Vec<u8>), String> {
+            let place = tempfile::tempdir().map_err(|error| in_words(&error))?;
+            let file = place.path().join("sketch.png");
+            let RenderCommand::Image { view, size, camera, transparent, background, supersample, .. } = asked.clone();
+            let path = file.clone();
+            let command = RenderCommand::Image { path, view, size, camera, transparent, background, supersample };
+            self.document.apply(Command::Render(command)).map_err(|error| error.to_string())?;
+            let image = image::open(&file).map_err(|error| error.to_string())?.into_rgba8();
+            Ok((image.dimensions().into(), image.into_raw()))
+        };
+        let drawn = drawn();
+        self.report(Report::Sketch(asked, drawn));
     }
 
     /// Lets the parts move on.
@@ -231,7 +272,7 @@ impl Worker {
                 Ok(answer) => self.moving = answer["moving"].as_bool() == Some(true),
                 Err(error) => {
                     self.moving = false;
-                    self.report(Report::Message(Gravity::Error, error.to_string()));
+                    self.report(Report::Complaint(PICTURE.into(), error.to_string()));
                 }
             }
             if !self.moving || begun.elapsed().as_millis() > STEPS_MS {
@@ -304,6 +345,15 @@ fn replaces(command: &Command) -> bool {
             | Command::Volume(VolumeCommand::Open { .. })
             | Command::Project(ProjectCommand::Open { .. } | ProjectCommand::Recover { .. })
     )
+}
+
+/// A command's noun and verb, as `noun.verb`.
+pub(super) fn topic(command: &Command) -> String {
+    let value = serde_json::to_value(command).unwrap_or_default();
+    let first = |value: &Value| value.as_object().and_then(|o| o.iter().next().map(|(k, v)| (k.clone(), v.clone())));
+    let Some((noun, inner)) = first(&value) else { return value.as_str().unwrap_or_default().to_owned() };
+    let verb = first(&inner).map(|(verb, _)| verb).or_else(|| inner.as_str().map(str::to_owned));
+    format!("{noun}.{}", verb.unwrap_or_default())
 }
 
 /// What the window says while a command runs that may take over a tenth of a second.

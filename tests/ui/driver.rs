@@ -4,11 +4,12 @@ use super::scene;
 use burin::document::{Command, Scene, ViewCommand};
 use burin::explode::{Part, PartId};
 use burin::math::{DVec3, Pose};
-use burin::ui::{App, Canvas, Far, Opened, Report, Request, Session, Snapshot};
+use burin::ui::{App, Canvas, Far, Opened, Recent, Report, Request, Session, Snapshot};
 use burin::volume::{Histogram, Statistics, VoxelType};
 use eframe::egui_wgpu::RenderState;
 use egui::{Modifiers, vec2};
 use egui_kittest::{Harness, kittest::Queryable, wgpu::WgpuTestRenderer};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The window and the other end of its session.
@@ -42,6 +43,11 @@ impl Window {
     /// As [`open`](Self::open), with a layout that is kept in a file.
     pub fn keeping(size: [f32; 2], layout: &std::path::Path) -> Self {
         Self::made(size, |app| app.with_layout(layout.into())).with_volume()
+    }
+
+    /// With nothing open, a list of what was open lately and a home folder.
+    pub fn with_files(size: [f32; 2], recent: Recent, home: Option<PathBuf>) -> Self {
+        Self::made(size, |app| app.with_files(recent, home))
     }
 
     fn made(size: [f32; 2], with: impl FnOnce(App) -> App) -> Self {

@@ -1,18 +1,23 @@
 //! The window and its tools: pure state machines, panels driven by accessible names, and one real window.
 
 mod answers;
+mod browse;
 mod busy;
 mod curve;
 mod driver;
+mod files;
+mod glance;
 mod interact;
 mod layout;
 mod looks;
+mod meaning;
 mod names;
 mod painted;
 mod preview;
 mod projection;
 mod reach;
 mod real;
+mod recent;
 mod saving;
 mod slices;
 mod surface;

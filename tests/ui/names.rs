@@ -105,9 +105,31 @@ pub(super) fn states() -> Vec<(&'static str, Window, &'static str)> {
     add("a chosen point of opacity", "Opacity of the point", &click("Opacity point 2"));
     add("a chosen point of colour", "Colour of the point", &click("Colour point 2"));
     add("a colour picker", "Pick red", &click("Colour of Right half"));
-    add("the menu", "Export labels as NRRD…", &click("More…"));
     add("ready looks", "See-through", &click("Ready looks"));
     add("ready windows", "Automatic", &click("Ready windows"));
+    add("the menu", "Export…", &click("More…"));
+    let from_menu = |name| {
+        move |window: &mut Window| {
+            window.click("More…");
+            window.click(name);
+        }
+    };
+    add("an export", "Format: NIfTI (.nii.gz)", &from_menu("Export…"));
+    add("a picture to save", "Size: 4K", &from_menu("Save picture…"));
+    add("a picture of a size of its own", "Height in pixels", &|window| {
+        from_menu("Save picture…")(window);
+        window.click("Size: Own");
+        window.click("Background: Colour");
+    });
+    add("a folder to be made", "Make the folder", &|window| {
+        window.key(Modifiers::COMMAND | Modifiers::SHIFT, egui::Key::S);
+        window.click("New folder");
+    });
+    add("what was written", "Copy the path of what was written", &|window| {
+        let save = Command::Project(ProjectCommand::Save { path: Some("/data/h.burin".into()), density: None });
+        window.report(Report::Done(save, serde_json::json!({})));
+        window.click("Messages");
+    });
     add("the labels to choose from", "2  Segment 2", &|window| {
         target(Target::Label(1))(window);
         window.click("Label to paint");

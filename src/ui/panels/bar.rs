@@ -3,11 +3,10 @@
 use crate::document::HistoryCommand;
 use crate::interact::{Action, Tool};
 use crate::ui::app::App;
-use crate::ui::dialogs::Dialog;
+use crate::ui::dialogs::What;
 use crate::ui::icons::Icon;
 use crate::ui::theme;
 use crate::ui::widgets::{Face, from_right, icon_button, tipped};
-use crate::volume::FieldKind;
 use egui::{Frame, Margin, Panel, RichText, Ui};
 
 const fn icon_of(tool: Tool) -> Icon {
@@ -75,20 +74,20 @@ impl App {
             .on_hover_text("Another volume of the same place: what is above 0 is selected")
             .clicked()
         {
-            self.ask_path(Dialog::selection());
+            self.ask(What::Selection);
+        }
+        let labels = ui.button("Import labels…");
+        if labels.on_hover_text("A label map of the same place: each value becomes a segment").clicked() {
+            self.ask(What::Labels);
         }
         ui.separator();
-        for (field, what) in [
-            (FieldKind::Labels, "Export labels as NRRD…"),
-            (FieldKind::Selection, "Export selection as NRRD…"),
-            (FieldKind::Density, "Export density as NRRD…"),
-        ] {
-            if ui.button(what).clicked() {
-                self.ask_path(Dialog::export(self, field));
-            }
+        let export = ui.button("Export…");
+        if export.on_hover_text("Density, labels, selection or colour as NRRD or NIfTI").clicked() {
+            self.ask_export();
         }
-        if ui.button("Save picture…").on_hover_text("The view last used, as PNG or EXR").clicked() {
-            self.ask_path(Dialog::image(self));
+        let picture = ui.button("Save picture…");
+        if picture.on_hover_text("A view in any size, on any ground, as PNG or EXR").clicked() {
+            self.ask_picture();
         }
     }
 

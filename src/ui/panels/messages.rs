@@ -1,11 +1,40 @@
-//! Errors and warnings, until they are read and dismissed.
+//! What was done and what went wrong: a short word over the views that goes by itself, and the list that keeps it.
+//!
+//! A message about a command that failed goes when the same command has worked. Nothing here lies over a control.
 
+use crate::io::without_numbers;
 use crate::ui::app::App;
+use crate::ui::browse::shown;
 use crate::ui::icons::Icon;
 use crate::ui::session::Gravity;
 use crate::ui::theme;
 use crate::ui::widgets::{Face, from_right, icon_button};
-use egui::{Frame, Margin, Panel, RichText, ScrollArea, Ui};
+use egui::{Align2, Area, Context, Frame, Id, Margin, Order, Panel, Rect, RichText, ScrollArea, Ui, vec2};
+use std::path::{Path, PathBuf};
+
+/// Seconds that a word over the views stays, and after the pointer has left it.
+const STAYS: f64 = 8.0;
+/// Messages that are kept: a program that fails in a loop must not fill the memory with its complaints.
+const MOST: usize = 200;
+
+/// A message of the list.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::ui) struct Message {
+    pub(in crate::ui) gravity: Gravity,
+    pub(in crate::ui) text: String,
+    /// What was written.
+    pub(in crate::ui) path: Option<PathBuf>,
+    /// The command that failed, as `noun.verb`.
+    pub(in crate::ui) topic: Option<String>,
+}
+
+/// The word over the views.
+#[derive(Clone, Debug)]
+pub(in crate::ui) struct Toast {
+    message: Message,
+    /// Seconds of egui's clock; `None` before it is first seen.
+    until: Option<f64>,
+}
 
 const fn colour(gravity: Gravity) -> egui::Color32 {
     match gravity {
@@ -16,32 +45,82 @@ const fn colour(gravity: Gravity) -> egui::Color32 {
 }
 
 impl App {
+    /// Adds to the list of messages; errors open it.
+    pub(in crate::ui) fn say(&mut self, gravity: Gravity, text: String) {
+        self.add_message(Message { gravity, text, path: None, topic: None });
+    }
+
+    /// An error that goes when what failed has worked.
+    pub(in crate::ui) fn complain(&mut self, topic: &str, text: String) {
+        self.add_message(Message { gravity: Gravity::Error, text, path: None, topic: Some(topic.into()) });
+    }
+
+    /// A warning that goes when something is done.
+    pub(in crate::ui) fn warn_until(&mut self, topic: &str, text: String) {
+        self.add_message(Message { gravity: Gravity::Warning, text, path: None, topic: Some(topic.into()) });
+    }
+
+    /// A short word about what was written, with a way to it.
+    pub(in crate::ui) fn confirm(&mut self, text: String, path: Option<PathBuf>) {
+        let message = Message { gravity: Gravity::Note, text, path, topic: None };
+        self.toast = Some(Toast { message: message.clone(), until: None });
+        self.add_message(message);
+    }
+
+    fn add_message(&mut self, message: Message) {
+        let message = Message { text: without_numbers(&message.text), ..message };
+        // The same again is no news, but it is the last one now.
+        self.messages.retain(|m| m.text != message.text || m.path != message.path);
+        self.messages_open |= message.gravity == Gravity::Error;
+        self.messages.push(message);
+        if self.messages.len() > MOST {
+            self.messages.remove(0);
+        }
+    }
+
+    /// What failed has worked: complaints about it are gone.
+    pub(in crate::ui) fn mended(&mut self, topic: &str) {
+        self.messages.retain(|m| m.topic.as_deref() != Some(topic));
+        self.messages_open &= !self.messages.is_empty();
+    }
+
+    /// Another document is open: complaints about commands on the last one are gone.
+    pub(in crate::ui) fn all_mended(&mut self) {
+        self.messages.retain(|m| m.topic.is_none() || m.gravity != Gravity::Error);
+        self.messages_open &= !self.messages.is_empty();
+    }
+
     pub(in crate::ui) fn message_list(&mut self, ui: &mut Ui) {
         if !self.messages_open || self.messages.is_empty() {
             return;
         }
-        let mut dismissed = None;
+        let (mut dismissed, mut show) = (None, None);
         let frame = Frame::new().inner_margin(Margin::symmetric(10, 6));
         let list = Panel::bottom("messages").frame(frame).max_size(180.0).show(ui, |ui| {
             ui.horizontal(|ui| {
                 ui.label(RichText::new(format!("Messages ({})", self.messages.len())).color(theme::TEXT));
                 from_right(ui, |ui| {
-                    if ui.button("Dismiss all").clicked() {
+                    if ui.button("Dismiss all").on_hover_text("Empties this list").clicked() {
                         dismissed = Some(None);
                     }
-                    if ui.button("Hide").clicked() {
+                    let tip = "The button with the sign at the top right brings the list back";
+                    if ui.button("Hide").accessible_name("Hide messages").on_hover_text(tip).clicked() {
                         self.messages_open = false;
                     }
                 });
             });
             ScrollArea::vertical().id_salt("messages").max_height(120.0).auto_shrink([false, true]).show(ui, |ui| {
-                for (i, (gravity, text)) in self.messages.iter().enumerate().rev() {
+                for (i, message) in self.messages.iter().enumerate().rev() {
                     ui.horizontal(|ui| {
                         let name = format!("Dismiss message {}", i + 1);
                         if icon_button(ui, Face::small(Icon::Close, &name, "Dismiss")).clicked() {
                             dismissed = Some(Some(i));
                         }
-                        ui.add(egui::Label::new(RichText::new(text).color(colour(*gravity))).wrap());
+                        let about = format!("message {}", i + 1);
+                        if let Some(way) = message.path.as_deref().and_then(|path| ways(ui, path, &about)) {
+                            show = Some(way);
+                        }
+                        ui.add(egui::Label::new(RichText::new(&message.text).color(colour(message.gravity))).wrap());
                     });
                 }
             });
@@ -54,5 +133,108 @@ impl App {
             Some(None) => self.messages.clear(),
             None => {}
         }
+        if let Some(way) = show {
+            self.go_way(ui.ctx(), way);
+        }
+    }
+
+    /// The word over the views, in the middle of their lower edge, where no control is.
+    pub(in crate::ui) fn toast(&mut self, ctx: &Context, views: Rect) {
+        let Some(toast) = &mut self.toast else { return };
+        if self.dialog.is_some() {
+            // Not over a question; it is shown for its time afterwards.
+            toast.until = None;
+            return;
+        }
+        let now = ctx.input(|i| i.time);
+        let until = *toast.until.get_or_insert(now + STAYS);
+        if now >= until {
+            self.toast = None;
+            return;
+        }
+        ctx.request_repaint_after(std::time::Duration::from_secs_f64(until - now));
+        let message = toast.message.clone();
+        let at = views.center_bottom() - vec2(0.0, 12.0);
+        let (mut way, mut close) = (None, false);
+        let area = Area::new(Id::unique("toast")).order(Order::Foreground).pivot(Align2::CENTER_BOTTOM).fixed_pos(at);
+        let response = area.show(ctx, |ui| {
+            Frame::popup(ui.style()).inner_margin(Margin::symmetric(12, 8)).show(ui, |ui| {
+                ui.set_max_width(views.width() - 48.0);
+                ui.horizontal(|ui| {
+                    ui.add(egui::Label::new(RichText::new(&message.text).color(theme::TEXT)).truncate());
+                    ui.add_space(8.0);
+                    way = message.path.as_deref().and_then(|path| ways(ui, path, "what was written"));
+                    close = icon_button(ui, Face::small(Icon::Close, "Close this word", "Close")).clicked();
+                });
+            })
+        });
+        if response.response.contains_pointer()
+            && let Some(toast) = &mut self.toast
+        {
+            toast.until = Some(until.max(now + STAYS * 0.5));
+        }
+        if close || way.is_some() {
+            self.toast = None;
+        }
+        if let Some(way) = way {
+            self.go_way(ctx, way);
+        }
+    }
+
+    fn go_way(&mut self, ctx: &Context, way: Way) {
+        let path = match way {
+            Way::Copy(path) => path,
+            Way::Folder(path) => {
+                if show_in_folder(&path) {
+                    return;
+                }
+                self.say(Gravity::Warning, "No file manager answered; the path was copied instead.".into());
+                path
+            }
+        };
+        ctx.copy_text(path.to_string_lossy().into_owned());
+    }
+}
+
+enum Way {
+    Folder(PathBuf),
+    Copy(PathBuf),
+}
+
+/// How to get to a file.
+fn ways(ui: &mut Ui, path: &Path, about: &str) -> Option<Way> {
+    let full = shown(path.as_os_str());
+    let folder = ui.small_button("Show in folder").accessible_name(format!("Show {about} in its folder"));
+    let copy = ui.small_button("Copy path").accessible_name(format!("Copy the path of {about}"));
+    if folder.on_hover_text(&full).clicked() {
+        Some(Way::Folder(path.into()))
+    } else {
+        copy.on_hover_text(full).clicked().then(|| Way::Copy(path.into()))
+    }
+}
+
+/// Asks the system's file manager; `false` if there is none.
+fn show_in_folder(path: &Path) -> bool {
+    let mut command = if cfg!(target_os = "windows") {
+        let mut explorer = std::process::Command::new("explorer");
+        explorer.arg("/select,").arg(path);
+        explorer
+    } else if cfg!(target_os = "macos") {
+        let mut finder = std::process::Command::new("open");
+        finder.arg("-R").arg(path);
+        finder
+    } else {
+        let mut manager = std::process::Command::new("xdg-open");
+        manager.arg(path.parent().unwrap_or(path));
+        manager
+    };
+    let quiet = command.stdin(std::process::Stdio::null()).stdout(std::process::Stdio::null());
+    match quiet.stderr(std::process::Stdio::null()).spawn() {
+        Ok(mut child) => {
+            // Waited for, so that nothing of it is left behind; the window goes on.
+            let waits = std::thread::Builder::new().name("file manager".into()).spawn(move || drop(child.wait()));
+            waits.is_ok()
+        }
+        Err(_) => false,
     }
 }

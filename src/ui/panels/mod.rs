@@ -10,7 +10,7 @@ mod history;
 mod keys;
 mod layers;
 mod look;
-mod messages;
+pub(super) mod messages;
 mod parts;
 mod segments;
 mod status;

@@ -1,0 +1,415 @@
+//! The file browser as it is drawn: places, the list, the field that takes names and paths. What it does is `ui::browse`.
+
+use super::{Browse, Dialog, cancel, plain, primary};
+use crate::ui::app::App;
+use crate::ui::browse::{Asks, Browser, By, Entry, Kind, Order, Place, Reading, date, shown, size};
+use crate::ui::icons::{self, Icon};
+use crate::ui::theme::{self, GAP, ROW};
+use crate::ui::widgets::{Face, cut_text, from_right_row, icon_button, tipped};
+use egui::{
+    Align2, Button, Color32, Id, Key, Modifiers, Response, RichText, Role, ScrollArea, Sense, TextEdit, TextStyle, Ui,
+    WidgetInfo, vec2,
+};
+use std::path::PathBuf;
+use std::time::SystemTime;
+
+/// Rows that Page up and Page down move by.
+const PAGE: isize = 10;
+/// Width of the places.
+const PLACES: f32 = 152.0;
+/// Widths of the columns for size and date.
+const COLUMNS: [f32; 2] = [76.0, 104.0];
+
+impl App {
+    pub(super) fn browser_dialog(&mut self, ui: &mut Ui, mut browse: Box<Browse>) -> Option<Dialog> {
+        let Browse { what, browser, places } = browse.as_mut();
+        browser.poll();
+        let field = Id::unique("browsed path");
+        let mut answer = keys(ui, browser, field);
+        ui.heading(what.title());
+        ui.label(RichText::new(what.hint()).color(theme::TEXT_WEAK));
+        ui.add_space(8.0);
+        way(ui, browser);
+        ui.add_space(GAP);
+        let height = (ui.ctx().viewport_rect().height() - 380.0).clamp(110.0, 340.0);
+        ui.allocate_ui_with_layout(
+            vec2(ui.available_width(), height),
+            egui::Layout::left_to_right(egui::Align::Min),
+            |ui| {
+                go_to(ui, browser, places, height);
+                ui.add_space(8.0);
+                ui.vertical(|ui| answer = answer.take().or_else(|| list(ui, browser, height)));
+            },
+        );
+        ui.add_space(6.0);
+        let cannot = browser.error().map(str::to_owned).or_else(|| match browser.reading() {
+            Reading::Failed(why) => Some(why.clone()),
+            _ => None,
+        });
+        // Its line is always there, so that nothing moves when something is wrong.
+        let said = cannot.as_deref().unwrap_or(" ");
+        ui.add(egui::Label::new(RichText::new(said).color(theme::ERROR)).wrap());
+        if let Some(replaced) = browser.replaces().map(|p| shown(p.file_name().unwrap_or_default())) {
+            return match replace_question(ui, &replaced) {
+                Some(true) => {
+                    let path = browser.replace();
+                    self.browsed(browse, path)
+                }
+                Some(false) => {
+                    browser.back_out();
+                    Some(Dialog::Browse(browse))
+                }
+                None => Some(Dialog::Browse(browse)),
+            };
+        }
+        path_field(ui, browser, field);
+        ui.add_space(10.0);
+        let (mut yes, mut no) = (false, false);
+        from_right_row(ui, |ui| {
+            let can = browser.row().is_some() || !browser.text().trim().is_empty();
+            let name = format!("{} at this path", what.title());
+            let button = ui.add_enabled(can, primary(what.action())).accessible_name(name);
+            yes = tipped(button, "Takes what is typed or chosen above (Enter)").clicked();
+            no = cancel(ui);
+            ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| kinds(ui, browser));
+        });
+        if no {
+            return None;
+        }
+        if yes {
+            answer = answer.or_else(|| browser.enter());
+        }
+        self.browsed(browse, answer)
+    }
+
+    fn browsed(&mut self, browse: Box<Browse>, path: Option<PathBuf>) -> Option<Dialog> {
+        match path {
+            Some(path) => {
+                self.choose_by(browse, path);
+                None
+            }
+            None => Some(Dialog::Browse(browse)),
+        }
+    }
+}
+
+/// The keys that move through folders, while the field has the keyboard.
+fn keys(ui: &Ui, browser: &mut Browser, field: Id) -> Option<PathBuf> {
+    let focused = ui.memory(|m| m.focused());
+    if focused.is_some_and(|id| id != field) || browser.replaces().is_some() {
+        return None;
+    }
+    let empty = browser.text().is_empty();
+    let (alt, ctrl, none) = (Modifiers::ALT, Modifiers::COMMAND, Modifiers::NONE);
+    let (up, hidden, refresh, rows, enter) = ui.input_mut(|i| {
+        let up = i.consume_key(alt, Key::ArrowUp) || (empty && i.consume_key(none, Key::Backspace));
+        let mut rows = 0;
+        for (key, step) in [(Key::ArrowDown, 1), (Key::ArrowUp, -1), (Key::PageDown, PAGE), (Key::PageUp, -PAGE)] {
+            rows += step * i.count_and_consume_key(none, key) as isize;
+        }
+        let (hidden, refresh) = (i.consume_key(ctrl, Key::H), i.consume_key(none, Key::F5));
+        (up, hidden, refresh, rows, i.consume_key(none, Key::Enter))
+    });
+    if up {
+        browser.up();
+    }
+    if hidden {
+        let (all, hidden) = browser.shows();
+        browser.show(all, !hidden);
+    }
+    if refresh {
+        browser.refresh();
+    }
+    if rows != 0 {
+        browser.step(rows);
+    }
+    if enter { browser.enter() } else { None }
+}
+
+/// Where the folder lies: each folder on the way can be clicked.
+fn way(ui: &mut Ui, browser: &mut Browser) {
+    let mut go = None;
+    let mut make = false;
+    from_right_row(ui, |ui| {
+        if browser.purpose().asks != Asks::Open {
+            let new = ui.add_enabled(browser.new_folder().is_none(), plain("New folder"));
+            make = new.on_hover_text("Makes a folder in the one that is shown").clicked();
+            ui.add_space(8.0);
+        }
+        ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+            ui.spacing_mut().item_spacing.x = 0.0;
+            let above = browser.folder().parent().is_some();
+            let face = Face::small(Icon::Up, "Folder above", "The folder above (Alt + Up)");
+            if ui.add_enabled_ui(above, |ui| icon_button(ui, face).clicked()).inner {
+                go = browser.folder().parent().map(PathBuf::from);
+            }
+            ui.add_space(GAP);
+            let font = TextStyle::Button.resolve(ui.style());
+            let width =
+                |text: &str| ui.painter().layout_no_wrap(text.into(), font.clone(), Color32::WHITE).size().x + 24.0;
+            let mut room = ui.available_width() - 24.0;
+            let mut steps = Vec::new();
+            for folder in browser.folder().ancestors() {
+                let name = folder.file_name().map_or_else(|| shown(folder.as_os_str()), shown);
+                room -= width(&name).min(240.0);
+                if room < 0.0 && !steps.is_empty() {
+                    break;
+                }
+                steps.push((name, folder.to_path_buf()));
+            }
+            for (i, (name, folder)) in steps.iter().enumerate().rev() {
+                let colour = if i == 0 { theme::TEXT } else { theme::TEXT_WEAK };
+                let button = Button::new(RichText::new(name).color(colour)).truncate().frame_when_inactive(false);
+                let full = shown(folder.as_os_str());
+                let small = ui.scope(|ui| {
+                    ui.set_max_width(240.0);
+                    ui.add(button).accessible_name(format!("Show {full}")).on_hover_text(&full).clicked()
+                });
+                if small.inner {
+                    go = Some(folder.clone());
+                }
+                if i > 0 {
+                    ui.label(RichText::new("›").color(theme::TEXT_WEAK));
+                }
+            }
+        });
+    });
+    if let Some(folder) = go {
+        browser.go(&folder);
+    }
+    if make {
+        browser.name_folder(String::new());
+    }
+    if let Some(name) = browser.new_folder() {
+        let mut name = name.to_owned();
+        let (mut done, mut stop) = (false, false);
+        ui.horizontal(|ui| {
+            let field = TextEdit::singleline(&mut name).hint_text("Name of the new folder").desired_width(260.0);
+            let response = ui.add(field).accessible_name("Name of the new folder");
+            let response = tipped(response, "It is made in the folder that is shown (Enter)");
+            if make {
+                response.request_focus();
+            }
+            done = response.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter));
+            let made = ui.add(plain("Make")).accessible_name("Make the folder");
+            done |= tipped(made, "Makes the folder and goes there").clicked();
+            let left = ui.add(plain("Leave")).accessible_name("Make no folder");
+            stop = tipped(left, "Makes none (Esc)").clicked();
+        });
+        browser.name_folder(name);
+        if stop {
+            browser.back_out();
+        } else if done {
+            browser.make_folder();
+        }
+    }
+}
+
+fn go_to(ui: &mut Ui, browser: &mut Browser, places: &[Place], height: f32) {
+    ui.allocate_ui_with_layout(vec2(PLACES, height), egui::Layout::top_down(egui::Align::Min), |ui| {
+        ui.set_width(PLACES);
+        ScrollArea::vertical().id_salt("places").auto_shrink([false, false]).show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 1.0;
+            let mut lately = false;
+            for place in places {
+                if place.recent && !lately {
+                    ui.add_space(8.0);
+                    ui.label(RichText::new("Used lately").small().color(theme::TEXT_WEAK));
+                    lately = true;
+                }
+                let icon = if place.recent { Icon::Recent } else { Icon::Folder };
+                let name = format!("Go to {}", shown(place.path.as_os_str()));
+                let here = place.path == browser.folder();
+                let row = entry_row(ui, here, &name);
+                paint_name(ui, &row, icon, &place.name, 0.0);
+                if row.on_hover_text(shown(place.path.as_os_str())).clicked() {
+                    browser.go(&place.path);
+                }
+            }
+        });
+    });
+}
+
+/// The list; answers the path that was taken by a double click.
+fn list(ui: &mut Ui, browser: &mut Browser, height: f32) -> Option<PathBuf> {
+    heads(ui, browser);
+    let moved = browser.take_moved();
+    let chosen = browser.row();
+    let now = SystemTime::now();
+    let (mut clicked, mut taken) = (None, false);
+    ui.spacing_mut().item_spacing.y = 0.0;
+    let mut area = ScrollArea::vertical().id_salt(("list", browser.folder())).auto_shrink([false, false]);
+    area = area.max_height(height - ROW);
+    if let Some(row) = chosen.filter(|_| moved) {
+        // Near the middle, so that what is before and behind it is seen.
+        area = area.vertical_scroll_offset((row as f32 * ROW - height * 0.4).max(0.0));
+    }
+    area.show_rows(ui, ROW, browser.len().max(1), |ui, rows| {
+        if browser.is_empty() {
+            let text = match browser.reading() {
+                Reading::On => "Reading…",
+                Reading::Failed(_) => "",
+                _ if browser.shows().0 || browser.purpose().asks == Asks::SaveFolder => "This folder is empty.",
+                _ => "Nothing here that can be opened. “All files” shows the rest.",
+            };
+            ui.label(RichText::new(text).color(theme::TEXT_WEAK));
+            return;
+        }
+        for row in rows {
+            let Some(entry) = browser.entry(row) else { continue };
+            let tip = shown(browser.folder().join(&entry.name).as_os_str());
+            let response = tipped(one_entry(ui, entry, chosen == Some(row), now), &tip);
+            if response.clicked() {
+                clicked = Some(row);
+            }
+            taken |= response.double_clicked();
+        }
+    });
+    if *browser.reading() == Reading::Cut {
+        ui.label(RichText::new("There is more in this folder; type the name.").color(theme::TEXT_WEAK));
+    }
+    if let Some(row) = clicked {
+        browser.choose(row);
+        // It was clicked where it lies.
+        browser.take_moved();
+    }
+    if taken { browser.activate() } else { None }
+}
+
+fn heads(ui: &mut Ui, browser: &mut Browser) {
+    let width = ui.available_width() - 12.0;
+    let widths = [width - COLUMNS[0] - COLUMNS[1], COLUMNS[0], COLUMNS[1]];
+    ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
+    ui.horizontal(|ui| {
+        for (i, (by, name)) in [(By::Name, "Name"), (By::Size, "Size"), (By::Date, "Changed")].into_iter().enumerate() {
+            let (rect, response) = ui.allocate_exact_size(vec2(widths[i], ROW), Sense::click());
+            response
+                .widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Sort by {}", name.to_lowercase())));
+            let colour = if response.hovered() || response.has_focus() { Color32::WHITE } else { theme::TEXT_WEAK };
+            let (at, align) = match by {
+                By::Size => (rect.right_center() - vec2(10.0, 0.0), Align2::RIGHT_CENTER),
+                _ => (rect.left_center() + vec2(if i == 0 { 24.0 } else { 4.0 }, 0.0), Align2::LEFT_CENTER),
+            };
+            let drawn = ui.painter().text(at, align, name, TextStyle::Small.resolve(ui.style()), colour);
+            let now = browser.order();
+            if now.by == by {
+                // A small wedge: broad where the larger ones are.
+                let beside = if by == By::Size {
+                    drawn.left_center() - vec2(8.0, 0.0)
+                } else {
+                    drawn.right_center() + vec2(8.0, 0.0)
+                };
+                let up = if now.falling { 3.0 } else { -3.0 };
+                let points = [vec2(-4.0, -up), vec2(4.0, -up), vec2(0.0, up)].map(|v| beside + v * 0.8).to_vec();
+                ui.painter().add(egui::Shape::convex_polygon(points, colour, egui::Stroke::NONE));
+            }
+            if tipped(response, "Sorts the list; once more, the other way round").clicked() {
+                browser.sort(Order::by(by));
+            }
+        }
+    });
+}
+
+fn one_entry(ui: &mut Ui, entry: &Entry, on: bool, now: SystemTime) -> Response {
+    let (icon, kind) = match entry.kind {
+        Kind::Folder => (Icon::Folder, "Folder"),
+        Kind::Project => (Icon::Project, "Project"),
+        Kind::File => (Icon::File, "File"),
+    };
+    let name = shown(&entry.name);
+    let response = entry_row(ui, on, &format!("{kind} {name}"));
+    paint_name(ui, &response, icon, &name, COLUMNS[0] + COLUMNS[1] + 12.0);
+    let rect = response.rect;
+    let font = TextStyle::Small.resolve(ui.style());
+    let right = rect.right() - 12.0;
+    if entry.kind == Kind::File {
+        let at = egui::pos2(right - COLUMNS[1] - 10.0, rect.center().y);
+        ui.painter().text(at, Align2::RIGHT_CENTER, size(entry.bytes), font.clone(), theme::TEXT_WEAK);
+    }
+    if let Some(changed) = entry.changed {
+        let at = egui::pos2(right - COLUMNS[1] + 4.0, rect.center().y);
+        ui.painter().text(at, Align2::LEFT_CENTER, date(changed, now), font, theme::TEXT_WEAK);
+    }
+    response
+}
+
+/// A row that is clicked, with its ground.
+fn entry_row(ui: &mut Ui, on: bool, name: &str) -> Response {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
+    response.widget_info(|| WidgetInfo::selected(Role::ListItem, true, on, name));
+    let fill = match (on, response.hovered() || response.has_focus()) {
+        (true, _) => theme::ACCENT_FILL,
+        (false, true) => theme::CONTROL,
+        (false, false) => Color32::TRANSPARENT,
+    };
+    ui.painter().rect_filled(rect, theme::ROUND, fill);
+    response
+}
+
+/// An icon and a name that is cut where the row ends.
+fn paint_name(ui: &Ui, row: &Response, icon: Icon, name: &str, right: f32) {
+    let rect = row.rect;
+    let square = egui::Rect::from_center_size(rect.left_center() + vec2(12.0, 0.0), vec2(16.0, 16.0));
+    icons::paint(ui.painter(), square, icon, theme::TEXT_WEAK);
+    let font = TextStyle::Body.resolve(ui.style());
+    let text = cut_text(ui, name, font, theme::TEXT, (rect.width() - 28.0 - right).max(20.0));
+    let at = rect.left_center() + vec2(24.0, -text.size().y * 0.5);
+    ui.painter().galley(at, text, theme::TEXT);
+}
+
+fn path_field(ui: &mut Ui, browser: &mut Browser, field: Id) {
+    let mut text = browser.text().to_owned();
+    let (label, hint) = match browser.purpose().asks {
+        Asks::Open => ("File", "Type a name or a path; ~ is your home folder"),
+        Asks::SaveFile | Asks::SaveFolder => ("Name", "A name, or a path; ~ is your home folder"),
+    };
+    ui.horizontal(|ui| {
+        ui.label(RichText::new(label).color(theme::TEXT_WEAK));
+        let edit = TextEdit::singleline(&mut text).id(field).desired_width(f32::INFINITY).hint_text(hint);
+        let response = ui.add(edit).accessible_name("Path");
+        let response = tipped(response, "Typing jumps in the list; arrows move, Enter takes, Backspace goes up");
+        // Whatever has no keyboard of its own leaves it to the field.
+        if ui.memory(|m| m.focused().is_none()) {
+            response.request_focus();
+            // The cursor is seen a frame later.
+            ui.ctx().request_repaint();
+        }
+        if response.changed() {
+            browser.type_text(text);
+        }
+    });
+}
+
+fn kinds(ui: &mut Ui, browser: &mut Browser) {
+    let (was_all, was_hidden) = browser.shows();
+    let (mut all, mut hidden) = (was_all, was_hidden);
+    if browser.purpose().asks != Asks::SaveFolder {
+        let endings = browser.purpose().endings.join(", ");
+        ui.checkbox(&mut all, "All files").on_hover_text(format!("Otherwise folders and {endings}"));
+        ui.add_space(8.0);
+    }
+    ui.checkbox(&mut hidden, "Hidden").on_hover_text("Names that begin with a dot (Ctrl + H)");
+    if (all, hidden) != (was_all, was_hidden) {
+        browser.show(all, hidden);
+    }
+}
+
+/// Whether a file that is there may be written over.
+fn replace_question(ui: &mut Ui, name: &str) -> Option<bool> {
+    ui.add(egui::Label::new(format!("“{name}” is there already. Write over it?")).truncate());
+    ui.add_space(10.0);
+    from_right_row(ui, |ui| {
+        let keep = tipped(ui.add(plain("Keep it")), "Nothing is written; another name can be typed");
+        // The answer that loses nothing is the one under Enter.
+        if ui.memory(|m| m.focused().is_none()) {
+            keep.request_focus();
+        }
+        let replace = Button::new(RichText::new("Write over it").color(theme::ERROR)).min_size(vec2(120.0, 30.0));
+        let replace = tipped(ui.add(replace), "What the file holds now is lost");
+        match (replace.clicked(), keep.clicked()) {
+            (true, _) => Some(true),
+            (_, true) => Some(false),
+            _ => None,
+        }
+    })
+}

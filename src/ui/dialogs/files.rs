@@ -1,0 +1,204 @@
+//! Asking for a path, and what becomes of it: by the system's dialog where there is one, else by the browser.
+//!
+//! The browser is put aside while the document does what was asked, and comes back with what was typed if that fails.
+
+use super::{Browse, Dialog, Export, What};
+use crate::document::{Command, ProjectCommand, SegmentCommand, SelectionCommand, VolumeCommand};
+use crate::io::without_numbers;
+use crate::ui::app::App;
+use crate::ui::browse::{Browser, Wake, places, shown, with_ending};
+use crate::ui::glance::Glance;
+use crate::ui::saving::AfterSave;
+use crate::ui::session::Gravity;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Nobody says no to a dialog faster: there was none.
+const TOO_FAST: Duration = Duration::from_millis(400);
+
+/// What a dialog that runs beside the window came back with.
+pub(in crate::ui) enum Chosen {
+    /// A path, and what for.
+    Path(What, PathBuf),
+    /// The system showed no dialog after all.
+    NoDialog(What),
+    /// What a file looks like; which of the glances it was.
+    Glanced { path: PathBuf, found: Glance, number: u64 },
+}
+
+/// A browser whose path was taken, until it is known whether it served.
+pub(in crate::ui) struct Parked {
+    browse: Box<Browse>,
+    after_save: Option<AfterSave>,
+}
+
+impl App {
+    /// Asks for a path.
+    pub(in crate::ui) fn ask(&mut self, what: What) {
+        self.parked = None;
+        if !self.system_dialogs {
+            self.browse(what);
+            return;
+        }
+        let (folder, name) = (self.folder_for(&what), what.name(self));
+        let (back, wake, asked) = (self.chosen.0.clone(), self.wake(), what.clone());
+        // The system's dialog answers when the user does; the window goes on.
+        let started = std::thread::Builder::new().name("file dialog".into()).spawn(move || {
+            let begun = Instant::now();
+            let answer = match by_system(&asked, &folder, &name) {
+                Some(path) => Chosen::Path(asked, path),
+                None if begun.elapsed() < TOO_FAST => Chosen::NoDialog(asked),
+                None => return,
+            };
+            // Nobody there: the window was closed meanwhile.
+            let _gone = back.send(answer);
+            wake();
+        });
+        if started.is_err() {
+            self.browse(what);
+        }
+    }
+
+    fn browse(&mut self, what: What) {
+        let folder = self.folder_for(&what);
+        let name = what.name(self);
+        let browser = Browser::new(what.purpose(), &folder, &name.to_string_lossy(), self.home.clone(), self.wake());
+        let places = places(self.home.as_deref(), &self.recent.folders());
+        self.dialog = Some(Dialog::Browse(Box::new(Browse { what, browser, places })));
+    }
+
+    /// Draws the window again when something has come from another thread.
+    pub(in crate::ui) fn wake(&self) -> Wake {
+        let ctx = self.context.clone();
+        Arc::new(move || ctx.request_repaint())
+    }
+
+    fn take_choices(&mut self) {
+        let choices: Vec<_> = self.chosen.1.try_iter().collect();
+        for choice in choices {
+            match choice {
+                Chosen::Path(what, path) => self.choose(what, path),
+                Chosen::Glanced { path, found, number } => self.glanced(path, found, number),
+                Chosen::NoDialog(what) => {
+                    self.system_dialogs = false;
+                    if self.dialog.is_none() {
+                        self.browse(what);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Takes the browser's path; the browser waits for the end.
+    pub(super) fn choose_by(&mut self, browse: Box<Browse>, path: PathBuf) {
+        let what = browse.what.clone();
+        self.parked = Some(Parked { browse, after_save: self.after_save.clone() });
+        self.choose(what, path);
+    }
+
+    fn choose(&mut self, what: What, path: PathBuf) {
+        match what {
+            What::Open => self.open_after_glance(path),
+            What::SaveAs => self.send_save(Some(path)),
+            What::Export(Export { field, .. }) => self.send(Command::Volume(VolumeCommand::Export { field, path })),
+            What::Image(wish) => {
+                if let Some(scene) = &self.scene {
+                    let command = wish.command(scene, path);
+                    self.send(Command::Render(command));
+                }
+            }
+            What::Labels => self.send(Command::Segment(SegmentCommand::Import { path, component: 0, frame: 0 })),
+            What::Selection => {
+                let import = SelectionCommand::Import { path, threshold: 0.0, soften_mm: 0.0 };
+                self.send(Command::Selection(import));
+            }
+        }
+    }
+
+    /// What a browser's path was taken for is done.
+    pub(in crate::ui) fn file_done(&mut self, command: &Command) {
+        self.parked.take_if(|parked| serves(&parked.browse.what, command));
+    }
+
+    /// It failed: the browser comes back as it was, with the reason. Answers whether it did.
+    pub(in crate::ui) fn file_failed(&mut self, command: &Command, reason: &str) -> bool {
+        let Some(parked) = self.parked.take_if(|parked| serves(&parked.browse.what, command)) else { return false };
+        if self.dialog.is_some() {
+            return false;
+        }
+        let Parked { mut browse, after_save } = parked;
+        browse.browser.fail(without_numbers(reason));
+        browse.browser.refresh();
+        self.after_save = after_save;
+        self.dialog = Some(Dialog::Browse(browse));
+        true
+    }
+
+    fn take_drops(&mut self, ctx: &egui::Context) {
+        let dropped: Vec<_> = ctx.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_path_buf()).collect());
+        let Some(path) = dropped.first() else { return };
+        // What is asked is answered first.
+        if !matches!(self.dialog, None | Some(Dialog::Browse(_))) {
+            return;
+        }
+        self.dialog = None;
+        if dropped.len() > 1 {
+            let name = shown(path.file_name().unwrap_or(path.as_os_str()));
+            let text =
+                format!("{} files were dropped; one document is open at a time, so {name} is opened.", dropped.len());
+            self.say(Gravity::Note, text);
+        }
+        self.open_asked(path.clone());
+    }
+
+    /// What came from outside the window since the last frame.
+    pub(in crate::ui) fn take_files(&mut self, ctx: &egui::Context) {
+        self.take_choices();
+        self.take_drops(ctx);
+        self.recent.poll();
+    }
+}
+
+/// Whether a command is what a path was asked for.
+fn serves(what: &What, command: &Command) -> bool {
+    match command {
+        Command::Volume(VolumeCommand::Open { .. }) | Command::Project(ProjectCommand::Open { .. }) => {
+            *what == What::Open
+        }
+        Command::Project(ProjectCommand::Save { .. }) => *what == What::SaveAs,
+        Command::Volume(VolumeCommand::Export { .. }) => matches!(what, What::Export(_)),
+        Command::Render(_) => matches!(what, What::Image(_)),
+        Command::Selection(SelectionCommand::Import { .. }) => matches!(what, What::Selection | What::Open),
+        Command::Segment(SegmentCommand::Import { .. }) => matches!(what, What::Labels | What::Open),
+        _ => false,
+    }
+}
+
+fn by_system(what: &What, folder: &Path, name: &std::ffi::OsStr) -> Option<PathBuf> {
+    let mut ask = rfd::FileDialog::new().set_title(what.title()).set_directory(folder);
+    if !name.is_empty() {
+        ask = ask.set_file_name(name.to_string_lossy());
+    }
+    match what {
+        What::Open => {
+            let extensions = ["nii", "gz", "nrrd", "nhdr", "hdr"];
+            ask.add_filter("Volumes", &extensions).add_filter("All files", &["*"]).pick_file()
+        }
+        What::Selection | What::Labels => ask.add_filter("Volumes", &["nii", "gz", "nrrd", "nhdr", "hdr"]).pick_file(),
+        What::SaveAs => ask.save_file(),
+        // The system's dialog gives no endings.
+        What::Export(_) | What::Image(_) => ask.save_file().map(|path| with_ending(path, what.purpose().endings)),
+    }
+}
+
+/// Whether the system can show a file dialog: on Linux that takes a session bus with a portal on it.
+/// `BURIN_WITHOUT_PORTAL` says no.
+pub(in crate::ui) fn has_file_dialog() -> bool {
+    let set = |name: &str| std::env::var_os(name).is_some_and(|a| !a.is_empty());
+    if set("BURIN_WITHOUT_PORTAL") {
+        return false;
+    }
+    cfg!(any(target_os = "windows", target_os = "macos"))
+        || (set("DBUS_SESSION_BUS_ADDRESS") && set("XDG_CURRENT_DESKTOP"))
+}

@@ -1,0 +1,160 @@
+//! What the values of a file mean: asked only where they may name regions.
+
+use super::{Chosen, Dialog, cancel};
+use crate::document::{Command, OpenAs, SegmentCommand, SelectionCommand};
+use crate::ui::app::{App, Busy};
+use crate::ui::browse::shown;
+use crate::ui::glance::{Glance, glance};
+use crate::ui::saving::Coming;
+use crate::ui::theme;
+use crate::ui::widgets::{from_right_row, tipped};
+use egui::{Align, Button, Layout, RichText, Ui, vec2};
+use std::path::{Path, PathBuf};
+
+/// The question.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::ui) struct Meaning {
+    pub(super) path: PathBuf,
+    /// The header says so itself.
+    pub(super) named: bool,
+}
+
+/// The answers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Means {
+    New(OpenAs),
+    IntoLabels,
+    IntoSelection,
+}
+
+impl App {
+    /// Opens what was chosen without a dialog.
+    pub(in crate::ui) fn open_asked(&mut self, path: PathBuf) {
+        self.parked = None;
+        self.open_after_glance(path);
+    }
+
+    /// Looks at a file, and opens it if there is nothing to ask.
+    pub(super) fn open_after_glance(&mut self, path: PathBuf) {
+        self.glances += 1;
+        let number = self.glances;
+        // Folders, and whatever is no file, are for the document to judge.
+        let file = std::fs::metadata(&path).is_ok_and(|about| about.is_file());
+        if !file || path.file_name().is_some_and(|name| name == "project.json") {
+            self.open_guarded(Coming::Path(path));
+            return;
+        }
+        let (back, wake, looked) = (self.chosen.0.clone(), self.wake(), path.clone());
+        let started = std::thread::Builder::new().name("glance".into()).spawn(move || {
+            let found = glance(&looked, &|| true);
+            // Nobody there: the window was closed meanwhile.
+            let _gone = back.send(Chosen::Glanced { path: looked, found, number });
+            wake();
+        });
+        match started {
+            Ok(_) => {
+                let what = format!("Looking at {}", shown(path.file_name().unwrap_or(path.as_os_str())));
+                let since = self.context.input(|i| i.time);
+                self.busy.get_or_insert(Busy { what, since, percent: None, stopping: false });
+            }
+            Err(_) => self.open_guarded(Coming::Path(path)),
+        }
+    }
+
+    pub(super) fn glanced(&mut self, path: PathBuf, found: Glance, number: u64) {
+        self.busy.take_if(|busy| busy.what.starts_with("Looking at"));
+        // Something else was asked for meanwhile, by the user or of him.
+        if number != self.glances || self.dialog.is_some() {
+            return;
+        }
+        match found {
+            Glance::Image => self.open_guarded(Coming::Path(path)),
+            Glance::Segments | Glance::Regions => {
+                self.dialog = Some(Dialog::Meaning(Meaning { path, named: found == Glance::Segments }));
+            }
+        }
+    }
+
+    pub(super) fn meaning_dialog(&mut self, ui: &mut Ui, meaning: Meaning) -> Option<Dialog> {
+        let name = shown(meaning.path.file_name().unwrap_or(meaning.path.as_os_str()));
+        ui.add(egui::Label::new(RichText::new(format!("Open {name} as…")).heading()).truncate());
+        ui.add_space(4.0);
+        let why = if meaning.named {
+            "It is a file of segments."
+        } else {
+            "Its values look like those of regions: whole numbers, and 0 outside."
+        };
+        ui.label(RichText::new(why).color(theme::TEXT_WEAK));
+        ui.add_space(10.0);
+        let open = self.opened().map(|open| {
+            let path = self.snapshot.project.as_deref().unwrap_or(&open.scene.origin.path);
+            path.file_name().map_or_else(|| "the open volume".into(), shown)
+        });
+        let mut answer = None;
+        let mut first = true;
+        let mut one = |ui: &mut Ui, means: Means, name: &str, what: &str| {
+            if big_button(ui, name, what, std::mem::take(&mut first)) {
+                answer = Some(means);
+            }
+        };
+        if let Some(open) = &open {
+            group(ui, &format!("Into {open}"));
+            one(ui, Means::IntoLabels, "Labels of what is open", "Each region becomes a segment there");
+            one(ui, Means::IntoSelection, "Selection of what is open", "Everything above 0 is selected there");
+            group(ui, "By itself");
+        }
+        one(
+            ui,
+            Means::New(OpenAs::Labels),
+            "Labels",
+            "Each region becomes a segment, with its name and colour if it has one",
+        );
+        one(ui, Means::New(OpenAs::Image), "Image", "Its values are grey values, as of a scan");
+        if open.is_none() {
+            one(ui, Means::New(OpenAs::Selection), "Selection", "Everything above 0 is selected");
+        }
+        ui.add_space(10.0);
+        let cancelled = from_right_row(ui, cancel);
+        match answer {
+            Some(means) => {
+                self.open_meant(&meaning.path, means);
+                None
+            }
+            None => (!cancelled).then_some(Dialog::Meaning(meaning)),
+        }
+    }
+
+    fn open_meant(&mut self, path: &Path, means: Means) {
+        match means {
+            Means::New(open_as) => self.open_guarded(Coming::Volume(path.into(), open_as)),
+            Means::IntoLabels => {
+                self.send(Command::Segment(SegmentCommand::Import { path: path.into(), component: 0, frame: 0 }));
+            }
+            Means::IntoSelection => {
+                let import = SelectionCommand::Import { path: path.into(), threshold: 0.0, soften_mm: 0.0 };
+                self.send(Command::Selection(import));
+            }
+        }
+    }
+}
+
+fn group(ui: &mut Ui, name: &str) {
+    ui.add_space(4.0);
+    ui.add(egui::Label::new(RichText::new(name).color(theme::TEXT_WEAK)).truncate());
+}
+
+/// A button as wide as the question, with a line that says what it does.
+fn big_button(ui: &mut Ui, name: &str, what: &str, first: bool) -> bool {
+    let text = egui::WidgetText::from(RichText::new(name).color(theme::TEXT));
+    let width = ui.available_width();
+    let button = Button::new((text, RichText::new(what).small().color(theme::TEXT_WEAK)))
+        .min_size(vec2(width, 34.0))
+        .gap(12.0)
+        .wrap_mode(egui::TextWrapMode::Truncate);
+    let response = ui.with_layout(Layout::top_down_justified(Align::Min), |ui| ui.add(button)).inner;
+    let response = tipped(response.accessible_name(format!("Open as: {name}")), what);
+    if first && ui.memory(|m| m.focused().is_none()) {
+        response.request_focus();
+    }
+    response.clicked()
+}

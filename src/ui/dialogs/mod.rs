@@ -1,0 +1,135 @@
+//! Questions that stop the work, one at a time: which file, what it is, how a picture shall be, what becomes of unsaved changes.
+//!
+//! Each has a file of its own here; this one holds which is asked, and lays it over the window. While one is asked keys and
+//! pointer reach nothing else.
+
+mod browser;
+mod export;
+mod files;
+mod meaning;
+mod picture;
+mod questions;
+mod what;
+
+use super::app::App;
+use super::browse::{Browser, Place};
+use super::saving::Coming;
+use super::theme;
+use super::widgets::tipped;
+use egui::{Align2, Color32, Id, Modal, RichText, Ui, vec2};
+pub(super) use export::Export;
+pub(super) use files::{Chosen, Parked, has_file_dialog};
+pub(super) use meaning::Meaning;
+pub(super) use picture::{Picturing, Wish};
+pub(super) use questions::Lost;
+pub(super) use what::What;
+
+/// What is asked.
+pub(super) enum Dialog {
+    /// A path for something, where the system has no dialog for that.
+    Browse(Box<Browse>),
+    /// The window closes with unsaved changes.
+    Close,
+    /// Something else is opened over unsaved changes.
+    Replace(Coming),
+    /// Documents that crashes left behind.
+    Lost(Vec<Lost>),
+    /// What the values of a file mean.
+    Meaning(Meaning),
+    /// What is exported, and how.
+    Export(Export),
+    /// How a picture shall be.
+    Picture(Box<Picturing>),
+    /// Nothing: the window waits for a save, after which it closes or opens something else.
+    Saving,
+}
+
+/// The file browser, and what for.
+pub(super) struct Browse {
+    pub(super) what: What,
+    pub(super) browser: Browser,
+    pub(super) places: Vec<Place>,
+}
+
+impl Dialog {
+    /// How wide it is, at most.
+    const fn width(&self) -> f32 {
+        match self {
+            Self::Browse(_) => 760.0,
+            Self::Picture(_) => 800.0,
+            Self::Meaning(_) | Self::Export(_) => 480.0,
+            _ => 440.0,
+        }
+    }
+}
+
+impl App {
+    pub(super) fn dialogs(&mut self, ctx: &egui::Context) {
+        let Some(dialog) = self.dialog.take() else { return };
+        let frame = egui::Frame::popup(&ctx.style_of(egui::Theme::Dark)).inner_margin(20);
+        self.grounds.shade(ctx);
+        let modal = Modal::new(Id::unique("dialog")).frame(frame).backdrop_color(Color32::TRANSPARENT);
+        let width = dialog.width().min(ctx.viewport_rect().width() - 72.0);
+        let next = modal.show(ctx, |ui| {
+            ui.set_width(width);
+            self.dialog_body(ui, dialog)
+        });
+        // An answer may have asked the next question already.
+        if self.dialog.is_none() {
+            self.dialog = next.inner;
+        }
+    }
+
+    /// Draws it; answers the same while it is not answered.
+    fn dialog_body(&mut self, ui: &mut Ui, dialog: Dialog) -> Option<Dialog> {
+        match dialog {
+            Dialog::Browse(browse) => self.browser_dialog(ui, browse),
+            Dialog::Close => self.close_dialog(ui),
+            Dialog::Replace(coming) => self.replace_dialog(ui, coming),
+            Dialog::Lost(lost) => self.lost_dialog(ui, lost),
+            Dialog::Meaning(meaning) => self.meaning_dialog(ui, meaning),
+            Dialog::Export(export) => self.export_dialog(ui, export),
+            Dialog::Picture(picturing) => self.picture_dialog(ui, picturing),
+            Dialog::Saving => self.saving_dialog(ui),
+        }
+    }
+
+    /// Escape, while something is asked: the smallest thing that is open goes.
+    pub(super) fn leave_dialog(&mut self) {
+        let within = match &mut self.dialog {
+            Some(Dialog::Saving) => return self.stop(),
+            Some(Dialog::Browse(browse)) => browse.browser.back_out(),
+            _ => false,
+        };
+        if !within {
+            self.dialog = None;
+        }
+    }
+
+    /// Shown while files hang over the window.
+    pub(super) fn drop_hint(&self, ctx: &egui::Context) {
+        if ctx.input(|i| i.raw.hovered_files.is_empty()) {
+            return;
+        }
+        egui::Area::new(Id::unique("drop")).anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(ctx, |ui| {
+            egui::Frame::popup(ui.style()).inner_margin(24).show(ui, |ui| {
+                ui.label(RichText::new("Drop to open").size(18.0));
+            });
+        });
+    }
+}
+
+/// The button that is meant most often.
+pub(super) fn primary(text: &str) -> egui::Button<'_> {
+    egui::Button::new(RichText::new(text).color(Color32::WHITE)).fill(theme::ACCENT_FILL).min_size(vec2(110.0, 30.0))
+}
+
+/// The button that leaves a question as if it had not been asked.
+pub(super) fn cancel(ui: &mut Ui) -> bool {
+    tipped(ui.add(plain("Cancel")), "Back to where it was, nothing done (Esc)").clicked()
+}
+
+/// Any other.
+pub(super) fn plain(text: &str) -> egui::Button<'_> {
+    egui::Button::new(text).min_size(vec2(90.0, 30.0))
+}

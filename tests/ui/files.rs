@@ -1,0 +1,196 @@
+//! Opening, saving and what is said of it, in a window whose document is the test.
+
+use super::driver::{SMALL, Window};
+use burin::document::{Command, ProjectCommand, VolumeCommand};
+use burin::ui::{Gravity, Recent, Report};
+use burin::volume::FieldKind;
+use egui::{Modifiers, OutputCommand};
+use egui_kittest::kittest::Queryable;
+use std::path::{Path, PathBuf};
+
+fn open(path: &Path) -> Command {
+    serde_json::from_value(serde_json::json!({ "volume": { "open": { "path": path } } })).unwrap()
+}
+
+/// A picture of the 3D view, as a script would have it.
+fn image(path: &str) -> Command {
+    serde_json::from_value(serde_json::json!({ "render": { "image": { "path": path } } })).unwrap()
+}
+
+/// A window with nothing open that keeps its list of files in a folder.
+fn started(state: &Path) -> Window {
+    let mut window = Window::with_files([1280.0, 800.0], Recent::kept_in(state.into()), Some(state.into()));
+    window.harness.run_steps(3);
+    window.sent();
+    window
+}
+
+/// What the window sends once it has looked at a file, which it does beside.
+fn sent_in_time(window: &mut Window) -> Vec<Command> {
+    let begun = std::time::Instant::now();
+    loop {
+        window.harness.run_steps(1);
+        let sent = window.sent();
+        if !sent.is_empty() {
+            return sent;
+        }
+        assert!(begun.elapsed().as_secs() < 20, "nothing is ever sent");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+}
+
+#[test]
+fn the_start_page_opens_what_was_open_lately() {
+    let dir = tempfile::tempdir().unwrap();
+    let volume = dir.path().join("head.nii");
+    std::fs::write(&volume, "x").unwrap();
+    let state = dir.path().join("state");
+    let mut recent = Recent::kept_in(state.clone());
+    recent.note(&dir.path().join("gone.nrrd"), false);
+    recent.note(&volume, false);
+    let mut window = started(&state);
+    let begun = std::time::Instant::now();
+    while window.harness.query_by_label("Recent 2: gone.nrrd, not found").is_none() {
+        assert!(begun.elapsed().as_secs() < 20, "nobody looked");
+        window.harness.run_steps(1);
+    }
+    window.harness.get_by_label("Recent 1: head.nii").click();
+    assert_eq!(sent_in_time(&mut window), [open(&volume)]);
+    window.click("Forget recent 2");
+    assert!(window.harness.query_by_label_contains("gone.nrrd").is_none());
+    window.click("Forget all recent files");
+    assert!(Recent::kept_in(state).entries().is_empty());
+    assert!(window.harness.query_by_label("What you open and save will be listed here.").is_some());
+}
+
+#[test]
+fn one_click_opens_the_sample() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut window = started(dir.path());
+    let sent = window.click("Open the sample head");
+    let [Command::Volume(VolumeCommand::Open { path, .. })] = &sent[..] else { panic!("{sent:?}") };
+    assert!(path.starts_with(dir.path()) && std::fs::metadata(path).unwrap().len() > 3_000_000);
+    for step in ["Select", "Split", "Slide"] {
+        assert!(window.harness.query_by_label(step).is_some(), "{step}");
+    }
+}
+
+#[test]
+fn what_was_opened_and_saved_is_listed() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut window = started(dir.path());
+    window.report(Report::Done(open(Path::new("/data/head.nii")), serde_json::json!({})));
+    let save = Command::Project(ProjectCommand::Save { path: Some("/data/head.burin".into()), density: None });
+    window.report(Report::Done(save, serde_json::json!({ "path": "/data/head.burin" })));
+    let listed: Vec<(PathBuf, bool)> =
+        Recent::kept_in(dir.path().into()).entries().iter().map(|s| (s.path.clone(), s.project)).collect();
+    assert_eq!(listed, [("/data/head.burin".into(), true), ("/data/head.nii".into(), false)]);
+}
+
+#[test]
+fn a_path_that_failed_comes_back_with_the_reason() {
+    let dir = tempfile::tempdir().unwrap();
+    let bad = dir.path().join("bad.nii");
+    std::fs::write(&bad, "x").unwrap();
+    let mut window = started(dir.path());
+    window.key(Modifiers::COMMAND, egui::Key::O);
+    window.harness.get_by_label("Path").type_text(bad.to_str().unwrap());
+    window.harness.run_steps(2);
+    window.harness.key_press_modifiers(Modifiers::NONE, egui::Key::Enter);
+    let sent = sent_in_time(&mut window);
+    assert_eq!(sent, [open(&bad)]);
+    assert!(window.harness.query_by_label("Path").is_none(), "meanwhile the window is free");
+    window.report(Report::Refused(Box::new(sent[0].clone()), "bad.nii: it is empty (os error 5)".into()));
+    assert_eq!(window.harness.get_by_label("Path").value().as_deref(), bad.to_str(), "what was typed is there");
+    assert!(window.harness.query_by_label("bad.nii: it is empty").is_some(), "in words alone");
+    assert!(window.harness.query_by_label_contains("Messages").is_none(), "it is said once");
+    // Once more, and this time it works: nothing is left of it.
+    window.harness.key_press_modifiers(Modifiers::NONE, egui::Key::Enter);
+    assert_eq!(sent_in_time(&mut window), sent);
+    window.report(Report::Done(sent[0].clone(), serde_json::json!({})));
+    window.report(Report::Refused(Box::new(sent[0].clone()), "of another way in".into()));
+    assert!(window.harness.query_by_label("Path").is_none());
+}
+
+#[test]
+fn a_save_that_failed_on_the_way_out_still_closes_once_it_works() {
+    let mut window = Window::open(SMALL);
+    window.snapshot(|s| s.unsaved = true);
+    let viewport = window.harness.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default();
+    viewport.events.push(egui::ViewportEvent::Close);
+    window.harness.run_steps(2);
+    window.harness.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default().events.clear();
+    window.key(Modifiers::NONE, egui::Key::Enter);
+    let sent = window.key(Modifiers::NONE, egui::Key::Enter);
+    assert!(matches!(&sent[..], [Command::Project(ProjectCommand::Save { path: Some(_), .. })]), "{sent:?}");
+    window.report(Report::Refused(Box::new(sent[0].clone()), "the disk is full".into()));
+    assert!(window.harness.query_by_label("the disk is full").is_some());
+    let again = window.key(Modifiers::NONE, egui::Key::Enter);
+    assert_eq!(again, sent, "the same place once more");
+    window.far.reports.send(Report::Done(again[0].clone(), serde_json::json!({}))).unwrap();
+    window.harness.step();
+    let output = &window.harness.output().viewport_output[&egui::ViewportId::ROOT];
+    assert!(output.commands.contains(&egui::ViewportCommand::Close));
+}
+
+#[test]
+fn what_was_written_is_said_with_a_way_to_it() {
+    let mut window = Window::open(SMALL);
+    for (command, said) in [
+        (image("/data/view 1.png"), "Saved picture view 1.png"),
+        (
+            Command::Volume(VolumeCommand::Export { field: FieldKind::Labels, path: "/data/l.nrrd".into() }),
+            "Exported labels to l.nrrd",
+        ),
+        (
+            Command::Project(ProjectCommand::Save { path: Some("/data/h.burin".into()), density: None }),
+            "Saved project h.burin",
+        ),
+    ] {
+        window.report(Report::Done(command, serde_json::json!({})));
+        assert!(window.harness.query_by_label(said).is_some(), "{said}");
+    }
+    window.harness.get_by_label("Copy the path of what was written").click();
+    window.harness.step();
+    let copied = window.harness.output().platform_output.commands.clone();
+    window.harness.run_steps(2);
+    let commands = [copied, window.harness.output().platform_output.commands.clone()].concat();
+    assert!(
+        commands.iter().any(|c| matches!(c, OutputCommand::CopyText(text) if text == "/data/h.burin")),
+        "{commands:?}"
+    );
+    assert!(window.harness.query_by_label("Saved project h.burin").is_none(), "it goes");
+    window.click("Messages");
+    assert!(window.harness.query_by_label("Saved picture view 1.png").is_some(), "and is kept in the list");
+}
+
+#[test]
+fn a_short_word_goes_by_itself_and_lies_over_no_control() {
+    for size in [[900.0, 600.0], SMALL] {
+        let mut window = Window::open(size);
+        let save = Command::Project(ProjectCommand::Save { path: Some("/data/h.burin".into()), density: None });
+        window.report(Report::Done(save, serde_json::json!({})));
+        let word = window.harness.get_by_label("Saved project h.burin").rect();
+        for name in ["Open", "Brush radius", "Axial slice", "Sagittal slice", "Step 1: Stroke", "Degree of explosion"] {
+            let control = window.harness.query_by_label(name).map(|c| c.rect());
+            assert!(control.is_none_or(|c| !c.intersects(word)), "{name} lies under {word:?} in {size:?}");
+        }
+        let steps = (9.0 / f64::from(window.harness.input_mut().predicted_dt)).ceil() as usize;
+        window.harness.run_steps(steps);
+        assert!(window.harness.query_by_label("Saved project h.burin").is_none());
+    }
+}
+
+#[test]
+fn an_error_goes_with_its_cause() {
+    let mut window = Window::open(SMALL);
+    let image = image("/data/v.png");
+    window.report(Report::Refused(Box::new(image), "/data/v.png: the disk is full (os error 28)".into()));
+    window.report(Report::Message(Gravity::Warning, "something else".into()));
+    assert!(window.harness.query_by_label("/data/v.png: the disk is full").is_some());
+    window.report(Report::Mended("project.save".into()));
+    assert!(window.harness.query_by_label("/data/v.png: the disk is full").is_some());
+    window.report(Report::Mended("render.image".into()));
+    assert!(window.harness.query_by_label("/data/v.png: the disk is full").is_none());
+    assert!(window.harness.query_by_label("something else").is_some());
+}
