@@ -1,5 +1,7 @@
 //! Fields, levels, grids and the transfer function.
 
+mod presets;
+
 use burin::math::DVec3;
 use burin::volume::*;
 use std::collections::BTreeSet;

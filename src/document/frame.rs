@@ -24,9 +24,11 @@ impl State {
         self.frame_of(bodies, camera, size)
     }
 
-    /// The selection and every visible part as a body of its own, also where all are at rest.
+    /// The selection and every visible part as a body of its own, also where all are at rest. What hides what is told by samples a
+    /// voxel apart, however finely pictures are drawn.
     pub(super) fn parted_frame(&self, explosion: &Explosion, camera: &Camera, size: [u32; 2]) -> Frame {
-        self.frame_of(self.bodies(explosion), camera, size)
+        let frame = self.frame_of(self.bodies(explosion), camera, size);
+        Frame { step_mm: frame.step_mm.max(self.grid().voxel_mm()), ..frame }
     }
 
     fn frame_of(&self, bodies: Vec<Body>, camera: &Camera, size: [u32; 2]) -> Frame {

@@ -21,8 +21,9 @@ pub struct Look {
 }
 
 impl Default for Look {
+    /// Two samples a voxel: at one, surfaces that turn away from the eye show rings like the grain of wood.
     fn default() -> Self {
-        Self { mode: Mode::Dvr, lighting: Some(Lighting::default()), step_voxels: 1.0, background: [0.0; 3] }
+        Self { mode: Mode::Dvr, lighting: Some(Lighting::default()), step_voxels: 0.5, background: [0.0; 3] }
     }
 }
 

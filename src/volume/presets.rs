@@ -126,7 +126,7 @@ impl TransferFunction {
             0.2126 * r + 0.7152 * g + 0.0722 * b
         };
         let values = (1..=32).map(|i| start + (end - start) * f64::from(i) / 32.0);
-        let light = values.clone().find(|&v| luminance(v) >= 0.42);
+        let light = values.clone().find(|&v| luminance(v) >= 0.34);
         light.or_else(|| values.max_by(|a, b| luminance(*a).total_cmp(&luminance(*b)))).unwrap_or(end)
     }
 }

@@ -26,6 +26,7 @@ mod past;
 mod pictures;
 mod program;
 mod projects;
+mod rings;
 mod script;
 mod selection;
 mod strokes;

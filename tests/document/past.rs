@@ -31,7 +31,7 @@ fn whatever_changes_a_look_is_no_step_of_undo_and_goes_back_and_forward() {
         (r#"{"view":{"look":{"mode":{"iso":40}}}}"#, "Look: surface"),
         (r#"{"view":{"look":{"mode":"mip"}}}"#, "Look: maximum"),
         (r#"{"view":{"look":{"shaded":false}}}"#, "Headlight off"),
-        (r#"{"view":{"look":{"step_voxels":0.5}}}"#, "Look"),
+        (r#"{"view":{"look":{"step_voxels":0.25}}}"#, "Look"),
         (r#"{"view":{"look":{"background":[1,1,1]}}}"#, "Background"),
         (WINDOW, "Window"),
         (r#"{"view":{"layer":{"field":"density","visible":false,"opacity":1}}}"#, "Layer density"),

@@ -53,7 +53,7 @@ fn choosing_what_to_paint_takes_the_brush() {
     window.scene.brush.target = Target::Selection(1.0);
     window.snapshot(|_| {});
     // The one that is lit already too.
-    for name in ["Paint: Select", "Paint: Label", "Paint: Colour", "Paint: Density", "Paint segment Segment 2"] {
+    for name in ["Paint: Selection", "Paint: Label", "Paint: Colour", "Paint: Density", "Paint segment Segment 2"] {
         window.click("Line split");
         assert!(!is_in_hand(&window, Tool::Brush));
         window.click(name);

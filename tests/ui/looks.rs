@@ -1,6 +1,6 @@
 //! What is read: contrast of the theme, lengths and values as text.
 
-use burin::interact::readout::{round_length, short};
+use burin::interact::readout::{field, fixed, length, round_length, short};
 use burin::ui::theme::{
     ACCENT, ACCENT_FILL, BAR, CONTROL, CONTROL_HOVER, DEEP, ERROR, PANEL, TEXT, TEXT_WEAK, WARNING,
 };
@@ -48,4 +48,48 @@ fn scale_bars_are_one_two_or_five() {
 fn values_are_short_and_keep_six_digits() {
     let shown = [0.0, 255.0, -1024.0, 0.125, 1234.5678, 0.000_012, 12_345_678.9].map(short);
     assert_eq!(shown, ["0", "255", "-1024", "0.125000", "1234.57", "1.2000e-5", "1.2346e7"]);
+}
+
+#[test]
+fn a_number_of_a_field_has_room_in_it_and_keeps_what_matters() {
+    let shown =
+        [(10.0, 1, 7), (1234.5, 1, 7), (1_234_567.8, 1, 7), (0.001, 1, 7), (-12_345_678.0, 0, 7), (1e-20, 2, 5)];
+    assert_eq!(shown.map(|(x, d, n)| fixed(x, d, n)), ["10.0", "1234.5", "1234568", "0.0", "-1.23e7", "0.00"]);
+    // A value, the span of the data, the room.
+    for (value, span, chars, text) in [
+        (89.0, 254.0, 7, "89"),
+        (0.1, 254.0, 7, "0.1"),
+        (169.5, 4000.0, 7, "169.5"),
+        (0.123_456_7, 1.0, 9, "0.12346"),
+        (2e-5, 1e-4, 9, "0.00002"),
+        (-1024.0, 4095.0, 5, "-1024"),
+        (1.5e9, 1e9, 6, "1.50e9"),
+        (f64::INFINITY, f64::NAN, 6, "inf"),
+    ] {
+        assert_eq!(field(value, span, chars), text, "{value} of {span}");
+    }
+    for value in [1.0 / 3.0, -123_456.789, 1e-7, 65_535.0, 1e300, -1e-300] {
+        for chars in 5..12 {
+            assert!(
+                field(value, 1.0, chars).chars().count() <= chars.max(6),
+                "{value} in {chars}: {}",
+                field(value, 1.0, chars)
+            );
+        }
+    }
+}
+
+#[test]
+fn a_length_is_said_in_its_own_unit() {
+    for (mm, text) in [
+        (2000.0, "2 m"),
+        (50.0, "5 cm"),
+        (2.0, "2 mm"),
+        (0.5, "0.5 mm"),
+        (0.05, "50 µm"),
+        (0.000_5, "0.5 µm"),
+        (0.000_02, "20 nm"),
+    ] {
+        assert_eq!(length(mm), text);
+    }
 }

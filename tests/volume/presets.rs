@@ -1,0 +1,121 @@
+//! Ready looks and the first surface: functions for any data, seen where they say.
+
+use burin::volume::{Histogram, TransferFunction};
+
+/// Counts of values by a density of our own over `[min, max]`.
+fn histogram(min: f64, max: f64, count: impl Fn(f64) -> f64) -> Histogram {
+    let at = |i: usize| min + (max - min) * (i as f64 + 0.5) / 512.0;
+    Histogram { min, max, bins: (0..512).map(|i| count(at(i)) as u64).collect() }
+}
+
+fn peak(x: f64, centre: f64, width: f64) -> f64 {
+    1e5 * (-((x - centre) / width).powi(2)).exp()
+}
+
+/// Air, fat, water, bone.
+fn ct() -> Histogram {
+    histogram(-1024.0, 3071.0, |x| {
+        3.0 * peak(x, -1000.0, 30.0) + peak(x, -100.0, 40.0) + 2.0 * peak(x, 40.0, 60.0) + 0.2 * peak(x, 700.0, 400.0)
+    })
+}
+
+/// Air, and matter about 100.
+fn mr() -> Histogram {
+    histogram(0.0, 255.0, |x| 4.0 * peak(x, 2.0, 5.0) + peak(x, 100.0, 30.0) + 0.1 * peak(x, 190.0, 30.0))
+}
+
+#[test]
+fn ct_is_known_by_its_air_and_nothing_else_is_taken_for_it() {
+    assert!(ct().is_hounsfield());
+    // Padding below the scanner's circle is common.
+    assert!(
+        histogram(-3024.0, 3071.0, |x| peak(x, -3024.0, 5.0) + peak(x, -1000.0, 40.0) + peak(x, 40.0, 60.0))
+            .is_hounsfield()
+    );
+    assert!(!mr().is_hounsfield());
+    assert!(!histogram(0.0, 4095.0, |x| peak(x, 24.0, 30.0) + peak(x, 1064.0, 60.0)).is_hounsfield(), "not rescaled");
+    assert!(!histogram(-1000.0, 1000.0, |x| peak(x, 0.0, 100.0)).is_hounsfield(), "differences about zero");
+    assert!(!histogram(-32768.0, 32767.0, |x| peak(x, -1000.0, 50.0) + peak(x, 0.0, 50.0)).is_hounsfield());
+}
+
+#[test]
+fn every_look_is_a_function_whatever_the_data_are() {
+    let constant = |value: f64| Histogram { min: value, max: value, bins: vec![7] };
+    let odd = [
+        ct(),
+        mr(),
+        constant(0.0),
+        constant(-1000.0),
+        constant(1e30),
+        Histogram { min: 0.0, max: 1.0, bins: vec![5, 5] },
+        Histogram { min: 0.0, max: 1e-9, bins: vec![0; 64] },
+        Histogram { min: -1e30, max: 1e30, bins: vec![1; 512] },
+        Histogram { min: 0.0, max: 5.0, bins: Vec::new() },
+        histogram(-1024.0, 3071.0, |x| peak(x, -1000.0, 1.0)),
+    ];
+    for histogram in odd {
+        let looks = TransferFunction::presets(&histogram, 0.5);
+        assert!(looks.len() >= 4);
+        for look in looks {
+            look.function.check().unwrap_or_else(|e| panic!("{} of {histogram:?}: {e}", look.name));
+            assert_eq!(look.function.unit_mm, 0.5);
+            assert!(look.function.opacity.iter().any(|p| p.1 > 0.0), "{} shows nothing", look.name);
+        }
+        let first = TransferFunction::from_histogram(&histogram, 1.0).first_surface(&histogram);
+        let reach = (histogram.max - histogram.min).max(1.0);
+        assert!(
+            first >= histogram.min - 1e-6 * reach && first <= histogram.max + 1e-6 * reach,
+            "{first} of {histogram:?}"
+        );
+    }
+}
+
+#[test]
+fn looks_of_ct_show_what_their_names_say() {
+    let looks = TransferFunction::presets(&ct(), 1.0);
+    let opacity = |name: &str, hu: f64| looks.iter().find(|l| l.name == name).unwrap().function.opacity_at(hu);
+    // Air, lung, fat, muscle, spongy bone, compact bone (Hounsfield units).
+    for (name, seen, clear) in [
+        ("Skin", vec![-200.0, 50.0], vec![-1000.0, -500.0]),
+        ("Soft tissue", vec![50.0], vec![-1000.0, -200.0]),
+        ("Bone", vec![400.0, 1200.0], vec![-1000.0, -100.0, 50.0, 100.0]),
+        ("Lung", vec![-800.0, -600.0], vec![-1000.0, -100.0, 50.0, 1000.0]),
+        ("Bone in skin", vec![-100.0, 400.0], vec![-1000.0]),
+    ] {
+        seen.iter().for_each(|&hu| assert!(opacity(name, hu) > 0.01, "{name} at {hu}"));
+        clear.iter().for_each(|&hu| assert_eq!(opacity(name, hu), 0.0, "{name} at {hu}"));
+    }
+    assert!(opacity("Bone in skin", 400.0) > 5.0 * opacity("Bone in skin", 0.0));
+}
+
+#[test]
+fn looks_of_other_data_follow_how_the_values_are_spread() {
+    for scale in [1.0, 257.0, 1e-4] {
+        let small = mr();
+        let histogram = Histogram { min: 0.0, max: small.max * scale, bins: small.bins.clone() };
+        for look in TransferFunction::presets(&histogram, 1.0) {
+            let at = |value: f64| look.function.opacity_at(value * scale);
+            assert_eq!(at(2.0), 0.0, "{}: air is clear", look.name);
+            assert!(at(240.0) > 0.0, "{}: the brightest is seen", look.name);
+            assert_eq!(at(100.0) > 0.0, look.name != "Brightest", "{} in the middle", look.name);
+        }
+    }
+}
+
+#[test]
+fn a_first_surface_lies_where_matter_begins_and_its_colour_is_light() {
+    let luminance = |[r, g, b]: [f32; 3]| 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    for (histogram, begins, ends) in [(ct(), -700.0, 40.0), (mr(), 20.0, 120.0)] {
+        let function = TransferFunction::from_histogram(&histogram, 1.0);
+        let first = function.first_surface(&histogram);
+        assert!((begins..ends).contains(&first), "{first}");
+        let dark = function.opacity.iter().rfind(|p| p.1 <= 0.0).unwrap().0;
+        assert!(luminance(function.colour_at(dark)) < 0.15, "where opacity begins the colour is almost black");
+        assert!(luminance(function.colour_at(first)) >= 0.33, "{:?}", function.colour_at(first));
+    }
+    let dark = TransferFunction {
+        colour: vec![(0.0, [0.0; 3]), (255.0, [0.1; 3])],
+        ..TransferFunction::from_histogram(&mr(), 1.0)
+    };
+    assert!((20.0..255.0).contains(&dark.first_surface(&mr())), "dark throughout: still within the matter");
+}
