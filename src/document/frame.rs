@@ -9,8 +9,8 @@ use crate::volume::FieldKind;
 /// Id of the body that is not a part: the whole volume, or the selection among its parts. Parts' ids begin at 1.
 pub(super) const WHOLE: u32 = 0;
 
-/// Tint of the selection, display-referred.
-const SELECTION_COLOUR: [f32; 3] = [1.0, 0.6, 0.15];
+/// Tint of the selection in every picture, display-referred.
+pub const SELECTION_COLOUR: [f32; 3] = [1.0, 0.6, 0.15];
 
 /// Level and width of a grey window in which every value is black, as numbers of 32 bits.
 const ALL_BLACK: (f64, f64) = (2e38, 2e38);

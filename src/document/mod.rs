@@ -33,6 +33,7 @@ pub use command::*;
 pub use command_parts::*;
 pub use command_paths::at_home;
 pub use error::DocumentError;
+pub use frame::SELECTION_COLOUR;
 pub use history::{DEFAULT_BUDGET_BYTES, History};
 pub use keep::keep_error::KeepError;
 pub use keep::keeper::Keeper;
@@ -214,6 +215,17 @@ impl Document {
             past.looked(called, looks, group);
         }
         new_looks
+    }
+
+    /// Reads ahead what the explosion's first move would wait for; for a moment in which there is nothing else to do.
+    ///
+    /// # Errors
+    /// If the source fails.
+    pub fn prepare_motion(&mut self) -> Result<(), DocumentError> {
+        match &self.state {
+            Some(state) if self.running.is_none() => self.motion.prepare(state),
+            _ => Ok(()),
+        }
     }
 
     /// Hands changed voxels on to their mirrors.

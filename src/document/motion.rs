@@ -143,6 +143,31 @@ impl Motion {
         Ok(settled)
     }
 
+    /// Reads what explosion points are found in, so that the first move of the slider need not wait for it.
+    pub(super) fn prepare(&mut self, state: &State) -> Result<(), DocumentError> {
+        if self.octrees.is_none() && state.scene.explosion.parts.len() > 1 {
+            self.octrees(state)?;
+        }
+        Ok(())
+    }
+
+    /// Where the window's bodies are led: to what was found, and until something is found for the present degree to what was found
+    /// for another one, or to where the search has come, as far as that degree says.
+    fn target(&self, explosion: &Explosion) -> Vec<Pose> {
+        let found = self.reached.as_ref().filter(|(cause, _)| alike(&cause.explosion, explosion));
+        let found = found.map(|(cause, settled)| (cause.explosion.degree, settled.poses.clone()));
+        let sought = self.search.as_ref().filter(|(cause, _)| alike(&cause.explosion, explosion));
+        let sought = || sought.map(|(_, search)| (search.degree_now(), search.settled().poses));
+        match found.filter(|(degree, _)| *degree > 0.0 || explosion.degree == 0.0).or_else(sought) {
+            Some((degree, poses)) if degree == explosion.degree => poses,
+            Some((degree, poses)) if degree > 0.0 => {
+                let share = explosion.degree / degree;
+                explosion.parts.iter().zip(&poses).map(|(part, pose)| pose.share(share, part.centre())).collect()
+            }
+            _ => explosion.poses(),
+        }
+    }
+
     /// Steps of 1/60 s of the window's animation.
     pub(super) fn step(&mut self, state: &State, graphics: &mut Graphics, steps: u32) -> Result<Moved, DocumentError> {
         let points = self.points(state)?.to_vec();
@@ -180,9 +205,7 @@ impl Motion {
             Some(b) if alike(&b.made_of, explosion) && b.poses == poses => Bodies { made_of: at_rest(explosion), ..b },
             _ => Bodies { simulation: Simulation::new(explosion, &[])?, made_of: at_rest(explosion), poses },
         };
-        let target = self.reached.as_ref().filter(|(cause, _)| alike(&cause.explosion, explosion));
-        let now = explosion.poses();
-        bodies.simulation.lead(Some(target.map_or(&now, |(_, settled)| &settled.poses)));
+        bodies.simulation.lead(Some(&self.target(explosion)));
         let mut moving = false;
         for _ in 0..steps {
             moving = bodies.simulation.step(&camera);

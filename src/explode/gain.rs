@@ -177,6 +177,14 @@ impl Search {
         (self.steps as f32 / MAX_STEPS as f32).max(self.rounds as f32 / MAX_ROUNDS as f32).min(1.0)
     }
 
+    /// The degree that the poses of [`settled`](Self::settled) are of: gains are measured at 1.
+    pub fn degree_now(&self) -> f64 {
+        match self.stage {
+            Stage::Gains | Stage::Asking => 1.0,
+            Stage::Approach | Stage::Done => self.degree,
+        }
+    }
+
     /// The answer so far; final after [`Progress::Done`].
     pub fn settled(&self) -> Settled {
         Settled {

@@ -30,6 +30,13 @@ impl Pose {
         Self { rotation, translation: centre + shift - rotation * centre }
     }
 
+    /// A share of the way from rest, also more than all of it: of the shift of `centre` and of the turn about it.
+    #[must_use]
+    pub fn share(&self, share: f64, centre: DVec3) -> Self {
+        let rotation = DQuat::from_scaled_axis(self.rotation.to_scaled_axis() * share);
+        Self::about(centre, rotation, (self.apply(centre) - centre) * share)
+    }
+
     /// Where a point of the part at rest is now.
     pub fn apply(&self, p: DVec3) -> DVec3 {
         self.rotation * p + self.translation

@@ -89,7 +89,7 @@ pub(super) fn paint_colour(target: Target, scene: &crate::document::Scene) -> Co
     match target {
         Target::Label(id) => theme::rgb(scene.segments.colour_of(id)),
         Target::Colour([r, g, b, _]) => theme::rgb([r, g, b]),
-        Target::Selection(_) => theme::WARNING,
+        Target::Selection(_) => theme::rgb(crate::document::SELECTION_COLOUR),
         Target::Density(_) => Color32::WHITE,
     }
 }

@@ -16,6 +16,8 @@ struct Sample {
     serial: u64,
     /// Whether the way from the sample before is part of the stroke.
     joined: bool,
+    /// A picture shows it: only the next way begins here.
+    shown: bool,
 }
 
 /// See the module's head.
@@ -41,7 +43,7 @@ impl Trail {
         }
         self.jump_mm = 2.0 * (radius_mm + voxel_mm);
         (self.radius_mm, self.colour, self.running) = (radius_mm, colour, true);
-        self.samples.push(Sample { hit: None, serial: 0, joined: false });
+        self.samples.push(Sample { hit: None, serial: 0, joined: false, shown: false });
     }
 
     /// The pointer was here; `serial` is that of the command that says so.
@@ -51,7 +53,7 @@ impl Trail {
             (Some(a), Some(b)) => a.part == b.part && (a.depth_mm - b.depth_mm).abs() <= self.jump_mm,
             _ => false,
         };
-        self.samples.push(Sample { hit, serial, joined });
+        self.samples.push(Sample { hit, serial, joined, shown: false });
     }
 
     /// Whether a stroke of the 3D view is under the hand.
@@ -75,10 +77,9 @@ impl Trail {
     pub(super) fn shown(&mut self, serial: u64) {
         let shown = self.samples.iter().take_while(|s| s.serial <= serial).count();
         // The last one shown is where the next way begins.
-        let gone = if self.running { shown.saturating_sub(1) } else { shown };
-        self.samples.drain(..gone);
-        if let Some(first) = self.samples.first_mut() {
-            first.joined = false;
+        self.samples.drain(..shown.saturating_sub(1));
+        if let Some(first) = self.samples.first_mut().filter(|_| shown > 0) {
+            first.shown = true;
         }
         self.forget_surface();
     }
@@ -91,7 +92,7 @@ impl Trail {
     /// The colour and which points of the surface it lies on; `None` if there is nothing to draw.
     pub(super) fn tint(&mut self, surface: &Surface) -> Option<(Color32, &[bool])> {
         let seen = surface.seen();
-        if self.samples.iter().all(|s| s.hit.is_none()) || seen.is_empty() {
+        if self.samples.iter().all(|s| s.hit.is_none() || s.shown) || seen.is_empty() {
             return None;
         }
         if self.tinted.len() != seen.len() {
@@ -99,7 +100,7 @@ impl Trail {
             self.tinted.resize(seen.len(), false);
         }
         for i in self.counted..self.samples.len() {
-            let Some(to) = self.samples[i].hit else { continue };
+            let Some(to) = self.samples[i].hit.filter(|_| !self.samples[i].shown) else { continue };
             let from = if self.samples[i].joined { self.samples[i - 1].hit.unwrap_or(to) } else { to };
             for (tinted, seen) in self.tinted.iter_mut().zip(seen) {
                 *tinted |= seen.is_some_and(|s| near_way(s.world, from.world, to.world, self.radius_mm));

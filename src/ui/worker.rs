@@ -121,7 +121,16 @@ impl Worker {
     /// Does what waits; sleeps if there is nothing else to do.
     fn take_requests(&mut self) -> Next {
         if !self.moving && self.probe.is_none() && !self.studio.has_work(&self.document, &self.shown, self.rough()) {
-            match self.far.requests.recv() {
+            let next = match self.far.requests.try_recv() {
+                Err(TryRecvError::Empty) => {
+                    if let Err(error) = self.document.prepare_motion() {
+                        tracing::warn!("{error}");
+                    }
+                    self.far.requests.recv().map_err(|_| TryRecvError::Disconnected)
+                }
+                next => next,
+            };
+            match next {
                 Ok((serial, request)) => {
                     if !self.take(serial, request) {
                         return Next::Quit;

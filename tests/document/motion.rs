@@ -1,8 +1,9 @@
 //! Pictures while something moves.
 
 use super::maker::run;
+use super::maker_gpu::{block, cut, select};
 use burin::document::{Document, Origin, State, ViewName};
-use burin::math::DVec3;
+use burin::math::{DQuat, DVec3, Pose};
 use burin::volume::*;
 use std::sync::Arc;
 
@@ -41,4 +42,75 @@ fn a_picture_in_motion_waits_for_few_bricks_and_at_rest_none_is_missing() {
     assert!(!pending, "the rest comes with the next picture");
     let (rest, pending) = picture(false);
     assert!(!pending && rest == next && rest != rough);
+}
+
+fn poses(document: &Document) -> Vec<Pose> {
+    document.state().unwrap().scene.explosion.poses()
+}
+
+fn farthest(a: &[Pose], b: &[Pose]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.translation.distance(b.translation)).fold(0.0, f64::max)
+}
+
+/// Steps one by one; the poses after a few, and at rest.
+fn stepped(document: &mut Document) -> (Vec<Pose>, Vec<Pose>) {
+    let mut few = Vec::new();
+    for i in 0..2000 {
+        let answer = run(document, r#"{"explosion":{"step":{"steps":1}}}"#).unwrap();
+        if i == 3 {
+            few = poses(document);
+        }
+        if i > 3 && answer["moving"] == false {
+            return (few, poses(document));
+        }
+    }
+    panic!("parts never come to rest");
+}
+
+#[test]
+fn parts_follow_the_slider_from_the_first_steps_and_rest_where_they_belong() {
+    let Some(mut document) = block() else { return };
+    cut(&mut document);
+    select(&mut document);
+    let mut before = poses(&document);
+    for degree in [1.0, 0.4, 0.8, 0.0] {
+        run(&mut document, &format!(r#"{{"explosion":{{"degree":{{"value":{degree}}}}}}}"#)).unwrap();
+        let (few, rest) = stepped(&mut document);
+        let way = farthest(&before, &rest);
+        assert!(way > 3.0, "{way} mm");
+        // Long before all is measured they are on their way, and in the right direction.
+        assert!(farthest(&before, &few) > 0.01 * way, "degree {degree}: {} of {way} mm", farthest(&before, &few));
+        assert!(farthest(&few, &rest) < way, "degree {degree}");
+        run(&mut document, r#"{"explosion":{"settle":{}}}"#).unwrap();
+        assert_eq!(rest, poses(&document), "degree {degree}");
+        before = rest;
+    }
+}
+
+#[test]
+fn a_share_of_a_pose_is_that_share_of_its_shift_and_turn() {
+    let centre = DVec3::new(3.0, -2.0, 7.0);
+    let pose = Pose::about(centre, DQuat::from_axis_angle(DVec3::new(0.0, 0.6, 0.8), 0.8), DVec3::new(4.0, 0.0, -2.0));
+    for share in [0.0, 0.25, 1.0, 1.7] {
+        let part = pose.share(share, centre);
+        assert!((part.apply(centre) - centre - DVec3::new(4.0, 0.0, -2.0) * share).length() < 1e-12, "{share}");
+        let turn = DQuat::from_axis_angle(DVec3::new(0.0, 0.6, 0.8), 0.8 * share);
+        assert!(part.rotation.angle_between(turn) < 1e-6, "{share}");
+    }
+}
+
+#[test]
+fn the_explosion_says_what_it_lacks() {
+    let Some(mut document) = block() else { return };
+    let degree = |d: &mut Document, value: f64| {
+        run(d, &format!(r#"{{"explosion":{{"degree":{{"value":{value}}}}}}}"#)).unwrap()["hint"].clone()
+    };
+    assert!(degree(&mut document, 1.0).as_str().unwrap().contains("part.split"), "one part");
+    cut(&mut document);
+    assert!(degree(&mut document, 1.0).as_str().unwrap().contains("select something first"));
+    let settled = run(&mut document, r#"{"explosion":{"settle":{}}}"#).unwrap();
+    assert!(settled["hint"].as_str().unwrap().contains("select something first"), "{settled}");
+    assert_eq!(degree(&mut document, 0.0), serde_json::Value::Null);
+    select(&mut document);
+    assert_eq!(degree(&mut document, 1.0), serde_json::Value::Null);
 }

@@ -130,3 +130,58 @@ fn a_view_whose_picture_was_refused_shows_its_ground() {
         assert_eq!(Color32::from_rgb(r, g, b), ground);
     }
 }
+
+/// A picture of one colour of something at one distance from the eye.
+fn solid(window: &Window, serial: u64) -> Picture {
+    let view = window.harness.get_by_label("3D view").rect();
+    let (size, camera) = ([view.width() as u32, view.height() as u32], window.scene.views.camera);
+    let pixels = (size[0] * size[1]) as usize;
+    let depth_mm = vec![camera.eye.distance(camera.target) as f32; pixels];
+    Picture { depth_mm, object: vec![1; pixels], serial, ..plain(window, ViewName::ThreeD, size, [60, 0, 90]) }
+}
+
+#[test]
+fn a_stroke_in_3d_is_drawn_at_once_until_a_picture_shows_it_or_it_is_taken_back() {
+    let Some(state) = render_state() else { return };
+    let canvas = Canvas::new(&state).unwrap();
+    let mut window = Window::painted(SMALL, state, canvas);
+    window.scene.brush.target = burin::paint::Target::Colour([0.0, 1.0, 0.0, 1.0]);
+    window.snapshot(|_| {});
+    let report = Report::Picture(Box::new(solid(&window, 0)));
+    window.report(report);
+    window.click("Brush");
+    let view = window.harness.get_by_label("3D view").rect();
+    let (from, to) = (view.center() - egui::vec2(80.0, 0.0), view.center() + egui::vec2(60.0, 0.0));
+    let stroke = |window: &mut Window| {
+        window.harness.drag_at(from);
+        window.harness.run_steps(1);
+        window.harness.hover_at(to);
+        window.harness.run_steps(1);
+    };
+    // Where the stroke began, half way, and far from it.
+    let tinted = |window: &mut Window| {
+        let image = window.harness.render().unwrap();
+        [from, from.lerp(to, 0.5), view.center() + egui::vec2(0.0, 100.0)].map(|at| {
+            let [r, g, b, _] = image.get_pixel(at.x as u32, at.y as u32).0;
+            let painted = g > 80 && g > r && g > b;
+            assert!(painted || [r, g, b] == [60, 0, 90], "{r} {g} {b} at {at:?}");
+            painted
+        })
+    };
+    assert_eq!(tinted(&mut window), [false; 3]);
+    stroke(&mut window);
+    assert_eq!(tinted(&mut window), [true, true, false], "before any picture of it");
+    window.key(egui::Modifiers::NONE, egui::Key::Escape);
+    assert_eq!(tinted(&mut window), [false; 3], "taken back");
+    window.harness.drop_at(to);
+    window.harness.run_steps(2);
+    stroke(&mut window);
+    window.harness.drop_at(to);
+    window.harness.run_steps(2);
+    let old = Report::Picture(Box::new(solid(&window, 0)));
+    window.report(old);
+    assert_eq!(tinted(&mut window), [true, true, false], "a picture of before does not show it");
+    let new = Report::Picture(Box::new(solid(&window, u64::MAX)));
+    window.report(new);
+    assert_eq!(tinted(&mut window), [false; 3], "the voxels follow");
+}
