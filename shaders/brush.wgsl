@@ -8,44 +8,31 @@ const SLOT_TEXELS: u32 = 39304u;
 // Words between rows of `start` and `next`: texture copies want rows of 256 bytes.
 const PITCH: u32 = 64u;
 
-// Texels in a word, words in a slot's row, how many slots lie side by side in `start`, and what the storage holds in its own
-// steps. Without a condition: colour.
+// Texels in a word, words in a slot's row, and how many slots lie side by side in `start`. Without a condition: colour.
 #ifdef SELECTION
 const PER_WORD: u32 = 4u;
 const ROW: u32 = 9u;
 const LANES: u32 = 7u;
-const LOW: f32 = 0.0;
-const TOP: f32 = 255.0;
 #else ifdef LABELS
 const PER_WORD: u32 = 2u;
 const ROW: u32 = 17u;
 const LANES: u32 = 3u;
-const LOW: f32 = 0.0;
-const TOP: f32 = 65535.0;
 #else ifdef CODES
 const PER_WORD: u32 = 2u;
 const ROW: u32 = 17u;
 const LANES: u32 = 3u;
-const LOW: f32 = 0.0;
-const TOP: f32 = 65535.0;
 #else ifdef CODES_IN_FLOATS
 const PER_WORD: u32 = 1u;
 const ROW: u32 = 34u;
 const LANES: u32 = 1u;
-const LOW: f32 = 0.0;
-const TOP: f32 = 65535.0;
 #else ifdef FLOATS
 const PER_WORD: u32 = 1u;
 const ROW: u32 = 34u;
 const LANES: u32 = 1u;
-const LOW: f32 = -3.4028234e38;
-const TOP: f32 = 3.4028234e38;
 #else
 const PER_WORD: u32 = 1u;
 const ROW: u32 = 34u;
 const LANES: u32 = 1u;
-const LOW: f32 = 0.0;
-const TOP: f32 = 1.0;
 #endif
 
 const ADD: u32 = 1u;
@@ -58,6 +45,9 @@ const PRODUCT: u32 = 1u;
 
 const LINEAR: u32 = 1u;
 const SMOOTH: u32 = 2u;
+
+// The greatest 16-bit code.
+const TOP: f32 = 65535.0;
 
 // Words of a slot's bits.
 const GATE_WORDS: u32 = 1229u;
@@ -77,7 +67,12 @@ struct BrushStroke {
     falloff: u32,
     // Not 0: only texels whose bit is set.
     gate: u32,
+    // Where numbers end, in the storage's own steps.
+    low: f32,
+    top: f32,
     unused_a: u32,
+    unused_b: u32,
+    unused_c: u32,
 }
 
 struct BrushDab {
@@ -202,10 +197,10 @@ fn is_open(place: u32, row: u32, x: u32) -> bool {
 fn number(p: f32, back: f32, cover: f32) -> f32 {
     let c = stroke.paint.x;
     if stroke.operation == ADD {
-        return clamp(p + cover * c, LOW, TOP);
+        return clamp(p + cover * c, stroke.low, stroke.top);
     }
     if stroke.operation == SUBTRACT {
-        return clamp(p - cover * c, LOW, TOP);
+        return clamp(p - cover * c, stroke.low, stroke.top);
     }
     let end = select(c, back, stroke.operation == RESTORE);
     return select(p + cover * (end - p), end, cover >= 1.0);
@@ -216,7 +211,7 @@ fn code(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
     if stroke.operation == RESTORE {
         back = tight_code(base[(place * SLOT * SLOT + row) * 17u + x / 2u], x);
     }
-    return u32(clamp(floor(number(f32(old), f32(back), cover) + 0.5), LOW, TOP));
+    return u32(clamp(floor(number(f32(old), f32(back), cover) + 0.5), 0.0, TOP));
 }
 
 // Per format: the new texel.

@@ -1,12 +1,11 @@
 //! From a volume file to a document, in three passes over the voxels: statistics, histogram, levels.
 
-use super::state::unit;
 use super::{
     Command, Document, DocumentError, KeepError, Keeper, KeptDocument, OpenAs, Origin, Recovered, State, VolumeCommand,
     Wanted,
 };
 use crate::io;
-use crate::volume::{BrickSource, FieldKind, Histogram, Statistics, Value};
+use crate::volume::{BrickSource, FieldKind, Histogram, Statistics, Value, unit};
 use crate::with_voxels;
 use rayon::prelude::*;
 use serde_json::{Value as Json, json};

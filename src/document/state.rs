@@ -5,7 +5,7 @@
 
 use super::{DocumentError, Past, Scene, SourceFiles};
 use crate::io::FileMark;
-use crate::volume::{BrickSource, DensityMap, Field, FieldKind, Grid, Histogram, Statistics, TexelFormat};
+use crate::volume::{BrickSource, DensityMap, Field, FieldKind, Grid, Histogram, Statistics, TexelFormat, unit};
 use std::sync::Arc;
 
 /// See the module's head. Cheap to clone: bricks are shared.
@@ -120,12 +120,6 @@ impl State {
             FieldKind::Labels => &mut self.labels,
         }
     }
-}
-
-/// The distance between neighbouring values of integer data.
-pub(super) fn unit(source: &dyn BrickSource) -> Option<f64> {
-    let slope = source.scaling().0.abs();
-    (source.voxel_type().is_integer() && slope > 0.0).then_some(slope)
 }
 
 /// How the density is kept: 16-bit codes where every integer stays exact, or where half a code is at most 1/2000 of what the

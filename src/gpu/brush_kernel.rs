@@ -7,7 +7,7 @@ use super::{Gpu, GpuError, shader};
 use crate::math::DMat3;
 use crate::paint::{Brush, EDGE, Falloff, Footprint, Operation, Target, Tip};
 use crate::shared_struct;
-use crate::volume::{Field, Grid, SLOT, SLOT_VOXELS, TexelFormat};
+use crate::volume::{Field, FieldKind, Grid, SLOT, SLOT_VOXELS, TexelFormat};
 use std::collections::HashMap;
 
 /// Dabs of one dispatch: `array<BrushDab, 256>`.
@@ -36,7 +36,11 @@ shared_struct! {
         gather: u32,
         falloff: u32,
         gate: u32,
+        low: f32,
+        top: f32,
         unused_a: u32,
+        unused_b: u32,
+        unused_c: u32,
     }
 }
 
@@ -239,6 +243,16 @@ impl BrushStroke {
             Target::Selection(value) => [value * 255.0, 0.0, 0.0, 0.0],
             Target::Label(id) => [f32::from(id), 0.0, 0.0, 0.0],
         };
+        // A hair wider than f32 rounds.
+        let hair = |v: f64| (v.abs() * 1e-6).min(1.0);
+        let [low, top] = match (target.kind(), target.format(), brush.bounds(target)) {
+            (FieldKind::Density, TexelFormat::R32Float, [lo, hi]) => {
+                [(lo - hair(lo)).max(f64::from(f32::MIN)), (hi + hair(hi)).min(f64::from(f32::MAX))]
+            }
+            (FieldKind::Density, _, ends) => ends.map(|v| ((v - map.lo) * map.codes_per_unit).clamp(0.0, 65_535.0)),
+            _ => [0.0, 255.0],
+        }
+        .map(|v| v as f32);
         let rows = grid.index_from_world().matrix3.transpose();
         let normals = DMat3::from_cols(rows.x_axis.normalize(), rows.y_axis.normalize(), rows.z_axis.normalize());
         Self {
@@ -264,7 +278,11 @@ impl BrushStroke {
                 Falloff::Smooth => 2,
             },
             gate: u32::from(brush.range.is_some()),
+            low,
+            top,
             unused_a: 0,
+            unused_b: 0,
+            unused_c: 0,
         }
     }
 }

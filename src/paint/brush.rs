@@ -2,7 +2,7 @@
 
 use super::PaintError;
 use crate::math::DVec3;
-use crate::volume::{BrickSource, DensityMap, Field, FieldKind, Number, TexelFormat};
+use crate::volume::{FieldKind, Number};
 use serde::{Deserialize, Serialize};
 
 /// The footprint's form.
@@ -53,7 +53,8 @@ pub enum Operation {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Target {
-    /// Density, in the volume's unit (an offset for `Add` and `Subtract`).
+    /// Density, in the volume's unit (an offset for `Add` and `Subtract`). It may lie between and beyond what the source's type can
+    /// hold: it is kept as it is, and an export rounds it to the nearest that the type has.
     Density(f64),
     /// Display-referred r, g, b, a in 0..1.
     Colour([f32; 4]),
@@ -150,6 +151,10 @@ impl Brush {
             Target::Density(value) if !value.is_finite() => {
                 return wrong("target.density", value.to_string(), "a finite value in the volume's unit");
             }
+            Target::Density(value) if value.abs() > f64::from(f32::MAX) => {
+                let expected = "a value within 32-bit floats, which keep what is painted: up to 3.4e38 either way";
+                return wrong("target.density", value.to_string(), expected);
+            }
             Target::Colour(rgba) if !rgba.iter().all(|c| (0.0..=1.0).contains(c)) => {
                 return wrong("target.colour", format!("{rgba:?}"), "four numbers from 0 to 1");
             }
@@ -166,53 +171,11 @@ impl Brush {
         }
     }
 
-    /// The range of values that density must be able to hold before this brush paints on it, if its 16-bit codes cannot yet:
-    /// the union of their range and what one full application to the field's extremes makes.
-    pub fn range_needed(&self, density: &Field) -> Option<[f64; 2]> {
-        self.range_over(density, 1.0)
-    }
-
-    /// Likewise where up to `coverage` (Σ G of building up, at least 1) adds up on a voxel. Beyond one application no more room
-    /// is made than the source's own type has.
-    pub fn range_over(&self, density: &Field, coverage: f64) -> Option<[f64; 2]> {
-        let Target::Density(value) = self.target else { return None };
-        if density.format() != TexelFormat::R16Unorm {
-            return None;
-        }
-        let map: &DensityMap = density.map();
-        let [lo, hi] = match self.effective() {
-            Operation::Restore => return None,
-            Operation::Replace | Operation::Blend => [value, value],
-            Operation::Add | Operation::Subtract => {
-                let sign = if self.effective() == Operation::Add { 1.0 } else { -1.0 };
-                let share = if self.tip == Tip::Wash { f64::from(self.strength) } else { 1.0 };
-                let offset = sign * share * value;
-                let [min, max] = density.extremes().map(f64::from);
-                let [least, greatest] = limits(density);
-                let low = (min + offset * coverage).max(least).min(min + offset);
-                let high = (max + offset * coverage).min(greatest).max(max + offset);
-                [low.min(min), high.max(max)]
-            }
-        };
-        let slack = map.half_step();
-        (lo < map.lo - slack || hi > map.hi() + slack).then(|| [lo.min(map.lo), hi.max(map.hi())])
-    }
-
     /// Whether dabs of this brush may add up on density beyond one application.
     pub fn piles_up(&self) -> bool {
         let adds = matches!(self.effective(), Operation::Add | Operation::Subtract);
         adds && self.tip == Tip::BuildUp && matches!(self.target, Target::Density(_))
     }
-}
-
-/// What the source's type can hold, in the volume's unit.
-fn limits(density: &Field) -> [f64; 2] {
-    let of = |source: &std::sync::Arc<dyn BrickSource>| {
-        let (slope, intercept) = source.scaling();
-        let [a, b] = source.voxel_type().limits()?.map(|stored| slope * stored + intercept);
-        Some([a.min(b), a.max(b)])
-    };
-    density.source().and_then(of).unwrap_or([f64::NEG_INFINITY, f64::INFINITY])
 }
 
 /// One input point of a stroke, in the frame of the voxels at rest.

@@ -9,6 +9,7 @@ mod error;
 mod gate;
 mod path;
 mod pile;
+mod room;
 
 pub use brush::{Brush, Falloff, Operation, Sample, Shape, Target, Tip};
 pub use dab::{Dab, EDGE, Footprint, IndexBox};

@@ -35,5 +35,5 @@ pub use source::{BrickSource, MemorySource, SourceError};
 pub use texel::{DensityMap, TexelFormat};
 pub use transfer::{TABLE_ENTRIES, TransferFunction};
 pub use values::Values;
-pub(crate) use values::is_plain;
+pub(crate) use values::{is_plain, unit};
 pub use voxels::{Histogram, Statistics, Value, VoxelType, Voxels};

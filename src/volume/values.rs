@@ -86,6 +86,12 @@ impl Values {
     }
 }
 
+/// The distance between neighbouring values of integer data.
+pub(crate) fn unit(source: &dyn BrickSource) -> Option<f64> {
+    let slope = source.scaling().0.abs();
+    (source.voxel_type().is_integer() && slope > 0.0).then_some(slope)
+}
+
 /// Whether a source's stored numbers are its values.
 pub(crate) fn is_plain(source: &dyn BrickSource) -> bool {
     source.scaling() == (1.0, 0.0)

@@ -21,6 +21,7 @@ mod masks;
 mod memory;
 mod motion;
 mod nouns;
+mod painted;
 mod parts;
 mod past;
 mod pictures;

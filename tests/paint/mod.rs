@@ -4,6 +4,7 @@ mod brush;
 mod dab;
 mod path;
 mod pile;
+mod room;
 
 use burin::math::{DAffine3, DMat3, DVec3};
 use burin::paint::*;

@@ -4,7 +4,6 @@
 //! first, as `stroke.end` would. The GPU holds its texels until [`Document::settle`], which is the one place that waits for them.
 
 use super::edit::Edit;
-use super::state::{map_over, unit};
 use super::{Command, Document, DocumentError, ExplosionCommand, Place, StrokeCommand, StrokePoint, warn};
 use crate::paint::{Brush, Dab, Pile, Sample, StrokePath, Target};
 use crate::volume::FieldKind;
@@ -156,8 +155,7 @@ impl Document {
             state.scene.segments.ensure(id);
         }
         let mut begun = Ok(());
-        if let Some([lo, hi]) = brush.range_over(&state.density, room) {
-            let map = map_over(lo, hi, unit(state.source.as_ref()), None);
+        if let Some(map) = brush.map_for(&state.density, &state.statistics, room) {
             begun = edit.remap(state, map).map_err(DocumentError::from);
             self.graphics.remap(state);
         }
@@ -183,10 +181,9 @@ impl Document {
         }
         // Twice as much as before at least: to paint anew costs the whole volume.
         *room = most.max(*room * 2.0);
-        let Some([lo, hi]) = running.brush.range_over(&state.density, *room) else { return Ok(()) };
+        let Some(map) = running.brush.map_for(&state.density, &state.statistics, *room) else { return Ok(()) };
         let before = self.graphics.dabs();
         self.graphics.cancel(state, FieldKind::Density);
-        let map = map_over(lo, hi, unit(state.source.as_ref()), None);
         let mut widened = running.edit.remap(state, map).map_err(DocumentError::from);
         self.graphics.remap(state);
         widened = widened.and_then(|()| self.graphics.begin(state, &running.brush));

@@ -1,0 +1,121 @@
+//! What density must be able to hold before a brush paints on it: its 16-bit codes, wider ones, or 32-bit floats.
+//!
+//! Codes are half as large and are kept for as long as they lose nothing that the brush means: they hold every value, the
+//! source's outliers too, the number painted is one of them, and a step of integer data has codes enough for what lies between.
+//! Otherwise density moves to floats, which hold every value to 24 bits. Nothing is ever refused for want of room. Knows fields,
+//! neither documents nor the GPU.
+
+use super::{Brush, Falloff, Operation, Target, Tip};
+use crate::volume::{DensityMap, Field, Statistics, TexelFormat, unit};
+
+/// Codes between neighbouring integers below which a soft brush would paint in steps.
+const CODES_BETWEEN: f64 = 8.0;
+
+impl Brush {
+    /// The map that density needs before this brush paints on it where up to `coverage` adds up on a voxel (Σ G of building up, at
+    /// least 1); `None` if it has it. `source` is of the values that were there before any painting.
+    pub fn map_for(&self, density: &Field, source: &Statistics, coverage: f64) -> Option<DensityMap> {
+        let Target::Density(value) = self.target else { return None };
+        let restores = self.effective() == Operation::Restore;
+        // Where nothing was painted there is nothing to take back.
+        if density.format() != TexelFormat::R16Unorm || (restores && density.edits().is_empty()) {
+            return None;
+        }
+        let all_finite =
+            source.nan_count + source.infinite_count == 0 && source.min.is_finite() && source.max.is_finite();
+        if !all_finite {
+            return Some(DensityMap::FLOAT);
+        }
+        let unit = density.source().and_then(|s| unit(&**s));
+        let painted = density.extremes().map(f64::from);
+        let [lo, hi] = self.made([painted[0].min(source.min), painted[1].max(source.max)], density, coverage);
+        let number = match self.effective() {
+            Operation::Add | Operation::Subtract => value * f64::from(self.strength),
+            _ => value,
+        };
+        let keeps = |map: &DensityMap| {
+            // Extremes are known to 32 bits.
+            let slack = map.half_step() * 0.01 + lo.abs().max(hi.abs()) * f64::from(f32::EPSILON);
+            let holds = lo >= map.lo - slack && hi <= map.hi() + slack;
+            let code = match self.effective() {
+                Operation::Add | Operation::Subtract => number * map.codes_per_unit,
+                _ => (number - map.lo) * map.codes_per_unit,
+            };
+            let is_code = (code - code.round()).abs() <= 1e-6;
+            let whole = self.falloff == Falloff::Hard && self.strength >= 1.0;
+            let between = unit.is_none_or(|u| whole || map.codes_per_unit * u >= CODES_BETWEEN * (1.0 - 1e-9));
+            holds && (restores || (is_code && between))
+        };
+        if keeps(density.map()) {
+            return None;
+        }
+        let wider = unit.and_then(|unit| {
+            // Ends where the source has integers.
+            let lo = source.min + ((lo - source.min) / unit).floor() * unit;
+            let hi = source.min + ((hi - source.min) / unit).ceil() * unit;
+            ((hi - lo) / unit <= 65_535.0).then(|| DensityMap::codes(lo, hi, Some(unit)))
+        });
+        Some(wider.filter(keeps).unwrap_or(DensityMap::FLOAT))
+    }
+
+    /// The range of values after this brush has painted on values of the range `ends`: these, and what one application makes of
+    /// them, or up to `coverage` of them. Beyond one application no more room is made than the source's own type has.
+    pub(super) fn made(&self, ends: [f64; 2], density: &Field, coverage: f64) -> [f64; 2] {
+        let [min, max] = ends;
+        let Target::Density(value) = self.target else { return ends };
+        let [lo, hi] = match self.effective() {
+            Operation::Restore => ends,
+            Operation::Replace | Operation::Blend => [value, value],
+            Operation::Add | Operation::Subtract => {
+                let offset = self.offset(value);
+                let [least, greatest] = limits(density);
+                [
+                    (min + offset * coverage).max(least).min(min + offset),
+                    (max + offset * coverage).min(greatest).max(max + offset),
+                ]
+            }
+        };
+        [lo.min(min), hi.max(max)]
+    }
+
+    /// Where what adds up ends: at what the source's type can hold, or what one application makes where that is further.
+    /// Without adding, no end.
+    pub fn bounds(&self, density: &Field) -> [f64; 2] {
+        match (self.target, self.effective()) {
+            (Target::Density(value), Operation::Add | Operation::Subtract) => {
+                let offset = self.offset(value);
+                let ([least, greatest], [min, max]) = (limits(density), density.extremes().map(f64::from));
+                [least.min(min + offset), greatest.max(max + offset)]
+            }
+            _ => [f64::NEG_INFINITY, f64::INFINITY],
+        }
+    }
+
+    /// What one application adds at most.
+    fn offset(&self, value: f64) -> f64 {
+        let sign = if self.effective() == Operation::Add { 1.0 } else { -1.0 };
+        sign * value * if self.tip == Tip::Wash { f64::from(self.strength) } else { 1.0 }
+    }
+
+    /// The range of values that density must be able to hold for this brush, if its 16-bit codes cannot yet.
+    pub fn range_needed(&self, density: &Field) -> Option<[f64; 2]> {
+        let of_density = matches!(self.target, Target::Density(_)) && density.format() == TexelFormat::R16Unorm;
+        if !of_density || self.effective() == Operation::Restore {
+            return None;
+        }
+        let map = density.map();
+        let [lo, hi] = self.made(density.extremes().map(f64::from), density, 1.0);
+        let slack = map.half_step();
+        (lo < map.lo - slack || hi > map.hi() + slack).then(|| [lo.min(map.lo), hi.max(map.hi())])
+    }
+}
+
+/// What the source's type can hold, in the volume's unit.
+fn limits(density: &Field) -> [f64; 2] {
+    let of = |source: &std::sync::Arc<dyn crate::volume::BrickSource>| {
+        let (slope, intercept) = source.scaling();
+        let [a, b] = source.voxel_type().limits()?.map(|stored| slope * stored + intercept);
+        Some([a.min(b), a.max(b)])
+    };
+    density.source().and_then(of).unwrap_or([f64::NEG_INFINITY, f64::INFINITY])
+}
