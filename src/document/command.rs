@@ -130,7 +130,8 @@ pub enum VolumeCommand {
         #[serde(default, rename = "as", skip_serializing_if = "OpenAs::is_image")]
         open_as: OpenAs,
     },
-    /// Writes a field to NRRD on the original grid. Density keeps the source's type, unedited voxels bit for bit.
+    /// Writes a field to NRRD (`.nrrd`; labels also `.seg.nrrd`) or NIfTI (`.nii`, `.nii.gz`) on the original grid. Density keeps
+    /// the source's type, unedited voxels bit for bit; labels have the ids of the file that they came from.
     Export { field: FieldKind, path: PathBuf },
 }
 

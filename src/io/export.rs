@@ -1,24 +1,24 @@
-//! Fields to NRRD on the original grid, voxels in the original order, `space: left-posterior-superior`.
+//! Fields to files on the original grid, voxels in the original order.
 //!
-//! Density leaves in its source's own type: a voxel whose texel is still the source's own is the source's number bit for bit;
-//! an edited one is its value taken back through slope and intercept, rounded and saturated. NRRD has no slope: where the
-//! source has one, values leave as `double` (stored · slope + intercept, the sum every other program would make of it), and
-//! the keys `burin_stored_type`, `burin_slope`, `burin_intercept` tell how to have the stored numbers back. Selection leaves
-//! as the bytes it is kept in (255 is wholly selected: nothing is lost, and a threshold in another program is a number a
-//! person can guess); labels as `unsigned short` with the segments' names in 3D Slicer's keys; colour as RGBA.
+//! Density leaves in its source's own type: a voxel that nobody edited is the source's number bit for bit; an edited one is its
+//! value taken back through slope and intercept, rounded and saturated. A format that has no slope gets the values as `double`
+//! (stored · slope + intercept, the sum every other program would make of it). Selection leaves as the bytes it is kept in (255 is
+//! wholly selected: nothing is lost, and a threshold in another program is a number a person can guess); colour as RGBA; labels as
+//! the ids that the file they came from has, in the least type that holds them, at least `unsigned short`.
+//!
+//! Owns what is written; how a format says it is `nrrd_write`'s and `nifti_write`'s.
 
 use super::deflate::Gzip;
 use super::layout::to_native;
 use super::replace::replace;
-use super::{IoError, Progress};
-use crate::math::{DAffine3, DMat3, DVec3};
-use crate::volume::{BRICK, Field, FieldKind, Grid, Segments, Value, Values, VoxelType, Voxels, is_plain};
+use super::{IoError, Progress, nifti_write, nrrd_write};
+use crate::volume::{BRICK, BrickSource, Field, FieldKind, Grid, Segments, Value, Values, VoxelType, Voxels, is_plain};
 use crate::with_voxels;
-use std::fmt::Write as _;
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 
-/// How voxels are put into the file.
+/// How voxels are put into the file, where its name does not say it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Compression {
     /// As they are.
@@ -29,7 +29,7 @@ pub enum Compression {
 }
 
 /// What an export wrote.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Exported {
     /// Type of the voxels in the file.
     pub voxel_type: VoxelType,
@@ -37,6 +37,66 @@ pub struct Exported {
     pub bytes: u64,
     /// Voxels that are not the source's own (density), or not 0 (selection, colour, labels).
     pub voxels_changed: u64,
+    /// What could not be written as it is.
+    pub warnings: Vec<String>,
+}
+
+/// A field on its way out.
+#[derive(Debug)]
+pub(super) struct Leaving<'a> {
+    pub(super) field: &'a Field,
+    pub(super) grid: &'a Grid,
+    pub(super) segments: &'a Segments,
+    /// Type of the numbers in the file.
+    pub(super) voxel_type: VoxelType,
+    /// Numbers a voxel.
+    pub(super) width: u32,
+    /// `value = slope · stored + intercept` of the numbers in the file.
+    pub(super) scaling: (f64, f64),
+    /// What the file has for the id of each segment.
+    pub(super) values: BTreeMap<u16, i128>,
+}
+
+/// A format that fields can leave in.
+struct Format {
+    /// How its files' names end, lower case.
+    ending: &'static str,
+    /// `None`: as it is asked for.
+    compression: Option<Compression>,
+    /// Whether it is for labels only.
+    labels_only: bool,
+    /// Whether it can say a slope and an intercept of these sizes.
+    keeps: fn((f64, f64)) -> bool,
+    /// All that comes before the voxels, which follow little-endian.
+    header: fn(&Leaving<'_>, Compression) -> Vec<u8>,
+}
+
+/// In the order in which names are compared.
+const FORMATS: [Format; 4] = [
+    Format { ending: ".seg.nrrd", compression: None, labels_only: true, keeps: |_| false, header: nrrd_write::header },
+    Format { ending: ".nrrd", compression: None, labels_only: false, keeps: |_| false, header: nrrd_write::header },
+    Format {
+        ending: ".nii.gz",
+        compression: Some(Compression::Gzip),
+        labels_only: false,
+        keeps: nifti_write::keeps,
+        header: nifti_write::header,
+    },
+    Format {
+        ending: ".nii",
+        compression: Some(Compression::Raw),
+        labels_only: false,
+        keeps: nifti_write::keeps,
+        header: nifti_write::header,
+    },
+];
+
+/// How the names of files end that a field can leave in, the usual one first.
+pub fn export_endings(kind: FieldKind) -> Vec<&'static str> {
+    let mut endings: Vec<_> =
+        FORMATS.iter().filter(|f| !f.labels_only || kind == FieldKind::Labels).map(|f| f.ending).collect();
+    endings.sort_by_key(|&ending| ending != ".nrrd");
+    endings
 }
 
 /// Voxels handled at once.
@@ -45,7 +105,8 @@ const SLAB_VOXELS: u64 = 1 << 21;
 /// Writes a field; `grid` is its volume's. The old file of that name stays until the new one is whole and on disk.
 ///
 /// # Errors
-/// If `path` does not end in `.nrrd`, the source or the disk fails, or `progress` said no.
+/// If `path` ends in none of [`export_endings`], if the format has no room for the field, the source or the disk fails, or `progress`
+/// said no.
 pub fn export(
     path: impl AsRef<Path>,
     field: &Field,
@@ -55,169 +116,166 @@ pub fn export(
     progress: Progress<'_>,
 ) -> Result<Exported, IoError> {
     let path = path.as_ref();
-    if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("nrrd")) {
-        return Err(IoError::field(&path.display().to_string(), "extension", found_extension(path), "nrrd"));
-    }
-    let source = field.source().map(|s| &**s);
-    let (voxel_type, width) = match (field.kind(), source) {
-        (FieldKind::Density, Some(source)) if is_plain(source) => (source.voxel_type(), 1),
-        (FieldKind::Density, Some(_)) => (VoxelType::F64, 1),
-        (FieldKind::Density, None) => (VoxelType::F32, 1),
-        (FieldKind::Colour, _) => (VoxelType::U8, 4),
-        (FieldKind::Selection, _) => (VoxelType::U8, 1),
-        (FieldKind::Labels, _) => (VoxelType::U16, 1),
+    let file = path.display().to_string();
+    let format = format(path, &file, field.kind())?;
+    let compression = format.compression.unwrap_or(compression);
+    let mut leaving = Leaving {
+        field,
+        grid,
+        segments,
+        voxel_type: VoxelType::U8,
+        width: 1,
+        scaling: (1.0, 0.0),
+        values: BTreeMap::new(),
     };
-    let header = header(field, grid, segments, voxel_type, width, compression);
+    let mut warnings = Vec::new();
+    match (field.kind(), field.source().map(|s| &**s)) {
+        (FieldKind::Density, Some(source)) => {
+            let kept = is_plain(source) || (format.keeps)(source.scaling());
+            leaving.voxel_type = if kept { source.voxel_type() } else { VoxelType::F64 };
+            leaving.scaling = if kept { source.scaling() } else { (1.0, 0.0) };
+        }
+        (FieldKind::Density, None) => leaving.voxel_type = VoxelType::F32,
+        (FieldKind::Colour, _) => leaving.width = 4,
+        (FieldKind::Selection, _) => {}
+        (FieldKind::Labels, _) => {
+            leaving.values = segments.file_values();
+            leaving.voxel_type = holding(&file, &leaving.values)?;
+            let other = segments.0.iter().filter(|s| leaving.values.get(&s.id) != Some(&s.file_value()));
+            warnings.extend(other.map(|s| {
+                let value = leaving.values.get(&s.id).copied().unwrap_or_default();
+                format!("{} is {value} in the file: {} is another segment's", s.name, s.file_value())
+            }));
+        }
+    }
+    let header = (format.header)(&leaving, compression);
     let [nx, ny, nz] = grid.dims;
     let thick = (SLAB_VOXELS / (u64::from(nx) * u64::from(ny))).clamp(1, u64::from(BRICK)) as u32;
     let mut voxels_changed = 0;
     let write = |out: &mut dyn Write| {
         for z in (0..nz).step_by(thick as usize) {
             if !progress(z as f32 / nz as f32) {
-                return Err(IoError::Cancelled { file: path.display().to_string() });
+                return Err(IoError::Cancelled { file: file.clone() });
             }
-            let (mut bytes, changed) = slab(field, z, [nx, ny, thick.min(nz - z)])?;
+            let (bytes, changed) = leaving.slab(z, [nx, ny, thick.min(nz - z)])?;
             voxels_changed += changed;
-            // Texels are little-endian everywhere, a source's voxels are this machine's.
-            if field.kind() == FieldKind::Density && source.is_some() {
-                to_native(&mut bytes, voxel_type.bytes(), false);
-            }
             out.write_all(&bytes).map_err(IoError::system(path, "write the file"))?;
         }
         Ok(())
     };
     let bytes = replace(path, |out| {
-        out.write_all(header.as_bytes()).map_err(IoError::system(path, "write the file"))?;
         let mut write = write;
         match compression {
-            Compression::Raw => write(out),
+            // A NIfTI is compressed as a whole, a NRRD behind its header.
+            Compression::Gzip if format.compression.is_some() => {
+                let mut gzip = Gzip::new(out).map_err(IoError::system(path, "write the file"))?;
+                gzip.write_all(&header).map_err(IoError::system(path, "write the file"))?;
+                write(&mut gzip)?;
+                gzip.finish().map_err(IoError::system(path, "write the file"))
+            }
             Compression::Gzip => {
+                out.write_all(&header).map_err(IoError::system(path, "write the file"))?;
                 let mut gzip = Gzip::new(out).map_err(IoError::system(path, "write the file"))?;
                 write(&mut gzip)?;
                 gzip.finish().map_err(IoError::system(path, "write the file"))
             }
+            Compression::Raw => {
+                out.write_all(&header).map_err(IoError::system(path, "write the file"))?;
+                write(out)
+            }
         }
     })?;
-    Ok(Exported { voxel_type, bytes, voxels_changed })
+    Ok(Exported { voxel_type: leaving.voxel_type, bytes, voxels_changed, warnings })
 }
 
-fn found_extension(path: &Path) -> std::borrow::Cow<'_, str> {
-    path.extension().unwrap_or_default().to_string_lossy()
-}
-
-/// The bytes of planes `z` and on, and how many of their voxels count as changed.
-fn slab(field: &Field, z: u32, size: [u32; 3]) -> Result<(Vec<u8>, u64), IoError> {
-    let lo = [0, 0, z];
-    let texel_bytes = field.format().bytes();
-    let texels = || field.read(0, lo.map(i64::from), size);
-    let (FieldKind::Density, Some(source)) = (field.kind(), field.source()) else {
-        let texels = texels()?;
-        let changed = texels.chunks_exact(texel_bytes).filter(|t| t.iter().any(|&b| b != 0)).count();
-        return Ok((texels, changed as u64));
-    };
-    let (slope, intercept) = source.scaling();
-    let Values { own: mut voxels, painted, .. } = field.values(lo, size)?;
-    with_voxels!(&mut voxels, v => take_edits(v, &painted, source.scaling()));
-    let changed = painted.len() as u64;
-    if is_plain(&**source) {
-        return Ok((voxels.as_bytes().to_vec(), changed));
+/// The format that a name asks for: another program would take the name's word for it.
+fn format(path: &Path, file: &str, kind: FieldKind) -> Result<&'static Format, IoError> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let endings = export_endings(kind).iter().map(|e| &e[1..]).collect::<Vec<_>>().join(", ");
+    match FORMATS.iter().find(|f| name.ends_with(f.ending)) {
+        Some(format) if format.labels_only && kind != FieldKind::Labels => {
+            let expected = format!("one of {endings}: only labels are segments");
+            Err(IoError::field(file, "extension", &format.ending[1..], expected))
+        }
+        Some(format) => Ok(format),
+        None => {
+            let found = path.extension().unwrap_or_default().to_string_lossy();
+            Err(IoError::field(file, "extension", found, format!("one of {endings}")))
+        }
     }
-    let values: Vec<f64> = with_voxels!(&voxels, v => v.iter().map(|x| x.to_f64() * slope + intercept).collect());
-    Ok((Voxels::F64(values).as_bytes().to_vec(), changed))
+}
+
+/// The least type that holds labels of these values.
+fn holding(file: &str, values: &BTreeMap<u16, i128>) -> Result<VoxelType, IoError> {
+    let lo = values.values().copied().min().unwrap_or(0).min(0);
+    let hi = values.values().copied().max().unwrap_or(0).max(0);
+    let types = [
+        (VoxelType::U16, 0, u16::MAX.into()),
+        (VoxelType::I16, i16::MIN.into(), i16::MAX.into()),
+        (VoxelType::U32, 0, u32::MAX.into()),
+        (VoxelType::I32, i32::MIN.into(), i32::MAX.into()),
+        (VoxelType::I64, i64::MIN.into(), i64::MAX.into()),
+        (VoxelType::U64, 0, u64::MAX.into()),
+    ];
+    let holds = |&&(_, least, most): &&(VoxelType, i128, i128)| least <= lo && hi <= most;
+    types.iter().find(holds).map(|t| t.0).ok_or_else(|| {
+        let expected = "ids that one type of 64 bits holds; import one of the two label maps alone";
+        IoError::field(file, "label ids", format!("{lo} and {hi}"), expected)
+    })
+}
+
+impl Leaving<'_> {
+    /// The bytes of planes `z` and on, little-endian, and how many of their voxels count as changed.
+    fn slab(&self, z: u32, size: [u32; 3]) -> Result<(Vec<u8>, u64), IoError> {
+        let (field, lo) = (self.field, [0, 0, z]);
+        let texel_bytes = field.format().bytes();
+        let (FieldKind::Density, Some(source)) = (field.kind(), field.source()) else {
+            let texels = field.read(0, lo.map(i64::from), size)?;
+            let changed = texels.chunks_exact(texel_bytes).filter(|t| t.iter().any(|&b| b != 0)).count();
+            return Ok((self.labelled(texels), changed as u64));
+        };
+        let Values { own: mut voxels, painted, .. } = field.values(lo, size)?;
+        with_voxels!(&mut voxels, v => take_edits(v, &painted, source.scaling()));
+        let mut bytes = self.stored(&**source, voxels);
+        to_native(&mut bytes, self.voxel_type.bytes(), false);
+        Ok((bytes, painted.len() as u64))
+    }
+
+    /// A source's numbers as the file has them.
+    fn stored(&self, source: &dyn BrickSource, voxels: Voxels) -> Vec<u8> {
+        let (slope, intercept) = source.scaling();
+        if self.scaling == (slope, intercept) {
+            return voxels.as_bytes().to_vec();
+        }
+        let values: Vec<f64> = with_voxels!(&voxels, v => v.iter().map(|x| x.to_f64() * slope + intercept).collect());
+        Voxels::F64(values).as_bytes().to_vec()
+    }
+
+    /// The texels, those of labels with the file's ids in place of ours.
+    fn labelled(&self, texels: Vec<u8>) -> Vec<u8> {
+        let bytes = self.voxel_type.bytes();
+        if self.values.iter().all(|(&id, &value)| value == i128::from(id)) && bytes == 2
+            || self.field.kind() != FieldKind::Labels
+        {
+            return texels;
+        }
+        let mut out = Vec::with_capacity(texels.len() / 2 * bytes);
+        let mut last = (0_u16, [0; 16]);
+        for texel in texels.chunks_exact(2) {
+            let id = u16::from_le_bytes([texel[0], texel[1]]);
+            if id != last.0 {
+                let value = self.values.get(&id).copied().unwrap_or(i128::from(id));
+                last = (id, value.to_le_bytes());
+            }
+            out.extend_from_slice(&last.1[..bytes]);
+        }
+        out
+    }
 }
 
 /// Puts painted values in place of the source's numbers.
 fn take_edits<T: Value>(voxels: &mut [T], painted: &[(usize, f64)], (slope, intercept): (f64, f64)) {
     for &(place, value) in painted {
         voxels[place] = T::from_f64((value - intercept) / slope);
-    }
-}
-
-fn header(
-    field: &Field,
-    grid: &Grid,
-    segments: &Segments,
-    voxel_type: VoxelType,
-    width: u32,
-    compression: Compression,
-) -> String {
-    let lps = DAffine3::from_mat3(DMat3::from_diagonal(DVec3::new(-1.0, -1.0, 1.0))) * grid.world_from_index;
-    let vector = |v: DVec3| format!("({:?},{:?},{:?})", v.x + 0.0, v.y + 0.0, v.z + 0.0);
-    let m = lps.matrix3;
-    let [nx, ny, nz] = grid.dims;
-    let directions = format!("{} {} {}", vector(m.x_axis), vector(m.y_axis), vector(m.z_axis));
-    let (dimension, inner, none, kind) =
-        if width == 1 { (3, String::new(), "", "") } else { (4, format!("{width} "), "none ", "RGBA-color ") };
-    let encoding = match compression {
-        Compression::Raw => "raw",
-        Compression::Gzip => "gzip",
-    };
-    let mut text = format!(
-        "NRRD0004\n\
-         # Complete NRRD file format specification at: http://teem.sourceforge.net/nrrd/format.html\n\
-         type: {}\ndimension: {dimension}\nspace: left-posterior-superior\nsizes: {inner}{nx} {ny} {nz}\n\
-         space directions: {none}{directions}\nkinds: {kind}domain domain domain\nendian: little\n\
-         encoding: {encoding}\nspace origin: {}\nspace units: \"mm\" \"mm\" \"mm\"\n",
-        teem_name(voxel_type),
-        vector(lps.translation),
-    );
-    text.push_str(&key("burin_field", field.kind().name()));
-    match field.kind() {
-        FieldKind::Density => {
-            if let Some(source) = field.source().filter(|s| !is_plain(&***s)) {
-                let (slope, intercept) = source.scaling();
-                text.push_str(&key("burin_stored_type", teem_name(source.voxel_type())));
-                text.push_str(&key("burin_slope", &format!("{slope:?}")));
-                text.push_str(&key("burin_intercept", &format!("{intercept:?}")));
-            }
-        }
-        FieldKind::Selection => text.push_str(&key("burin_one", "255")),
-        FieldKind::Labels => segment_keys(&mut text, grid, segments),
-        FieldKind::Colour => {}
-    }
-    text.push('\n');
-    text
-}
-
-/// Names and colours as 3D Slicer's `.seg.nrrd` has them.
-fn segment_keys(text: &mut String, grid: &Grid, segments: &Segments) {
-    let [nx, ny, nz] = grid.dims.map(|d| d - 1);
-    for (i, segment) in segments.0.iter().enumerate() {
-        let [r, g, b] = segment.colour;
-        for (name, value) in [
-            ("ID", format!("Segment_{}", segment.id)),
-            ("Name", segment.name.clone()),
-            ("Color", format!("{r} {g} {b}")),
-            ("LabelValue", segment.id.to_string()),
-            ("Layer", "0".into()),
-            ("Extent", format!("0 {nx} 0 {ny} 0 {nz}")),
-        ] {
-            let _ = write!(text, "{}", key(&format!("Segment{i}_{name}"), &value));
-        }
-    }
-    if !segments.0.is_empty() {
-        text.push_str(&key("Segmentation_ContainedRepresentationNames", "Binary labelmap|"));
-        text.push_str(&key("Segmentation_MasterRepresentation", "Binary labelmap"));
-    }
-}
-
-/// A key with its value, line ends and backslashes escaped as the format asks.
-fn key(name: &str, value: &str) -> String {
-    format!("{name}:={}\n", value.replace('\\', "\\\\").replace('\r', "").replace('\n', "\\n"))
-}
-
-/// As teem writes it.
-fn teem_name(voxel_type: VoxelType) -> &'static str {
-    match voxel_type {
-        VoxelType::U8 => "unsigned char",
-        VoxelType::I8 => "signed char",
-        VoxelType::U16 => "unsigned short",
-        VoxelType::I16 => "short",
-        VoxelType::U32 => "unsigned int",
-        VoxelType::I32 => "int",
-        VoxelType::U64 => "unsigned long long int",
-        VoxelType::I64 => "long long int",
-        VoxelType::F32 => "float",
-        VoxelType::F64 => "double",
     }
 }

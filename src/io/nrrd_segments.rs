@@ -6,6 +6,9 @@
 use super::NamedLabel;
 use std::collections::{BTreeMap, BTreeSet};
 
+/// What voxels of any type can hold.
+const WHOLE: std::ops::Range<i128> = i64::MIN as i128..1 << 64;
+
 /// Warnings that one header may give rise to.
 const MOST_WARNINGS: usize = 5;
 
@@ -28,11 +31,11 @@ pub(super) fn segments(keys: &[(String, String)], components: u32, warnings: &mu
         let layer = get("Layer").map_or_else(|| if old { number.to_string() } else { "0".into() }, str::to_owned);
         // Older files of one segment are its voxels alone.
         let layer = if old && components == 1 && found.len() == 1 { "0".into() } else { layer };
-        let (Ok(value), Ok(component)) = (value.parse::<i64>(), layer.parse::<u32>()) else {
+        let (Ok(value), Ok(component)) = (value.parse::<i128>(), layer.parse::<u32>()) else {
             odd.push(format!("Segment{number} has label value {value} in layer {layer}, which are no numbers"));
             continue;
         };
-        if component >= components || value == 0 || !taken.insert((component, value)) {
+        if component >= components || value == 0 || !WHOLE.contains(&value) || !taken.insert((component, value)) {
             odd.push(format!("Segment{number} has label value {value} in layer {layer}, which is no place of its own"));
             continue;
         }
@@ -41,7 +44,7 @@ pub(super) fn segments(keys: &[(String, String)], components: u32, warnings: &mu
         if colour.is_none() && get("Color").is_some() {
             odd.push(format!("Segment{number}_Color is no red, green and blue of 0 to 1"));
         }
-        labels.push(NamedLabel { value: value.into(), name: name.map(str::to_owned), colour, component });
+        labels.push(NamedLabel { value, name: name.map(str::to_owned), colour, component });
     }
     let more = odd.len().saturating_sub(MOST_WARNINGS);
     warnings.extend(odd.into_iter().take(MOST_WARNINGS).map(|w| format!("{}; not used", super::error::shown(&w))));

@@ -1,6 +1,7 @@
 //! The table of segments: what the label field's numbers mean.
 
 use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A labelled object. Its voxels are those whose label is `id`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -45,6 +46,30 @@ impl Segments {
     /// The segment of a label.
     pub fn get(&self, id: u16) -> Option<&Segment> {
         self.0.binary_search_by_key(&id, |s| s.id).ok().map(|i| &self.0[i])
+    }
+
+    /// What files have for the id of each segment: the number that it came with, else its id. Where two would have the same, the
+    /// one with a number of its own has it, then the lower id; another gets the lowest number that is free.
+    pub fn file_values(&self) -> BTreeMap<u16, i128> {
+        let mut values = BTreeMap::new();
+        let mut taken = BTreeSet::new();
+        let own_first = |own: bool| self.0.iter().filter(move |s| s.source_value.is_some() == own);
+        let wishes = own_first(true).chain(own_first(false));
+        let mut late: Vec<&Segment> = wishes
+            .filter(|s| {
+                let free = s.file_value() != 0 && taken.insert(s.file_value());
+                if free {
+                    values.insert(s.id, s.file_value());
+                }
+                !free
+            })
+            .collect();
+        late.sort_by_key(|s| s.id);
+        let mut next = (1..).filter(|n| !taken.contains(n));
+        for segment in late {
+            values.extend(next.next().map(|value| (segment.id, value)));
+        }
+        values
     }
 
     /// The same, to change it.

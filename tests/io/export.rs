@@ -31,13 +31,13 @@ fn read(path: &std::path::Path, component: u32) -> (Grid, Voxels) {
     (opened.grid, source.read([0; 3], opened.grid.dims).unwrap())
 }
 
-fn density(voxels: Voxels, grid: Grid, scaling: (f64, f64), map: DensityMap) -> Field {
+pub fn density(voxels: Voxels, grid: Grid, scaling: (f64, f64), map: DensityMap) -> Field {
     let source = Arc::new(MemorySource::new("made", grid, voxels, scaling).unwrap());
     Field::from_source(source, map, &|_| true).unwrap().unwrap()
 }
 
 /// Sets voxels of a field through their bricks.
-fn paint(field: &mut Field, edits: &[([u32; 3], [u8; 4])]) {
+pub fn paint(field: &mut Field, edits: &[([u32; 3], [u8; 4])]) {
     let bytes = field.format().bytes();
     for &(voxel, texel) in edits {
         let index = BrickIndex::of_voxel(voxel);
@@ -239,10 +239,10 @@ fn what_fails_midway_leaves_the_old_file_and_nothing_else() {
     }
     std::fs::remove_dir(&a_folder).unwrap();
     // Another program would take the name's word for the format.
-    for other in ["out.nii", "out.nii.gz", "out", "."] {
+    for other in ["out.nhdr", "out.nrrd.gz", "out.seg.nrrd", "out.nii.bz2", "nii", "out", "."] {
         let error = io::export(folder.path().join(other), &selection, &grid, &segments, Compression::Raw, &go_on());
         let text = error.unwrap_err().to_string();
-        assert!(text.contains("extension: found") && text.contains("expected nrrd"), "{text}");
+        assert!(text.contains("extension: found") && text.contains("expected one of nrrd, nii.gz, nii"), "{text}");
     }
     io::export(&path, &selection, &grid, &segments, Compression::Raw, &go_on()).unwrap();
     assert_eq!(read(&path, 0).1, Voxels::U8(vec![0; grid.voxel_count() as usize]));

@@ -2,6 +2,7 @@
 
 mod axes;
 mod export;
+mod export_nifti;
 pub mod files;
 mod hostile;
 mod nifti;

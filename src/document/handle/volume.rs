@@ -26,7 +26,8 @@ impl Document {
                     Compression::default(),
                     &|x| self.watch.go_on(x),
                 )?;
-                Ok(json!({ "exported": exported }))
+                let warnings = exported.warnings.clone();
+                Ok(json!({ "exported": exported, "warnings": warnings }))
             }
         }
     }
