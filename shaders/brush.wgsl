@@ -56,7 +56,8 @@ const GATE_WORDS: u32 = 1229u;
 const ONE: u32 = 0x3f800000u;
 
 struct BrushStroke {
-    // Columns of world_from_index and unit normals of the layers of voxels, mm.
+    // Columns of world_from_index in radii of the brush (smallest spacings where it has none), and unit normals of the layers
+    // of voxels.
     columns: array<vec4<f32>, 3>,
     normals: array<vec4<f32>, 3>,
     // C, in the storage's own steps; colour in 0..1; a label's id in x.
@@ -70,8 +71,10 @@ struct BrushStroke {
     // Where numbers end, in the storage's own steps.
     low: f32,
     top: f32,
-    unused_a: u32,
-    unused_b: u32,
+    // Whether what is painted is an end that weak strokes must reach.
+    to_end: u32,
+    // Of numbers in floats: the source's own step, 0 where it has none.
+    step: f32,
     unused_c: u32,
 }
 
@@ -84,10 +87,10 @@ struct BrushDab {
     layer: i32,
     // Strength times pressure.
     gain: f32,
-    // Largest squared distance inside, mm^2.
+    // Largest squared distance inside; 0 for a dab that is one voxel.
     edge: f32,
-    // 0 for radius 0.
-    inverse_radius: f32,
+    // Whether the voxel that holds the centre has all of the gain, however near it comes to it.
+    thin: u32,
     unused: u32,
 }
 
@@ -144,11 +147,14 @@ fn g_of(voxel: vec3<i32>, i: u32) -> f32 {
         let n = stroke.normals[axis].xyz;
         d -= n * dot(n, d);
     }
+    if dabs[i].thin != 0u && all(offset > vec3<f32>(-0.5)) && all(offset <= vec3<f32>(0.5)) {
+        return dabs[i].gain;
+    }
     let squared = dot(d, d);
     if squared > dabs[i].edge {
         return 0.0;
     }
-    let x = min(sqrt(squared) * dabs[i].inverse_radius, 1.0);
+    let x = min(sqrt(squared), 1.0);
     var f = 1.0;
     if stroke.falloff == LINEAR {
         f = 1.0 - x;
@@ -206,18 +212,28 @@ fn number(p: f32, back: f32, cover: f32) -> f32 {
     return select(p + cover * (end - p), end, cover >= 1.0);
 }
 
+// A code's new value, a step nearer to an end where rounding would leave it where it was: weak strokes never stall short of it.
+fn arriving(old: u32, new_code: u32, end: u32) -> u32 {
+    if stroke.to_end == 0u || new_code != old {
+        return new_code;
+    }
+    return select(select(old, old - 1u, end < old), old + 1u, end > old);
+}
+
 fn code(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
     var back = 0u;
     if stroke.operation == RESTORE {
         back = tight_code(base[(place * SLOT * SLOT + row) * 17u + x / 2u], x);
     }
-    return u32(clamp(floor(number(f32(old), f32(back), cover) + 0.5), 0.0, TOP));
+    let new_code = u32(clamp(floor(number(f32(old), f32(back), cover) + 0.5), 0.0, TOP));
+    return arriving(old, new_code, select(u32(floor(stroke.paint.x + 0.5)), back, stroke.operation == RESTORE));
 }
 
 // Per format: the new texel.
 #ifdef SELECTION
 fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
-    return u32(floor(number(f32(old), 0.0, cover) + 0.5));
+    let new_code = u32(floor(number(f32(old), 0.0, cover) + 0.5));
+    return arriving(old, new_code, select(u32(floor(stroke.paint.x + 0.5)), 0u, stroke.operation == RESTORE));
 }
 #else ifdef LABELS
 fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
@@ -261,7 +277,28 @@ fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
     if whole && stroke.operation == RESTORE {
         return back;
     }
-    return bitcast<u32>(number(bitcast<f32>(old), bitcast<f32>(back), cover));
+    let p = bitcast<f32>(old);
+    let value = number(p, bitcast<f32>(back), cover);
+    let end = select(stroke.paint.x, bitcast<f32>(back), stroke.operation == RESTORE);
+    if stroke.to_end != 0u && p != end {
+        // As codes of the source's steps would: no less than one at a time, and the end from within one.
+        if abs(value - p) < 0.5 * stroke.step {
+            return bitcast<u32>(select(p + stroke.step * sign(end - p), end, abs(end - p) <= stroke.step));
+        }
+        if value == p {
+            return beside(old, end > p);
+        }
+    }
+    return bitcast<u32>(value);
+}
+// A key that is ordered like the floats.
+fn ordered(bits: u32) -> u32 {
+    return select(bits | 0x80000000u, ~bits, bits >= 0x80000000u);
+}
+// The bits of the next float above or below.
+fn beside(bits: u32, above: bool) -> u32 {
+    let key = select(ordered(bits) - 1u, ordered(bits) + 1u, above);
+    return select(~key, key & 0x7fffffffu, key >= 0x80000000u);
 }
 #else
 fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
@@ -286,7 +323,11 @@ fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
     if cover >= 1.0 {
         return straight(to);
     }
-    return straight(paint + cover * (to - paint));
+    let mixed = straight(paint + cover * (to - paint));
+    if stroke.to_end != 0u && mixed == old && old != 0u {
+        return select(old - 0x01000000u, 0u, (old >> 24u) <= 1u);
+    }
+    return mixed;
 }
 fn straight(amount: vec4<f32>) -> u32 {
     if amount.a <= 0.0 {

@@ -38,7 +38,7 @@ impl Easel {
         let volume = &mut self.volume;
         self.painter.begin(&volume.grid, &volume.fields(), brush, &Segments::default())?;
         let mut path = StrokePath::new(brush, &volume.grid)?;
-        let dabs = path.extend(&[Sample { position: at, normal: DVec3::Z, pressure: 1.0 }])?;
+        let dabs = path.extend(&[Sample { position: at, normal: DVec3::Z, pressure: 1.0, breaks: false }])?;
         self.painter.extend(&mut self.pools, &volume.fields(), &dabs)?;
         let changed = self.painter.finish(&mut self.pools, &volume.fields())?;
         let bricks = changed.len();

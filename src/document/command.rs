@@ -8,7 +8,7 @@ use super::command_parts::{ExplosionCommand, PartCommand};
 use super::keep::store::DensityKeeping;
 use super::scene::{Layer, ViewName};
 use crate::math::Camera;
-use crate::paint::{Falloff, Operation, Shape, Target, Tip};
+use crate::paint::{Brush, EraseDensity, Falloff, Operation, Shape, Target, Tip};
 use crate::volume::{FieldKind, Lighting, Mode, Number, TransferFunction};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -75,6 +75,9 @@ pub struct StrokePoint {
     /// 0..1; scales the brush's strength.
     #[serde(default = "one")]
     pub pressure: f32,
+    /// Whether the path begins anew here instead of coming from the point before. Where pixels of the 3D view need that it is found.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub breaks: bool,
 }
 
 fn one() -> f32 {
@@ -247,6 +250,7 @@ pub enum BrushCommand {
         shape: Option<Shape>,
         #[serde(default)]
         radius_mm: Option<f64>,
+        /// Hard if left out where `target` becomes a label; labels are painted by the hard ball in any case.
         #[serde(default)]
         falloff: Option<Falloff>,
         #[serde(default)]
@@ -268,7 +272,45 @@ pub enum BrushCommand {
         any_value: bool,
         #[serde(default)]
         erase: Option<bool>,
+        /// What erasing does to density: `"restore"` takes edits back, `{"to": value}` removes by painting that value.
+        #[serde(default)]
+        erase_density: Option<EraseDensity>,
     },
+}
+
+impl BrushCommand {
+    /// The brush after the command.
+    pub fn applied_to(&self, old: &Brush) -> Brush {
+        let Self::Set {
+            shape,
+            radius_mm,
+            falloff,
+            strength,
+            operation,
+            tip,
+            target,
+            spacing,
+            range,
+            any_value,
+            erase,
+            erase_density,
+        } = self;
+        let is_label = |target: &Target| matches!(target, Target::Label(_));
+        let becomes_label = target.as_ref().is_some_and(is_label) && !is_label(&old.target);
+        Brush {
+            shape: shape.unwrap_or(old.shape),
+            radius_mm: radius_mm.unwrap_or(old.radius_mm),
+            falloff: falloff.unwrap_or(if becomes_label { Falloff::Hard } else { old.falloff }),
+            strength: strength.unwrap_or(old.strength),
+            operation: operation.unwrap_or(old.operation),
+            tip: tip.unwrap_or(old.tip),
+            target: target.unwrap_or(old.target),
+            spacing: spacing.unwrap_or(old.spacing),
+            range: range.or(if *any_value { None } else { old.range }),
+            erase: erase.unwrap_or(old.erase),
+            erase_density: erase_density.unwrap_or(old.erase_density),
+        }
+    }
 }
 
 /// See [`Command::Stroke`].

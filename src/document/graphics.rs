@@ -148,6 +148,20 @@ impl Graphics {
         })
     }
 
+    /// What lies under points of the 3D view, evenly apart from one place to another, from the finest voxels.
+    pub(super) fn pick_along(
+        &mut self,
+        state: &State,
+        frame: &Frame,
+        ends: [DVec2; 2],
+        count: u32,
+    ) -> Result<Vec<Option<Hit>>, DocumentError> {
+        self.with(state, "pixels of the 3D view", |t, _| {
+            t.pools.bound_uploads(None);
+            t.caster.pick_along(&t.gpu, &mut t.pools, &fields(state), frame, ends, count)
+        })
+    }
+
     pub(super) fn visibility(&mut self, state: &State, frame: &Frame) -> Result<Visibility, DocumentError> {
         self.with(state, "visibility", |t, _| {
             // Poses depend on it, and must not on what was held before.

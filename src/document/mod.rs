@@ -27,6 +27,7 @@ mod slice_plane;
 mod spill;
 mod state;
 mod step;
+mod trail;
 mod watch;
 
 pub use command::*;

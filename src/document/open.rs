@@ -1,5 +1,6 @@
 //! From a volume file to a document, in three passes over the voxels: statistics, histogram, levels.
 
+use super::trail::Resolved;
 use super::{
     Command, Document, DocumentError, KeepError, Keeper, KeptDocument, OpenAs, Origin, Recovered, State, VolumeCommand,
     Wanted,
@@ -235,7 +236,7 @@ impl Document {
         }
         self.no_stroke();
         let keeper = self.keeper.take();
-        let begun = self.begin_stroke(&recovered.stroke, 0);
+        let begun = self.begin_stroke(Resolved { samples: recovered.stroke.clone(), ..Resolved::default() });
         self.keeper = keeper;
         match begun.and_then(|_| self.settle()) {
             Ok(_) => "painted",

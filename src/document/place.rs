@@ -1,6 +1,6 @@
 //! From what a command says of a place to a point of the volume at rest.
 
-use super::{Document, DocumentError, Place, SlicePlane, ViewName};
+use super::{Document, DocumentError, Place, SlicePlane, State, ViewName};
 use crate::gpu::Hit;
 use crate::math::{DVec2, DVec3};
 use crate::paint::Sample;
@@ -13,10 +13,8 @@ impl Document {
     /// If numbers are not finite, or there is no GPU to look at the 3D view with.
     pub(super) fn resolve(&mut self, place: Place) -> Result<Option<Sample>, DocumentError> {
         let state = self.open()?;
-        let normal = |view: ViewName| {
-            SlicePlane::new(state.grid(), &state.scene.views, view).map_or(DVec3::Z, |p| p.towards_viewer)
-        };
-        let sample = |position: DVec3, normal: DVec3| Some(Sample { position, normal, pressure: 1.0 });
+        let normal = |view: ViewName| normal_of(state, view);
+        let sample = |position: DVec3, normal: DVec3| Some(Sample { position, normal, pressure: 1.0, breaks: false });
         let finite = |field: &str, v: &[f64]| {
             if v.iter().all(|x| x.is_finite()) {
                 Ok(())
@@ -67,8 +65,13 @@ impl Document {
         if !px.is_finite() {
             return Err(DocumentError::invalid("px", px, "two finite numbers"));
         }
-        self.graphics.pick(state, &state.frame(&state.scene.views.camera, size), px)
+        self.graphics.pick(state, &state.looking(&state.scene.views.camera, size), px)
     }
+}
+
+/// The normal of a slice view.
+pub(super) fn normal_of(state: &State, view: ViewName) -> DVec3 {
+    SlicePlane::new(state.grid(), &state.scene.views, view).map_or(DVec3::Z, |p| p.towards_viewer)
 }
 
 /// Most pixels of a picture: with depth and object each takes 24 bytes on the host alone.

@@ -7,7 +7,7 @@ use super::{Gpu, GpuError, shader};
 use crate::math::DMat3;
 use crate::paint::{Brush, EDGE, Falloff, Footprint, Operation, Target, Tip};
 use crate::shared_struct;
-use crate::volume::{Field, FieldKind, Grid, SLOT, SLOT_VOXELS, TexelFormat};
+use crate::volume::{Field, FieldKind, Grid, SLOT, SLOT_VOXELS, TexelFormat, unit};
 use std::collections::HashMap;
 
 /// Dabs of one dispatch: `array<BrushDab, 256>`.
@@ -38,8 +38,8 @@ shared_struct! {
         gate: u32,
         low: f32,
         top: f32,
-        unused_a: u32,
-        unused_b: u32,
+        to_end: u32,
+        step: f32,
         unused_c: u32,
     }
 }
@@ -53,7 +53,7 @@ shared_struct! {
         layer: i32,
         gain: f32,
         edge: f32,
-        inverse_radius: f32,
+        thin: u32,
         unused: u32,
     }
 }
@@ -233,7 +233,7 @@ impl BrushStroke {
         let map = target.map();
         let operation = brush.effective();
         let offset = matches!(operation, Operation::Add | Operation::Subtract);
-        let paint = match brush.target {
+        let paint = match brush.effective_target() {
             Target::Density(value) if target.format() == TexelFormat::R32Float => [value as f32, 0.0, 0.0, 0.0],
             Target::Density(value) if offset => [(value * map.codes_per_unit) as f32, 0.0, 0.0, 0.0],
             Target::Density(value) => {
@@ -255,8 +255,10 @@ impl BrushStroke {
         .map(|v| v as f32);
         let rows = grid.index_from_world().matrix3.transpose();
         let normals = DMat3::from_cols(rows.x_axis.normalize(), rows.y_axis.normalize(), rows.z_axis.normalize());
+        // In radii: no unit of the grid then changes a bit of what the kernel calculates.
+        let length = if brush.radius_mm > 0.0 { brush.radius_mm } else { grid.voxel_mm() };
         Self {
-            columns: columns(&grid.world_from_index.matrix3),
+            columns: columns(&(grid.world_from_index.matrix3 * length.recip())),
             normals: columns(&normals),
             paint,
             dims: grid.dims.map(|d| d as i32),
@@ -272,7 +274,7 @@ impl BrushStroke {
                 (Tip::BuildUp, false) => 1,
                 (Tip::BuildUp, true) => 2,
             },
-            falloff: match brush.falloff {
+            falloff: match brush.effective_falloff() {
                 Falloff::Hard => 0,
                 Falloff::Linear => 1,
                 Falloff::Smooth => 2,
@@ -280,8 +282,8 @@ impl BrushStroke {
             gate: u32::from(brush.range.is_some()),
             low,
             top,
-            unused_a: 0,
-            unused_b: 0,
+            to_end: u32::from(brush.ends()),
+            step: target.source().and_then(|s| unit(&**s)).unwrap_or(0.0) as f32,
             unused_c: 0,
         }
     }
@@ -294,7 +296,7 @@ fn columns(m: &DMat3) -> [[f32; 4]; 3] {
 impl BrushDab {
     pub(super) fn new(footprint: &Footprint) -> Self {
         let base = footprint.centre.floor();
-        let reach = footprint.radius_mm * (1.0 + EDGE);
+        let reach = if footprint.radius_mm > 0.0 { 1.0 + EDGE } else { 0.0 };
         Self {
             base: base.to_array().map(|v| v as i32),
             axis: footprint.layer.map_or(-1, |l| l.axis as i32),
@@ -302,7 +304,7 @@ impl BrushDab {
             layer: footprint.layer.map_or(0, |l| l.index as i32),
             gain: footprint.gain,
             edge: (reach * reach) as f32,
-            inverse_radius: if footprint.radius_mm > 0.0 { (1.0 / footprint.radius_mm) as f32 } else { 0.0 },
+            thin: u32::from(footprint.thin),
             unused: 0,
         }
     }

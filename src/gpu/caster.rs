@@ -9,7 +9,7 @@ use super::scene::{MOST_BODIES, MOST_PLANES, Scene, View, table};
 use super::shader::{self, Def};
 use super::tiles::{Tiles, Window};
 use super::{FieldPools, Fields, Frame, Gpu, GpuError, Image, Mask};
-use crate::math::{DVec2, DVec3};
+use crate::math::DVec2;
 use crate::volume::{FieldKind, Mode, Segments, TABLE_ENTRIES};
 use std::collections::HashMap;
 
@@ -30,19 +30,6 @@ struct Key {
     float_density: bool,
     manual_filter: bool,
     in_place: bool,
-}
-
-/// A point under a pixel.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hit {
-    /// World mm.
-    pub world: DVec3,
-    /// World mm with the body at rest.
-    pub rest: DVec3,
-    /// Id of the body.
-    pub body: u32,
-    /// Millimetres along the ray.
-    pub depth_mm: f64,
 }
 
 /// See the module's head.
@@ -105,28 +92,6 @@ impl Caster {
         self.part(gpu, pools, fields, frame, &Window::whole(frame.size))
     }
 
-    /// The first visible surface on the ray through a point of the picture, in pixels: where opacity reaches ½, the iso-surface,
-    /// or the maximum.
-    ///
-    /// # Errors
-    /// As [`image`](Self::image).
-    pub fn pick(
-        &mut self,
-        gpu: &Gpu,
-        pools: &mut FieldPools,
-        fields: &Fields<'_>,
-        frame: &Frame,
-        px: DVec2,
-    ) -> Result<Option<Hit>, GpuError> {
-        let window = Window { picture: frame.size, origin: px - 0.5, size: [1; 2] };
-        let image = self.part(gpu, pools, fields, frame, &window)?;
-        let depth_mm = f64::from(image.depth_mm[0]);
-        let Some(id) = image.object[0].checked_sub(1).filter(|_| depth_mm.is_finite()) else { return Ok(None) };
-        let world = frame.camera.ray(px, frame.size).at(depth_mm);
-        let rest = frame.bodies.iter().find(|b| b.id == id).map_or(world, |b| b.pose.unapply(world));
-        Ok(Some(Hit { world, rest, body: id, depth_mm }))
-    }
-
     /// Some rows of the picture, as an image of their own: a window refines band by band.
     ///
     /// # Errors
@@ -160,6 +125,18 @@ impl Caster {
             return Ok(Image::empty(window.size));
         }
         pools.make_resident(gpu, fields, frame)?;
+        self.part_as_held(gpu, pools, fields, frame, window)
+    }
+
+    /// The same of what the pools hold already.
+    pub(super) fn part_as_held(
+        &mut self,
+        gpu: &Gpu,
+        pools: &mut FieldPools,
+        fields: &Fields<'_>,
+        frame: &Frame,
+        window: &Window,
+    ) -> Result<Image, GpuError> {
         let drawn = self.drawn(pools, fields, frame);
         gpu.scoped("a picture", || {
             let targets = Targets::new(gpu, window.size);

@@ -1,7 +1,7 @@
 //! The brush's settings as commands that carry only what changed, so that two changes on their way do not undo each other.
 
 use crate::document::{BrushCommand, Command};
-use crate::paint::{Brush, Falloff, Target};
+use crate::paint::{Brush, Target};
 
 /// The command that makes `new` of `old`; `None` if they are the same.
 pub fn brush_change(old: &Brush, new: &Brush) -> Option<Command> {
@@ -21,24 +21,16 @@ pub fn brush_change(old: &Brush, new: &Brush) -> Option<Command> {
             range: changed(old.range, new.range).flatten(),
             any_value: old.range.is_some() && new.range.is_none(),
             erase: changed(old.erase, new.erase),
+            erase_density: changed(old.erase_density, new.erase_density),
         })
     })
 }
 
-/// Share of the radius, 0..1, within which a press paints at all: a soft brush gives its label only where coverage reaches ½, any other
-/// target up to the rim. 0: nowhere.
+/// Share of the radius, 0..1, within which a press paints at all: 1, but 0 for a label that is too weak, since a voxel takes it where
+/// coverage reaches ½.
 pub fn reach(brush: &Brush) -> f64 {
-    if !matches!(brush.target, Target::Label(_)) {
-        return 1.0;
-    }
-    // F(x) · strength = ½, solved for x.
-    let wanted = 0.5 / f64::from(brush.strength);
-    match brush.falloff {
-        _ if wanted > 1.0 => 0.0,
-        Falloff::Hard => 1.0,
-        Falloff::Linear => 1.0 - wanted,
-        Falloff::Smooth => (1.0 - wanted.sqrt()).sqrt(),
-    }
+    let too_weak = matches!(brush.target, Target::Label(_)) && brush.strength < 0.5;
+    if too_weak { 0.0 } else { 1.0 }
 }
 
 fn only(change: impl FnOnce(&mut BrushCommand)) -> Command {
@@ -54,6 +46,7 @@ fn only(change: impl FnOnce(&mut BrushCommand)) -> Command {
         range: None,
         any_value: false,
         erase: None,
+        erase_density: None,
     };
     change(&mut command);
     Command::Brush(command)

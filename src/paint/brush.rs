@@ -76,6 +76,17 @@ impl Target {
     }
 }
 
+/// What erasing does to density.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum EraseDensity {
+    /// Takes edits back: the source's value returns. Where nothing was edited nothing happens.
+    #[default]
+    Restore,
+    /// Removes: this value, in the volume's unit, takes the place of what is there.
+    To(f64),
+}
+
 /// How dabs of one stroke join.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -107,8 +118,11 @@ pub struct Brush {
     pub spacing: f64,
     /// Only voxels whose density before the stroke is in this closed range are painted; see [`Gate`](super::Gate).
     pub range: Option<[Number; 2]>,
-    /// Whether the brush takes away instead: density restores the source, colour, selection and label go to 0.
+    /// Whether the brush takes away instead: density as `erase_density` says, colour, selection and label go to 0.
     pub erase: bool,
+    /// What taking away means for density.
+    #[serde(default)]
+    pub erase_density: EraseDensity,
 }
 
 impl Default for Brush {
@@ -124,14 +138,49 @@ impl Default for Brush {
             spacing: 0.25,
             range: None,
             erase: false,
+            erase_density: EraseDensity::Restore,
         }
     }
 }
 
 impl Brush {
-    /// What it really does: erasing is restoring, whatever the operation.
+    /// What it really does: erasing is restoring whatever the operation, or on density replacing by the value that removes.
     pub fn effective(&self) -> Operation {
-        if self.erase { Operation::Restore } else { self.operation }
+        match self.removed() {
+            Some(_) => Operation::Replace,
+            None if self.erase => Operation::Restore,
+            None => self.operation,
+        }
+    }
+
+    /// What it really paints: the value that removes where it removes density.
+    pub fn effective_target(&self) -> Target {
+        self.removed().map_or(self.target, Target::Density)
+    }
+
+    /// The falloff that counts: labels take part by distance ≤ radius, so that the radius shown is the radius painted.
+    pub fn effective_falloff(&self) -> Falloff {
+        if matches!(self.target, Target::Label(_)) { Falloff::Hard } else { self.falloff }
+    }
+
+    /// Whether what it paints is an end (nothing, or what was there before any edit): weak strokes arrive there however often it
+    /// takes, also where rounding to the storage's steps would let them stall.
+    pub fn ends(&self) -> bool {
+        match (self.effective(), self.effective_target()) {
+            (Operation::Restore, _) => true,
+            (Operation::Add | Operation::Subtract, _) => false,
+            (_, Target::Density(value)) => self.erase || value == 0.0,
+            (_, Target::Selection(value)) => value == 0.0,
+            (operation, Target::Colour(rgba)) => operation == Operation::Replace && rgba[3] == 0.0,
+            (_, Target::Label(_)) => false,
+        }
+    }
+
+    fn removed(&self) -> Option<f64> {
+        match (self.erase, self.target, self.erase_density) {
+            (true, Target::Density(_), EraseDensity::To(value)) => Some(value),
+            _ => None,
+        }
     }
 
     /// # Errors
@@ -146,6 +195,11 @@ impl Brush {
         }
         if !(self.spacing > 0.0 && self.spacing <= 0.25) {
             return wrong("spacing", self.spacing.to_string(), "a share of the radius above 0 and at most 0.25");
+        }
+        if let EraseDensity::To(value) = self.erase_density
+            && !value.is_finite()
+        {
+            return wrong("erase_density.to", value.to_string(), "a finite value in the volume's unit");
         }
         match self.target {
             Target::Density(value) if !value.is_finite() => {
@@ -189,4 +243,7 @@ pub struct Sample {
     pub normal: DVec3,
     /// 0..1, scales strength.
     pub pressure: f32,
+    /// Whether the path begins anew here: nothing was hit on the way, another part, or a jump in depth.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub breaks: bool,
 }

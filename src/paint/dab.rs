@@ -1,15 +1,17 @@
 //! One footprint of a brush, and which voxels get how much of it.
 //!
 //! Distances are millimetres of the world on any grid, measured through `world_from_index` from voxel centre to dab centre.
-//! Direct Volume Editing (2008), equation 2: G = strength·F(d/m), zero beyond the support m.
+//! Direct Volume Editing (2008), equation 2: G = strength·F(d/m), zero beyond the support m. A dab whose support is under half
+//! the voxel's diagonal may reach no centre at all: there the voxel that holds the dab's centre has G = strength·pressure.
 
 use super::{Brush, Falloff, Shape};
 use crate::math::{DMat3, DVec3};
 use crate::volume::{BRICK, BrickIndex, Grid};
 
 /// A voxel further from the centre than the radius by less than this share counts as lying on it, so that a voxel at exactly
-/// the radius is inside however its distance is rounded (f64 here, f32 in the kernel).
-pub const EDGE: f64 = 2e-6;
+/// the radius is inside however its distance is rounded (f64 here, f32 in the kernel, where lengths are in radii, so that the unit
+/// of the grid decides nothing), and one that is outside by a millionth is outside.
+pub const EDGE: f64 = 5e-7;
 
 /// One footprint along a stroke.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,8 +86,16 @@ pub struct Footprint {
     pub layer: Option<DiscLayer>,
     /// All voxels with G > 0 are in here.
     pub bounds: IndexBox,
+    /// Whether the voxel that holds the centre has all of the gain, whatever its distance.
+    pub thin: bool,
     falloff: Falloff,
     world_from_index: DMat3,
+}
+
+/// Half the longest diagonal of a voxel, mm: a dab of this radius reaches the centre of the voxel that it lies in.
+pub fn half_diagonal_mm(grid: &Grid) -> f64 {
+    let [x, y, z] = [0, 1, 2].map(|a| grid.world_from_index.matrix3.col(a));
+    [x + y + z, x + y - z, x - y + z, x - y - z].into_iter().map(|d| d.length() * 0.5).fold(0.0, f64::max)
 }
 
 impl Dab {
@@ -115,6 +125,7 @@ impl Dab {
             shown[found.axis] = f64::from(found.index);
             layer = Some(found);
         }
+        let thin = self.radius_mm > 0.0 && self.radius_mm < half_diagonal_mm(grid);
         let bounds = if self.radius_mm == 0.0 {
             let voxel = grid.voxel_at(centre)?;
             centre = DVec3::new(f64::from(voxel[0]), f64::from(voxel[1]), f64::from(voxel[2]));
@@ -124,10 +135,16 @@ impl Dab {
             let slack = reach * EDGE + (shown.abs() + 1.0) * 1e-12;
             let lo = (shown - reach - slack).ceil().max(DVec3::ZERO);
             let end = ((shown + reach + slack).floor() + 1.0).min(grid.dims_f64());
-            if !lo.cmplt(end).all() {
-                return None;
+            let reached = lo
+                .cmplt(end)
+                .all()
+                .then(|| IndexBox { lo: lo.to_array().map(|v| v as u32), end: end.to_array().map(|v| v as u32) });
+            let held = if thin { grid.voxel_at(centre) } else { None };
+            let held = held.map(|voxel| IndexBox { lo: voxel, end: voxel.map(|v| v + 1) });
+            match (reached, held) {
+                (Some(a), Some(b)) => a.union(&b),
+                (a, b) => a.or(b)?,
             }
-            IndexBox { lo: lo.to_array().map(|v| v as u32), end: end.to_array().map(|v| v as u32) }
         };
         Some(Footprint {
             centre,
@@ -135,7 +152,8 @@ impl Dab {
             gain,
             layer,
             bounds,
-            falloff: brush.falloff,
+            thin,
+            falloff: brush.effective_falloff(),
             world_from_index: grid.world_from_index.matrix3,
         })
     }
@@ -157,6 +175,9 @@ impl Footprint {
     /// G of equation 2 for a voxel: strength · pressure · F(d / radius), 0 beyond the support.
     pub fn coverage(&self, voxel: [u32; 3]) -> f64 {
         let at = DVec3::new(f64::from(voxel[0]), f64::from(voxel[1]), f64::from(voxel[2]));
+        if self.thin && (self.centre + 0.5).floor() == at {
+            return f64::from(self.gain);
+        }
         let mut d = self.world_from_index * (at - self.centre);
         if let Some(layer) = self.layer {
             if voxel[layer.axis] != layer.index {

@@ -7,13 +7,16 @@ mod brush;
 mod dab;
 mod error;
 mod gate;
+mod passed;
 mod path;
 mod pile;
 mod room;
+mod surface;
 
-pub use brush::{Brush, Falloff, Operation, Sample, Shape, Target, Tip};
-pub use dab::{Dab, EDGE, Footprint, IndexBox};
+pub use brush::{Brush, EraseDensity, Falloff, Operation, Sample, Shape, Target, Tip};
+pub use dab::{Dab, EDGE, Footprint, IndexBox, half_diagonal_mm};
 pub use error::PaintError;
 pub use gate::{GATE_WORDS, Gate};
 pub use path::{MAX_DABS, StrokePath};
 pub use pile::Pile;
+pub use surface::{CLOSE_VOXELS, Seen, SurfaceRule};

@@ -1,11 +1,16 @@
 //! From samples to dabs at fixed arc length.
 //!
-//! The n-th dab of a stroke lies n·step along the polyline of its samples, whatever number of samples an event brings and
-//! however long a frame takes. Owns where the stroke has got to; knows nothing of voxels but their size.
+//! A stroke is a path of its samples, in one piece or several: where a sample breaks the path, a piece ends and another begins.
+//! The n-th dab of a piece lies n·step along the polyline of its samples, whatever number of samples an event brings and however
+//! long a frame takes; one more lies at its last sample, so that a stroke covers it. While the radius is under half the voxel's
+//! diagonal, voxels that the path passes between two dabs get one of their own. Owns where the stroke has got to; of voxels it
+//! knows where they lie, nothing of what they hold.
 
-use super::{Brush, Dab, PaintError, Sample};
-use crate::math::DVec3;
+use super::passed::{cell_of, left};
+use super::{Brush, Dab, PaintError, Sample, Tip, half_diagonal_mm};
+use crate::math::{DAffine3, DVec3};
 use crate::volume::Grid;
+use std::collections::HashSet;
 
 /// The most dabs that one call may give; more is a slip of a script, not a stroke.
 pub const MAX_DABS: u64 = 1 << 20;
@@ -13,16 +18,29 @@ pub const MAX_DABS: u64 = 1 << 20;
 /// The most voxels in a radius; beyond it the kernel's 32-bit arithmetic no longer tells voxels apart.
 const MAX_RADIUS_VOXELS: f64 = 65_536.0;
 
+/// Dabs lie no nearer to each other than this share of the thinnest layer of voxels: nearer ones reach nothing new.
+const LEAST_STEP: f64 = 1.0 / 64.0;
+
+/// A last dab this share of a step or less behind another is that one.
+const SAME: f64 = 1e-9;
+
 /// A stroke's way so far.
 #[derive(Clone, Debug)]
 pub struct StrokePath {
     radius_mm: f64,
     step_mm: f64,
+    builds_up: bool,
+    /// `index_from_world` and its inverse, if every voxel on the way is painted.
+    thin: Option<[DAffine3; 2]>,
     last: Option<Sample>,
-    /// Length of the way to `last`, mm.
+    /// Length of the pieces before, mm.
+    before_mm: f64,
+    /// Length of the piece's way to `last`, mm.
     arc_mm: f64,
-    /// Number of the next dab.
+    /// Number of the piece's next dab.
     next: u64,
+    /// The voxel that holds `last`, and whether a dab lies in it.
+    cell: ([i64; 3], bool),
 }
 
 impl StrokePath {
@@ -39,14 +57,26 @@ impl StrokePath {
                 expected: "at most 65,536 voxels of the volume",
             });
         }
+        let inverse = grid.index_from_world();
+        let rows = inverse.matrix3.transpose();
+        let thinnest = 1.0 / rows.x_axis.length().max(rows.y_axis.length()).max(rows.z_axis.length());
         let step_mm = if brush.radius_mm > 0.0 {
-            brush.spacing * brush.radius_mm
+            (brush.spacing * brush.radius_mm).max(thinnest * LEAST_STEP)
         } else {
-            // A quarter of the thinnest layer, so that the voxels along the way touch each other.
-            let rows = grid.index_from_world().matrix3.transpose();
-            0.25 / rows.x_axis.length().max(rows.y_axis.length()).max(rows.z_axis.length())
+            thinnest * 0.25
         };
-        Ok(Self { radius_mm: brush.radius_mm, step_mm, last: None, arc_mm: 0.0, next: 0 })
+        let thin = (brush.radius_mm < half_diagonal_mm(grid)).then_some([inverse, grid.world_from_index]);
+        Ok(Self {
+            radius_mm: brush.radius_mm,
+            step_mm,
+            builds_up: brush.tip == Tip::BuildUp,
+            thin,
+            last: None,
+            before_mm: 0.0,
+            arc_mm: 0.0,
+            next: 0,
+            cell: ([0; 3], false),
+        })
     }
 
     /// Distance between dabs along the way, mm.
@@ -54,12 +84,13 @@ impl StrokePath {
         self.step_mm
     }
 
-    /// Length of the way so far, mm.
+    /// Length of the way so far, mm, without what lies between its pieces.
     pub fn length_mm(&self) -> f64 {
-        self.arc_mm
+        self.before_mm + self.arc_mm
     }
 
-    /// The dabs that further samples give, in order. The first sample gives one where it is.
+    /// The dabs that further samples give, in order. The first sample of a piece gives one where it is, and ends the piece before
+    /// it as [`end`](Self::end) does.
     ///
     /// # Errors
     /// If a sample is not finite, its pressure is outside 0..1, or the way to it takes more than [`MAX_DABS`]; the path is then
@@ -75,10 +106,30 @@ impl StrokePath {
         Ok(dabs)
     }
 
+    /// Ends the piece: the dab at its last sample, if none lies there yet. Where dabs add up it counts by the share of a step that
+    /// lies behind it. A further sample begins another piece.
+    pub fn end(&mut self) -> Option<Dab> {
+        let last = self.last.take()?;
+        let share = self.arc_mm / self.step_mm - (self.next - 1) as f64;
+        self.before_mm += self.arc_mm;
+        self.arc_mm = 0.0;
+        let uncovered = self.thin.is_some() && !self.cell.1;
+        (share > SAME || uncovered).then(|| {
+            let share = if self.builds_up { share.clamp(0.0, 1.0) as f32 } else { 1.0 };
+            self.dab(last.position, last.pressure * share, last.normal)
+        })
+    }
+
     fn to(&mut self, index: usize, sample: &Sample, dabs: &mut Vec<Dab>) -> Result<(), PaintError> {
+        if sample.breaks {
+            dabs.extend(self.end());
+        }
         let Some(last) = self.last.replace(*sample) else {
             dabs.push(self.dab(sample.position, sample.pressure, sample.normal));
             self.next = 1;
+            self.cell = self
+                .thin
+                .map_or(([0; 3], false), |[inverse, _]| (cell_of(inverse.transform_point3(sample.position)), true));
             return Ok(());
         };
         let length = last.position.distance(sample.position);
@@ -95,19 +146,54 @@ impl StrokePath {
             });
         }
         // From the number and not by adding up, so that rounding does not depend on how many samples there were.
+        let mut way: Vec<(f64, Dab)> = Vec::new();
         while self.next as f64 * self.step_mm <= end {
             let t = ((self.next as f64 * self.step_mm - self.arc_mm) / length).clamp(0.0, 1.0);
-            let pressure = last.pressure + (sample.pressure - last.pressure) * t as f32;
-            dabs.push(self.dab(last.position.lerp(sample.position, t), pressure, sample.normal));
+            let (centre, pressure) = between(&last, sample, t);
+            way.push((t, self.dab(centre, pressure, sample.normal)));
             self.next += 1;
         }
         self.arc_mm = end;
+        if let Some([index_from_world, world_from_index]) = self.thin {
+            self.fill(&last, sample, &mut way, &index_from_world, &world_from_index);
+        }
+        dabs.extend(way.into_iter().map(|(_, dab)| dab));
         Ok(())
+    }
+
+    /// Gives a dab of radius 0 to each voxel that the way to a sample leaves without one.
+    fn fill(
+        &mut self,
+        last: &Sample,
+        sample: &Sample,
+        way: &mut Vec<(f64, Dab)>,
+        index_from_world: &DAffine3,
+        world_from_index: &DAffine3,
+    ) {
+        let [a, b] = [last, sample].map(|s| index_from_world.transform_point3(s.position));
+        let mut held: HashSet<_> =
+            way.iter().map(|(_, d)| cell_of(index_from_world.transform_point3(d.centre))).collect();
+        held.extend(self.cell.1.then_some(self.cell.0));
+        for (cell, t) in left(a, b) {
+            if !held.contains(&cell) {
+                let centre = world_from_index.transform_point3(DVec3::from_array(cell.map(|c| c as f64)));
+                let pressure = between(last, sample, t).1;
+                way.push((t, Dab { centre, radius_mm: 0.0, pressure, normal: sample.normal }));
+            }
+        }
+        way.sort_by(|x, y| x.0.total_cmp(&y.0));
+        let cell = cell_of(b);
+        self.cell = (cell, held.contains(&cell));
     }
 
     fn dab(&self, centre: DVec3, pressure: f32, normal: DVec3) -> Dab {
         Dab { centre, radius_mm: self.radius_mm, pressure, normal }
     }
+}
+
+/// Place and pressure between two samples.
+fn between(last: &Sample, sample: &Sample, t: f64) -> (DVec3, f32) {
+    (last.position.lerp(sample.position, t), last.pressure + (sample.pressure - last.pressure) * t as f32)
 }
 
 fn check(index: usize, sample: &Sample) -> Result<(), PaintError> {

@@ -15,7 +15,7 @@ impl Brush {
     /// The map that density needs before this brush paints on it where up to `coverage` adds up on a voxel (Σ G of building up, at
     /// least 1); `None` if it has it. `source` is of the values that were there before any painting.
     pub fn map_for(&self, density: &Field, source: &Statistics, coverage: f64) -> Option<DensityMap> {
-        let Target::Density(value) = self.target else { return None };
+        let Target::Density(value) = self.effective_target() else { return None };
         let restores = self.effective() == Operation::Restore;
         // Where nothing was painted there is nothing to take back.
         if density.format() != TexelFormat::R16Unorm || (restores && density.edits().is_empty()) {
@@ -62,7 +62,7 @@ impl Brush {
     /// them, or up to `coverage` of them. Beyond one application no more room is made than the source's own type has.
     pub(super) fn made(&self, ends: [f64; 2], density: &Field, coverage: f64) -> [f64; 2] {
         let [min, max] = ends;
-        let Target::Density(value) = self.target else { return ends };
+        let Target::Density(value) = self.effective_target() else { return ends };
         let [lo, hi] = match self.effective() {
             Operation::Restore => ends,
             Operation::Replace | Operation::Blend => [value, value],
@@ -81,7 +81,7 @@ impl Brush {
     /// Where what adds up ends: at what the source's type can hold, or what one application makes where that is further.
     /// Without adding, no end.
     pub fn bounds(&self, density: &Field) -> [f64; 2] {
-        match (self.target, self.effective()) {
+        match (self.effective_target(), self.effective()) {
             (Target::Density(value), Operation::Add | Operation::Subtract) => {
                 let offset = self.offset(value);
                 let ([least, greatest], [min, max]) = (limits(density), density.extremes().map(f64::from));

@@ -3,42 +3,14 @@
 //! Only what is set as it is said is echoed. The document's next snapshot replaces the copy, so an echo can never become the truth.
 
 use crate::document::{
-    BrushCommand, Command, ExplosionCommand, PartCommand, Place, Scene, SegmentCommand, TransferCommand, ViewCommand,
-    Window,
+    Command, ExplosionCommand, PartCommand, Place, Scene, SegmentCommand, TransferCommand, ViewCommand, Window,
 };
 use crate::volume::Lighting;
 
 /// Lets the copy follow.
 pub(super) fn echo(scene: &mut Scene, command: &Command) {
     match command {
-        Command::Brush(BrushCommand::Set {
-            shape,
-            radius_mm,
-            falloff,
-            strength,
-            operation,
-            tip,
-            target,
-            spacing,
-            range,
-            any_value,
-            erase,
-        }) => {
-            let b = &mut scene.brush;
-            set(&mut b.shape, *shape);
-            set(&mut b.radius_mm, *radius_mm);
-            set(&mut b.falloff, *falloff);
-            set(&mut b.strength, *strength);
-            set(&mut b.operation, *operation);
-            set(&mut b.tip, *tip);
-            set(&mut b.target, *target);
-            set(&mut b.spacing, *spacing);
-            set(&mut b.erase, *erase);
-            if *any_value {
-                b.range = None;
-            }
-            b.range = range.or(b.range);
-        }
+        Command::Brush(brush) => scene.brush = brush.applied_to(&scene.brush),
         Command::Transfer(TransferCommand::Set { function }) => scene.transfer = function.clone(),
         Command::View(view) => echo_view(scene, view),
         Command::Segment(SegmentCommand::Set { id, name, colour, visible, locked }) => {

@@ -54,7 +54,7 @@ fn step(state: &mut State, n: u64) -> Vec<(FieldKind, BrickIndex)> {
 }
 
 fn sample(x: f64) -> Sample {
-    Sample { position: DVec3::new(x, 1.0 / 3.0, -2.0), normal: DVec3::Z, pressure: 0.5 }
+    Sample { position: DVec3::new(x, 1.0 / 3.0, -2.0), normal: DVec3::Z, pressure: 0.5, breaks: false }
 }
 
 #[test]

@@ -41,6 +41,35 @@ pub fn block() -> Option<Document> {
     Some(document)
 }
 
+/// A document over voxels that are made here.
+pub fn made(voxels: Voxels, dims: [u32; 3], spacing: DVec3) -> Option<Document> {
+    let mut document = Document::new();
+    if let Err(reason) = document.describe_gpu() {
+        eprintln!("skipped: {reason}");
+        return None;
+    }
+    let grid = Grid::aligned(dims, spacing, DVec3::ZERO);
+    let source = Arc::new(MemorySource::new("made", grid, voxels, (1.0, 0.0)).unwrap());
+    let statistics = burin::io::statistics(source.as_ref(), &|_| true).unwrap();
+    let histogram = Histogram { min: statistics.min - 0.5, max: statistics.max + 0.5, bins: vec![1; 4] };
+    let origin = Origin { path: "made.nrrd".into(), component: 0, frame: 0 };
+    document.adopt(State::new(source, origin, statistics, histogram, None, &|_| true).unwrap());
+    Some(document)
+}
+
+/// The voxels of a label, x fastest.
+pub fn labelled(document: &Document, label: u16) -> Vec<[u32; 3]> {
+    let field = document.state().unwrap().field(FieldKind::Labels);
+    let dims = field.dims(0);
+    let texels = field.read(0, [0; 3], dims).unwrap();
+    let at = |i: usize| {
+        let i = i as u32;
+        [i % dims[0], i / dims[0] % dims[1], i / (dims[0] * dims[1])]
+    };
+    let texels = texels.chunks_exact(2).enumerate();
+    texels.filter(|(_, t)| **t == label.to_le_bytes()).map(|(i, _)| at(i)).collect()
+}
+
 /// Cuts the block into 8 along its middle planes.
 pub fn cut(document: &mut Document) {
     for normal in ["[1,0,0]", "[0,1,0]", "[0,0,1]"] {

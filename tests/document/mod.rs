@@ -1,5 +1,6 @@
 //! Commands, history, journal, projects.
 
+mod brushes;
 mod doors;
 mod exploded;
 mod fixtures;
@@ -31,6 +32,7 @@ mod rings;
 mod script;
 mod selection;
 mod strokes;
+mod surface;
 mod unharmed;
 mod values;
 mod values_support;

@@ -17,6 +17,7 @@ fn a_wrong_setting_is_named_with_what_was_found() {
         ("target.density", Brush { target: Target::Density(f64::NAN), ..good }),
         ("target.colour", Brush { target: Target::Colour([0.0, 0.0, 2.0, 1.0]), ..good }),
         ("target.selection", Brush { target: Target::Selection(-0.5), ..good }),
+        ("erase_density.to", Brush { erase_density: EraseDensity::To(f64::INFINITY), ..good }),
         ("range", Brush { range: Some([3.0, 2.0].map(Number::Real)), ..good }),
         ("range", Brush { range: Some([f64::NAN, 2.0].map(Number::Real)), ..good }),
     ];

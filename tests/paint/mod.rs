@@ -29,7 +29,7 @@ fn grids() -> Vec<(&'static str, Grid)> {
 }
 
 fn sample(position: DVec3) -> Sample {
-    Sample { position, normal: DVec3::Z, pressure: 1.0 }
+    Sample { position, normal: DVec3::Z, pressure: 1.0, breaks: false }
 }
 
 fn dab(centre: DVec3, radius_mm: f64) -> Dab {

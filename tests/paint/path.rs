@@ -128,3 +128,129 @@ fn what_is_no_sample_is_refused_and_changes_nothing() {
         assert_eq!(format!("{path:?}"), before);
     }
 }
+
+#[test]
+fn a_stroke_covers_its_last_sample() {
+    let ends = [sample(DVec3::ZERO), sample(DVec3::new(9.9, 0.0, 0.0))];
+    for (tip, share) in [(Tip::Wash, 1.0), (Tip::BuildUp, 0.9)] {
+        let brush = Brush { tip, ..hard(Shape::Sphere, 4.0) };
+        let mut path = StrokePath::new(&brush, &grid()).unwrap();
+        assert_eq!(path.extend(&ends).unwrap().len(), 10);
+        let last = path.end().unwrap();
+        assert_eq!(last.centre, ends[1].position);
+        // 0.9 of a step of 1 mm lies behind it.
+        assert!((last.pressure - share).abs() < 1e-6, "{tip:?}: {}", last.pressure);
+        assert_eq!(path.end(), None, "once");
+        assert!((path.length_mm() - 9.9).abs() < 1e-12);
+    }
+    // Where a dab of the row lies at the last sample already, it is that one; a click is one dab.
+    for samples in [&[sample(DVec3::ZERO), sample(DVec3::X * 7.0)][..], &[sample(DVec3::ZERO)]] {
+        let mut path = StrokePath::new(&hard(Shape::Sphere, 4.0), &grid()).unwrap();
+        path.extend(samples).unwrap();
+        assert_eq!(path.end(), None);
+    }
+}
+
+#[test]
+fn a_break_ends_a_piece_and_begins_another() {
+    let brush = hard(Shape::Sphere, 4.0);
+    let [a, b, c, d] = [0.0, 2.5, 20.0, 23.5].map(|x| sample(DVec3::X * x));
+    let mut path = StrokePath::new(&brush, &grid()).unwrap();
+    let mut dabs = path.extend(&[a, b, Sample { breaks: true, ..c }, d]).unwrap();
+    dabs.extend(path.end());
+    let at: Vec<f64> = dabs.iter().map(|d| d.centre.x).collect();
+    assert_eq!(at, [0.0, 1.0, 2.0, 2.5, 20.0, 21.0, 22.0, 23.0, 23.5]);
+    assert_eq!(path.length_mm(), 6.0, "what lies between pieces is no way");
+    // However samples arrive, and a break at the very beginning is none.
+    let mut path = StrokePath::new(&brush, &grid()).unwrap();
+    let mut parts = Vec::new();
+    for s in [Sample { breaks: true, ..a }, b, Sample { breaks: true, ..c }, d] {
+        parts.extend(path.extend(&[s]).unwrap());
+    }
+    parts.extend(path.end());
+    assert_eq!(parts, dabs);
+}
+
+/// The voxels whose cells a segment runs through, and for how much of it, found by looking at many places on it.
+fn run_through(grid: &Grid, a: DVec3, b: DVec3) -> std::collections::BTreeMap<[i64; 3], u32> {
+    let inverse = grid.index_from_world();
+    let mut cells = std::collections::BTreeMap::new();
+    for i in 0..=200_000 {
+        let p = inverse.transform_point3(a.lerp(b, f64::from(i) / 200_000.0));
+        *cells.entry((p + 0.5).floor().to_array().map(|v| v as i64)).or_default() += 1;
+    }
+    cells
+}
+
+#[test]
+fn a_thin_stroke_has_a_dab_in_every_voxel_that_it_passes_and_in_no_other() {
+    let mut rng = StdRng::seed_from_u64(17);
+    for (name, grid) in grids() {
+        let thin = half_diagonal_mm(&grid);
+        for radius_mm in [0.0, 1e-4, 0.2 * thin, 0.6 * thin, 0.99 * thin] {
+            let brush = hard(Shape::Sphere, radius_mm);
+            let mut at = || {
+                let v = std::array::from_fn(|a| rng.random_range(0.0..f64::from(grid.dims[a]) - 1.0));
+                grid.world_from_index.transform_point3(DVec3::from_array(v))
+            };
+            let ends = [at(), at()];
+            let expected = run_through(&grid, ends[0], ends[1]);
+            // As one segment, and as the hundred short ones of a slow hand.
+            for parts in [1, 100] {
+                let samples: Vec<_> =
+                    (0..=parts).map(|i| sample(ends[0].lerp(ends[1], f64::from(i) / f64::from(parts)))).collect();
+                let mut path = StrokePath::new(&brush, &grid).unwrap();
+                let mut dabs: Vec<_> = samples.chunks(7).flat_map(|s| path.extend(s).unwrap()).collect();
+                dabs.extend(path.end());
+                let held = |d: &Dab| {
+                    let p = grid.index_from_world().transform_point3(d.centre);
+                    (p + 0.5).floor().to_array().map(|v| v as i64)
+                };
+                let found: std::collections::BTreeSet<_> = dabs.iter().map(held).collect();
+                for (cell, places) in &expected {
+                    // One that is passed for less than the places are apart may be missing from those that were looked at, not here.
+                    assert!(found.contains(cell), "{name} {radius_mm}: {cell:?}, passed at {places} places");
+                }
+                let touched = found.iter().filter(|c| !expected.contains_key(*c)).count();
+                assert!(touched <= 1, "{name} {radius_mm}: {touched} voxels that it does not pass");
+                let full: Vec<_> = dabs.iter().filter_map(|d| d.footprint(&brush, &grid)).collect();
+                for cell in expected.keys() {
+                    let voxel = cell.map(|c| c as u32);
+                    assert!(
+                        full.iter().any(|f| f.coverage(voxel) == 1.0),
+                        "{name} {radius_mm}: {voxel:?} is not covered"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_thin_stroke_exactly_through_corners_paints_no_voxel_beside_it() {
+    let grid = Grid::aligned([12; 3], DVec3::ONE, DVec3::ZERO);
+    let brush = hard(Shape::Sphere, 0.3);
+    let mut path = StrokePath::new(&brush, &grid).unwrap();
+    let mut dabs = path.extend(&[sample(DVec3::ONE), sample(DVec3::splat(9.0))]).unwrap();
+    dabs.extend(path.end());
+    let covered: std::collections::BTreeSet<_> = dabs
+        .iter()
+        .filter_map(|d| d.footprint(&brush, &grid))
+        .flat_map(|f| voxels([12; 3]).filter(move |&v| f.coverage(v) > 0.0))
+        .collect();
+    assert_eq!(covered, (1..=9).map(|i| [i; 3]).collect());
+}
+
+#[test]
+fn from_half_the_diagonal_on_equation_2_stands_alone() {
+    let grid = Grid::aligned([9; 3], DVec3::ONE, DVec3::ZERO);
+    let half = half_diagonal_mm(&grid);
+    assert!((half - 0.75_f64.sqrt()).abs() < 1e-12);
+    // At the corner between eight voxels.
+    let corner = dab(DVec3::splat(4.4999), half * 0.999);
+    let linear = Brush { falloff: Falloff::Linear, ..hard(Shape::Sphere, half * 0.999) };
+    assert_eq!(corner.footprint(&linear, &grid).unwrap().coverage([4; 3]), 1.0);
+    let linear = Brush { radius_mm: half, ..linear };
+    let wide = dab(DVec3::splat(4.4999), half).footprint(&linear, &grid).unwrap();
+    assert!(wide.coverage([4; 3]) < 0.001);
+}

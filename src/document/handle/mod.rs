@@ -15,6 +15,7 @@ pub(in crate::document) mod segment;
 pub(in crate::document) mod selection;
 pub(in crate::document) mod selection_import;
 pub(in crate::document) mod stroke;
+mod stroke_nothing;
 pub(in crate::document) mod transfer;
 pub(in crate::document) mod undo;
 pub(in crate::document) mod view;

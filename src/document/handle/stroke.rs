@@ -4,7 +4,10 @@
 //! first, as `stroke.end` would. The GPU holds its texels until [`Document::settle`], which is the one place that waits for them.
 
 use super::edit::Edit;
+use super::stroke_nothing::why_nothing;
+use super::trail::{Resolved, Trail};
 use super::{Command, Document, DocumentError, ExplosionCommand, Place, StrokeCommand, StrokePoint, warn};
+use crate::gpu::GpuError;
 use crate::paint::{Brush, Dab, Pile, Sample, StrokePath, Target};
 use crate::volume::FieldKind;
 use serde_json::{Value, json};
@@ -18,6 +21,8 @@ pub(in crate::document) struct Running {
     pile: Option<(Pile, f64)>,
     /// What came before the first dab: a segment that was missing, a map that was too narrow.
     edit: Edit,
+    /// Where it has got to in the 3D view.
+    trail: Option<Trail>,
     samples: Vec<Sample>,
     dabs: u64,
     missed: u64,
@@ -48,20 +53,21 @@ impl Document {
                 Err(DocumentError::NotNow("a stroke is running; end it (stroke.end) or cancel it first".into()))
             }
             StrokeCommand::Begin { points } => {
-                let (samples, missed) = self.samples(&points)?;
-                self.begin_stroke(&samples, missed)
+                let resolved = self.follow(&points, None)?;
+                self.begin_stroke(resolved)
             }
             StrokeCommand::Paint { points } => {
-                let (samples, missed) = self.samples(&points)?;
-                self.begin_stroke(&samples, missed)?;
+                let resolved = self.follow(&points, None)?;
+                self.begin_stroke(resolved)?;
                 self.settle()
             }
             StrokeCommand::Extend { .. } | StrokeCommand::End {} | StrokeCommand::Cancel {} if !running => {
                 Err(DocumentError::NotNow("no stroke is running; stroke.begin starts one".into()))
             }
             StrokeCommand::Extend { points } => {
-                let (samples, missed) = self.samples(&points)?;
-                self.extend_stroke(&samples, missed)
+                let trail = self.running.as_ref().and_then(|r| r.trail);
+                let resolved = self.follow(&points, trail)?;
+                self.extend_stroke(resolved)
             }
             StrokeCommand::End {} => self.settle(),
             StrokeCommand::Cancel {} => {
@@ -82,6 +88,7 @@ impl Document {
     /// # Errors
     /// If the device fails or the source does; the stroke then still runs.
     pub fn settle(&mut self) -> Result<Value, DocumentError> {
+        let cut_short = self.end_path()?;
         let (Some(running), Some(state)) = (&mut self.running, &mut self.state) else { return Ok(json!({})) };
         let kind = running.brush.target.field();
         let changes: Vec<_> =
@@ -95,7 +102,14 @@ impl Document {
             self.mirror(&refreshed);
             self.no_stroke();
             swapped?;
-            return Ok(json!({ "step": null, "dabs": running.dabs, "missed": running.missed, "voxels_changed": 0 }));
+            let why = why_nothing(self.open()?, &running.brush, &running.samples, running.missed)?;
+            return Ok(json!({
+                "step": null,
+                "dabs": running.dabs,
+                "missed": running.missed,
+                "voxels_changed": 0,
+                "nothing": why,
+            }));
         }
         running.edit.motion_is_not_mine(&state.scene);
         let (step, mut refreshed) = running.edit.finish(state);
@@ -109,17 +123,39 @@ impl Document {
             "bricks_touched": bricks,
         });
         self.mirror(&refreshed);
-        let mut warnings = Vec::new();
+        let mut warnings: Vec<String> = cut_short.into_iter().collect();
         if let Some(step) = step {
             self.unsaved = true;
             warnings.extend(self.history.push(step)?);
         }
-        let at = |s: &Sample| StrokePoint { at: Place::Mm(s.position.to_array()), pressure: s.pressure };
+        let at = |s: &Sample| {
+            let Sample { position, pressure, breaks, .. } = *s;
+            StrokePoint { at: Place::Mm(position.to_array()), pressure, breaks }
+        };
         let said = Command::Stroke(StrokeCommand::Paint { points: running.samples.iter().map(at).collect() });
         warnings.extend(self.note(&said, &refreshed.bricks, true));
         warn(&mut answer, warnings);
         self.revision += 1;
         Ok(answer)
+    }
+
+    /// Paints the dab at the running stroke's last sample. Where there is no room for it the stroke ends without, and the answer
+    /// says so.
+    fn end_path(&mut self) -> Result<Option<String>, DocumentError> {
+        let Some(running) = &mut self.running else { return Ok(None) };
+        let mut path = running.path.clone();
+        let Some(dab) = path.end() else { return Ok(None) };
+        self.make_room(&[dab])?;
+        let (Some(running), Some(state)) = (&mut self.running, &self.state) else { return Ok(None) };
+        match self.graphics.extend(state, &[dab]) {
+            Ok(_) => running.dabs += 1,
+            Err(DocumentError::Gpu(error @ (GpuError::StrokeTooLarge { .. } | GpuError::PoolFull { .. }))) => {
+                return Ok(Some(format!("the stroke ends before its last point: {error}")));
+            }
+            Err(error) => return Err(error),
+        }
+        running.path = path;
+        Ok(None)
     }
 
     /// Takes the running stroke back.
@@ -137,11 +173,7 @@ impl Document {
     }
 
     /// Starts a stroke with resolved samples.
-    pub(in crate::document) fn begin_stroke(
-        &mut self,
-        samples: &[Sample],
-        missed: u64,
-    ) -> Result<Value, DocumentError> {
+    pub(in crate::document) fn begin_stroke(&mut self, resolved: Resolved) -> Result<Value, DocumentError> {
         let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
         let brush = state.scene.brush;
         let path = StrokePath::new(&brush, state.grid())?;
@@ -160,8 +192,8 @@ impl Document {
             self.graphics.remap(state);
         }
         let begun = begun.and_then(|()| self.graphics.begin(state, &brush));
-        self.running = Some(Running { brush, path, pile, edit, samples: Vec::new(), dabs: 0, missed });
-        let first = begun.and_then(|()| self.extend_stroke(samples, 0));
+        self.running = Some(Running { brush, path, pile, edit, trail: None, samples: Vec::new(), dabs: 0, missed: 0 });
+        let first = begun.and_then(|()| self.extend_stroke(resolved));
         if first.is_err() {
             self.drop_stroke();
         }
@@ -195,15 +227,17 @@ impl Document {
         painted
     }
 
-    fn extend_stroke(&mut self, samples: &[Sample], missed: u64) -> Result<Value, DocumentError> {
+    fn extend_stroke(&mut self, resolved: Resolved) -> Result<Value, DocumentError> {
+        let Resolved { samples, missed, trail } = resolved;
         let Some(running) = &self.running else { return Ok(json!({})) };
         let mut path = running.path.clone();
-        let dabs = path.extend(samples)?;
+        let dabs = path.extend(&samples)?;
         self.make_room(&dabs)?;
         let (Some(running), Some(state)) = (&mut self.running, &self.state) else { return Ok(json!({})) };
         let bricks = if dabs.is_empty() { Vec::new() } else { self.graphics.extend(state, &dabs)? };
         running.path = path;
-        running.samples.extend_from_slice(samples);
+        running.samples.extend_from_slice(&samples);
+        running.trail = trail;
         running.dabs += dabs.len() as u64;
         running.missed += missed;
         let mut answer = json!({
@@ -212,7 +246,7 @@ impl Document {
             "bricks_touched": bricks.len(),
             "length_mm": running.path.length_mm(),
         });
-        let noted = if samples.is_empty() { None } else { self.keeper.as_mut().map(|k| k.samples(samples)) };
+        let noted = if samples.is_empty() { None } else { self.keeper.as_mut().map(|k| k.samples(&samples)) };
         if let Some(Err(error)) = noted {
             warn(&mut answer, vec![error.to_string()]);
         }
@@ -229,19 +263,6 @@ impl Document {
             self.motion.follow(state, kind, &live)?;
         }
         Ok(self.graphics.is_due())
-    }
-
-    /// Resolves a command's points; those where the 3D view shows nothing are counted and left out.
-    fn samples(&mut self, points: &[StrokePoint]) -> Result<(Vec<Sample>, u64), DocumentError> {
-        let mut samples = Vec::with_capacity(points.len());
-        let mut missed = 0;
-        for point in points {
-            match self.resolve(point.at)? {
-                Some(sample) => samples.push(Sample { pressure: point.pressure, ..sample }),
-                None => missed += 1,
-            }
-        }
-        Ok((samples, missed))
     }
 
     /// Says that no stroke runs any more.

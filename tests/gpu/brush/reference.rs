@@ -53,13 +53,15 @@ impl Laid {
             offset -= normal * offset.dot(normal);
         }
         let x = offset.length() / brush.radius_mm;
-        let f = match brush.falloff {
+        // Labels take part by distance, whatever the falloff.
+        let falloff = if matches!(brush.target, Target::Label(_)) { Falloff::Hard } else { brush.falloff };
+        let f = match falloff {
             _ if x > 1.0 => 0.0,
             Falloff::Hard => 1.0,
             Falloff::Linear => 1.0 - x,
             Falloff::Smooth => (1.0 - x * x).powi(2),
         };
-        (self.gain * f, brush.falloff == Falloff::Hard && (x - 1.0).abs() < 4e-6)
+        (self.gain * f, falloff == Falloff::Hard && (x - 1.0).abs() < 1e-6)
     }
 }
 

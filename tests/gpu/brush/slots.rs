@@ -105,6 +105,7 @@ fn way(grid: &Grid, brush: &Brush) -> Vec<Dab> {
         position: grid.world_from_index.transform_point3(DVec3::from_array(s)),
         normal,
         pressure: 0.9,
+        breaks: false,
     });
     StrokePath::new(brush, grid).unwrap().extend(&samples).unwrap()
 }

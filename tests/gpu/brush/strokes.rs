@@ -42,6 +42,7 @@ fn every_brush(canvases: &mut [Canvas], target: Target, range: [f64; 2]) {
                         spacing: 0.25,
                         range: (n % 5 == 0).then_some(range.map(Number::Real)),
                         erase: n % 13 == 0,
+                        ..Brush::default()
                     };
                     let dabs = dabs(&canvas.grid, brush.radius_mm, &mut rng);
                     let found = canvas.paint(&brush, &dabs);
@@ -159,8 +160,12 @@ fn radius_zero_paints_one_voxel_a_dab() {
             let ends = [DVec3::new(2.2, 3.1, 1.4), DVec3::new(37.0, 33.5, 32.4)];
             let mut path = StrokePath::new(&brush, &grid).unwrap();
             let normal = dab_at(&grid, DVec3::ZERO, 0.0).normal;
-            let samples =
-                ends.map(|p| Sample { position: grid.world_from_index.transform_point3(p), normal, pressure: 1.0 });
+            let samples = ends.map(|p| Sample {
+                position: grid.world_from_index.transform_point3(p),
+                normal,
+                pressure: 1.0,
+                breaks: false,
+            });
             let dabs = path.extend(&samples).unwrap();
             let found = canvas.paint(&brush, &dabs);
             check("radius 0", &canvas, &brush, &dabs, &found);
