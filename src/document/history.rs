@@ -50,6 +50,11 @@ impl History {
         }
     }
 
+    /// An empty one with the same budget and place.
+    pub(super) fn successor(&self) -> Self {
+        Self { budget_bytes: self.budget_bytes, ..Self::new(self.parent.clone()) }
+    }
+
     /// Names of the steps that undo takes back, the oldest first.
     pub fn undo_names(&self) -> impl DoubleEndedIterator<Item = &str> + ExactSizeIterator {
         self.undo.iter().map(|e| e.name.as_str())

@@ -3,9 +3,9 @@
 use super::app::{App, Busy};
 use super::browse::shown;
 use super::dialogs::{Dialog, Lost};
+use super::errand::topic;
 use super::panels::transfer::TransferEditor;
 use super::session::{Gravity, Report};
-use super::worker::topic;
 use crate::document::{
     Command, ProjectCommand, RenderCommand, SegmentCommand, SelectionCommand, ViewName, VolumeCommand,
 };
@@ -72,6 +72,7 @@ impl App {
                     }
                     self.say(gravity, text);
                 }
+                Report::Offer(offer) => self.dialog = Some(Dialog::Offer(offer)),
                 Report::Done(command, answer) => self.done(ctx, &command, &answer),
                 Report::Refused(command, reason) => self.refused(&command, reason),
                 Report::Complaint(topic, reason) => self.complain(&topic, reason),

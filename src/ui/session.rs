@@ -108,6 +108,26 @@ pub enum Gravity {
     Error,
 }
 
+/// What the user can do about something that went wrong.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Offer {
+    /// What it is about, in some words.
+    pub title: String,
+    /// What went wrong.
+    pub text: String,
+    /// What puts it right.
+    pub then: Then,
+}
+
+/// See [`Offer::then`].
+#[derive(Clone, Debug, PartialEq)]
+pub enum Then {
+    /// A command, and what its button says.
+    Do(String, Command),
+    /// The file of this project's volume has to be named.
+    FindSource(PathBuf),
+}
+
 /// What comes back.
 #[derive(Clone, Debug)]
 pub enum Report {
@@ -131,6 +151,8 @@ pub enum Report {
     Finished,
     /// For the user.
     Message(Gravity, String),
+    /// Something went wrong that the user can put right.
+    Offer(Box<Offer>),
     /// A command was done; its answer.
     Done(Command, Value),
     /// A command was not done; why.

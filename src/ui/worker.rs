@@ -3,21 +3,24 @@
 //! Commands come first; pictures are drawn when none waits, one view at a time, so that a stroke's samples never queue behind a
 //! picture for longer than one takes. Knows egui only to wake the window.
 
+use super::errand::{lasts, replaces, topic};
 use super::progress::Progress;
+use super::rescue::{after_failure, way_out};
 use super::session::{Far, Gravity, Opened, Picture, Report, Request, Session, Snapshot};
 use super::stir::Cause;
 use super::studio::Studio;
 use crate::document::{
-    Command, Document, DocumentError, ExplosionCommand, HistoryCommand, KeepError, Place, ProjectCommand, Question,
-    RenderCommand, SegmentCommand, ViewName, VolumeCommand,
+    Command, Document, DocumentError, ExplosionCommand, HistoryCommand, KeepError, Place, Question, RenderCommand,
+    ViewName,
 };
 use crate::io::in_words;
 use crate::math::DVec2;
 use crate::volume::Histogram;
 use serde_json::Value;
 use std::collections::BTreeSet;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::sync::mpsc::TryRecvError;
+use std::sync::mpsc::{RecvTimeoutError, TryRecvError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -27,6 +30,8 @@ const MOST_STEPS: u32 = 4;
 const STEPS_MS: u128 = 30;
 /// Names pictures among what can be refused.
 const PICTURE: &str = "picture";
+/// How often a hash that is being taken is looked after.
+const LOOK: Duration = Duration::from_millis(200);
 /// As good as at once.
 const SOON: Duration = Duration::from_millis(1);
 
@@ -53,6 +58,7 @@ pub fn spawn(mut document: Document, wake: egui::Context) -> std::io::Result<(Se
         histogram: None,
         refused: BTreeSet::new(),
         told: None,
+        source_trouble: None,
         refining: false,
     };
     let thread = std::thread::Builder::new().name("document".into()).spawn(move || worker.run())?;
@@ -83,6 +89,8 @@ struct Worker {
     refused: BTreeSet<String>,
     /// Revision and serial of the last snapshot sent.
     told: Option<(u64, u64, bool)>,
+    /// What was said last of the file of a linked project.
+    source_trouble: Option<String>,
     /// What was said last of the 3D view.
     refining: bool,
 }
@@ -94,27 +102,69 @@ impl Worker {
         self.told = None;
         self.tell();
         loop {
-            match self.take_requests() {
-                Next::Go => {}
-                Next::Quit => {
+            // Whatever fails in here, the journal on disk has every step up to it, and the window goes on.
+            match catch_unwind(AssertUnwindSafe(|| self.turn())) {
+                Ok(Next::Go) => {}
+                Ok(Next::Quit) => {
                     if let Err(error) = self.document.discard_unsaved() {
                         tracing::warn!("{error}");
                     }
                     return;
                 }
-                Next::Gone => return,
+                Ok(Next::Gone) => return,
+                Err(payload) => self.fallen(payload.as_ref()),
             }
-            self.document.set_motion(self.rough());
-            if self.moving {
-                // A step may have to measure what hides the selection; what was done is told before.
-                self.tell();
-                self.step();
-            }
+        }
+    }
+
+    fn turn(&mut self) -> Next {
+        let next = self.take_requests();
+        if !matches!(next, Next::Go) {
+            return next;
+        }
+        self.document.set_motion(self.rough());
+        if self.moving {
+            // A step may have to measure what hides the selection; what was done is told before.
             self.tell();
-            self.tell_refining();
-            self.answer_probe();
-            self.draw();
-            self.tell_refining();
+            self.step();
+        }
+        self.tell();
+        self.tell_source();
+        self.tell_refining();
+        self.answer_probe();
+        self.draw();
+        self.tell_refining();
+        Next::Go
+    }
+
+    /// Closes a document in which something has failed: nobody knows what it holds now. What is on disk is left to be found.
+    fn fallen(&mut self, payload: &(dyn std::any::Any + Send)) {
+        let (text, offer) = after_failure(&self.document, payload);
+        let next = self.document.successor();
+        let document = std::mem::replace(&mut self.document, next);
+        // What failed once may fail again.
+        let _again = catch_unwind(AssertUnwindSafe(|| drop(document)));
+        self.studio = Studio::default();
+        (self.moving, self.held, self.probe) = (false, None, None);
+        (self.histogram, self.told, self.source_trouble) = (None, None, None);
+        self.refused.clear();
+        self.report(Report::Finished);
+        self.tell_refining();
+        self.tell();
+        self.report(Report::Message(Gravity::Error, text));
+        if let Some(offer) = offer {
+            self.report(Report::Offer(Box::new(offer)));
+        }
+    }
+
+    /// Says once that the file of a linked project is not the one that was painted on.
+    fn tell_source(&mut self) {
+        let trouble = self.document.source_trouble(false);
+        if trouble != self.source_trouble {
+            self.source_trouble.clone_from(&trouble);
+            if let Some(text) = trouble {
+                self.report(Report::Message(Gravity::Error, text));
+            }
         }
     }
 
@@ -126,9 +176,14 @@ impl Worker {
                     if let Err(error) = self.document.prepare_motion() {
                         tracing::warn!("{error}");
                     }
-                    self.far.requests.recv().map_err(|_| TryRecvError::Disconnected)
+                    // While a hash is taken somebody has to look whether it is the right one.
+                    if self.document.is_comparing() || self.document.source_trouble(false) != self.source_trouble {
+                        self.far.requests.recv_timeout(LOOK)
+                    } else {
+                        self.far.requests.recv().map_err(|_| RecvTimeoutError::Disconnected)
+                    }
                 }
-                next => next,
+                next => next.map_err(|_| RecvTimeoutError::Disconnected),
             };
             match next {
                 Ok((serial, request)) => {
@@ -136,7 +191,8 @@ impl Worker {
                         return Next::Quit;
                     }
                 }
-                Err(_) => return Next::Gone,
+                Err(RecvTimeoutError::Timeout) => return Next::Go,
+                Err(RecvTimeoutError::Disconnected) => return Next::Gone,
             }
         }
         loop {
@@ -233,6 +289,9 @@ impl Worker {
                 self.report(Report::Message(Gravity::Note, error.to_string()));
             }
             Err(error) => {
+                if let Some(offer) = way_out(&command, &error) {
+                    self.report(Report::Offer(Box::new(offer)));
+                }
                 self.refused.insert(topic(&command));
                 self.report(Report::Refused(Box::new(command), error.to_string()));
             }
@@ -343,45 +402,5 @@ impl Worker {
         let _gone = self.far.reports.send(report);
         // What changes no layout is all there after one frame; egui makes two of a request without delay.
         self.wake.request_repaint_after(if changes_layout { Duration::ZERO } else { SOON });
-    }
-}
-
-/// Whether parts stand where they stood once, so that a motion under way is over.
-fn replaces(command: &Command) -> bool {
-    matches!(
-        command,
-        Command::History(HistoryCommand::Undo { .. } | HistoryCommand::Redo { .. } | HistoryCommand::Cancel {})
-            | Command::Volume(VolumeCommand::Open { .. })
-            | Command::Project(ProjectCommand::Open { .. } | ProjectCommand::Recover { .. })
-    )
-}
-
-/// A command's noun and verb, as `noun.verb`.
-pub(super) fn topic(command: &Command) -> String {
-    let value = serde_json::to_value(command).unwrap_or_default();
-    let first = |value: &Value| value.as_object().and_then(|o| o.iter().next().map(|(k, v)| (k.clone(), v.clone())));
-    let Some((noun, inner)) = first(&value) else { return value.as_str().unwrap_or_default().to_owned() };
-    let verb = first(&inner).map(|(verb, _)| verb).or_else(|| inner.as_str().map(str::to_owned));
-    format!("{noun}.{}", verb.unwrap_or_default())
-}
-
-/// What the window says while a command runs that may take over a tenth of a second.
-fn lasts(command: &Command) -> Option<String> {
-    let name = |p: &std::path::Path| p.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-    match command {
-        Command::Volume(VolumeCommand::Open { path, .. }) | Command::Project(ProjectCommand::Open { path, .. }) => {
-            Some(format!("Opening {}", name(path)))
-        }
-        Command::Volume(VolumeCommand::Export { path, .. }) => Some(format!("Exporting {}", name(path))),
-        Command::Project(ProjectCommand::Recover { .. }) => Some("Recovering".into()),
-        Command::Project(ProjectCommand::Save { .. }) => Some("Saving".into()),
-        Command::Explosion(ExplosionCommand::Settle {}) => Some("Settling parts".into()),
-        Command::Selection(_) => Some("Selecting".into()),
-        Command::Segment(SegmentCommand::Remove { .. }) => Some("Removing a segment".into()),
-        Command::Segment(SegmentCommand::Import { .. }) => Some("Importing segments".into()),
-        Command::Render(_) => Some("Drawing a picture".into()),
-        Command::History(HistoryCommand::Undo { .. }) => Some("Undoing".into()),
-        Command::History(HistoryCommand::Redo { .. }) => Some("Redoing".into()),
-        _ => None,
     }
 }

@@ -18,6 +18,7 @@ mod projection;
 mod reach;
 mod real;
 mod recent;
+mod rescue;
 mod saving;
 mod slices;
 mod surface;

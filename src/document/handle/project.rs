@@ -27,6 +27,17 @@ impl Document {
         self.keeper.as_ref().and_then(Keeper::project_dir)
     }
 
+    /// Whether steps are noted on disk as they are done.
+    pub fn is_kept(&self) -> bool {
+        self.keeper.is_some()
+    }
+
+    /// A document with nothing open that keeps what it must where this one does.
+    pub fn successor(&self) -> Self {
+        let (watch, unsaved_in) = (self.watch.clone(), self.unsaved_in.clone());
+        Self { watch, unsaved_in, history: self.history.successor(), ..Self::default() }
+    }
+
     /// Whether steps were done, undone or brought back since the last save.
     pub fn is_unsaved(&self) -> bool {
         self.unsaved

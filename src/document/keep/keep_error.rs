@@ -151,7 +151,7 @@ pub enum KeepError {
     #[error(transparent)]
     Source(#[from] SourceError),
     /// The first save needs a place.
-    #[error("the document was never saved: give a path (project.save path)")]
+    #[error("the document was never saved, or its project is open to look at only: give a path (project.save path)")]
     NoPath,
     /// No such lost document.
     #[error("no lost document {id:?}; it was recovered or thrown away, or is one of another user")]

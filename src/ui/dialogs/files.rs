@@ -100,6 +100,11 @@ impl App {
     fn choose(&mut self, what: What, path: PathBuf) {
         match what {
             What::Open => self.open_after_glance(path),
+            What::Source(project) => self.send(Command::Project(ProjectCommand::Open {
+                path: project,
+                source: Some(path),
+                generation: None,
+            })),
             What::SaveAs => self.send_save(Some(path)),
             What::Export(Export { field, .. }) => self.send(Command::Volume(VolumeCommand::Export { field, path })),
             What::Image(wish) => {
@@ -163,9 +168,8 @@ impl App {
 /// Whether a command is what a path was asked for.
 fn serves(what: &What, command: &Command) -> bool {
     match command {
-        Command::Volume(VolumeCommand::Open { .. }) | Command::Project(ProjectCommand::Open { .. }) => {
-            *what == What::Open
-        }
+        Command::Volume(VolumeCommand::Open { .. }) => *what == What::Open,
+        Command::Project(ProjectCommand::Open { .. }) => matches!(what, What::Open | What::Source(_)),
         Command::Project(ProjectCommand::Save { .. }) => *what == What::SaveAs,
         Command::Volume(VolumeCommand::Export { .. }) => matches!(what, What::Export(_)),
         Command::Render(_) => matches!(what, What::Image(_)),
@@ -185,7 +189,9 @@ fn by_system(what: &What, folder: &Path, name: &std::ffi::OsStr) -> Option<PathB
             let extensions = ["nii", "gz", "nrrd", "nhdr", "hdr"];
             ask.add_filter("Volumes", &extensions).add_filter("All files", &["*"]).pick_file()
         }
-        What::Selection | What::Labels => ask.add_filter("Volumes", &["nii", "gz", "nrrd", "nhdr", "hdr"]).pick_file(),
+        What::Selection | What::Labels | What::Source(_) => {
+            ask.add_filter("Volumes", &["nii", "gz", "nrrd", "nhdr", "hdr"]).pick_file()
+        }
         What::SaveAs => ask.save_file(),
         // The system's dialog gives no endings.
         What::Export(_) | What::Image(_) => ask.save_file().map(|path| with_ending(path, what.purpose().endings)),

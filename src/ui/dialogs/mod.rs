@@ -7,6 +7,7 @@ mod browser;
 mod export;
 mod files;
 mod meaning;
+mod offer;
 mod picture;
 mod questions;
 mod what;
@@ -14,6 +15,7 @@ mod what;
 use super::app::App;
 use super::browse::{Browser, Place};
 use super::saving::Coming;
+use super::session::Offer;
 use super::theme;
 use super::widgets::tipped;
 use egui::{Align2, Color32, Id, Modal, RichText, Ui, vec2};
@@ -40,6 +42,8 @@ pub(super) enum Dialog {
     Export(Export),
     /// How a picture shall be.
     Picture(Box<Picturing>),
+    /// What can be done about something that went wrong.
+    Offer(Box<Offer>),
     /// Nothing: the window waits for a save, after which it closes or opens something else.
     Saving,
 }
@@ -57,7 +61,7 @@ impl Dialog {
         match self {
             Self::Browse(_) => 760.0,
             Self::Picture(_) => 800.0,
-            Self::Meaning(_) | Self::Export(_) => 480.0,
+            Self::Meaning(_) | Self::Export(_) | Self::Offer(_) => 480.0,
             _ => 440.0,
         }
     }
@@ -90,6 +94,7 @@ impl App {
             Dialog::Meaning(meaning) => self.meaning_dialog(ui, meaning),
             Dialog::Export(export) => self.export_dialog(ui, export),
             Dialog::Picture(picturing) => self.picture_dialog(ui, picturing),
+            Dialog::Offer(offer) => self.offer_dialog(ui, *offer),
             Dialog::Saving => self.saving_dialog(ui),
         }
     }

@@ -21,6 +21,8 @@ pub(in crate::ui) enum What {
     Image(Wish),
     Selection,
     Labels,
+    /// The volume of this project, which is not where it was.
+    Source(PathBuf),
 }
 
 impl What {
@@ -35,13 +37,14 @@ impl What {
             Self::Image(_) => "Save picture",
             Self::Selection => "Import selection",
             Self::Labels => "Import labels",
+            Self::Source(_) => "Find the project's volume",
         }
     }
 
     /// On the button that does it.
     pub(super) const fn action(&self) -> &'static str {
         match self {
-            Self::Open => "Open",
+            Self::Open | Self::Source(_) => "Open",
             Self::SaveAs | Self::Image(_) => "Save",
             Self::Export(_) => "Export",
             Self::Selection | Self::Labels => "Import",
@@ -56,12 +59,15 @@ impl What {
             Self::Image(_) => "Where the picture is written",
             Self::Selection => "A volume of the same place; what is above 0 is selected",
             Self::Labels => "A label map of the same place; each value becomes a segment",
+            Self::Source(_) => "The file that the project was saved with; it is known by its content",
         }
     }
 
     pub(super) const fn purpose(&self) -> Purpose {
         match self {
-            Self::Open | Self::Selection | Self::Labels => Purpose { asks: Asks::Open, endings: VOLUMES },
+            Self::Open | Self::Selection | Self::Labels | Self::Source(_) => {
+                Purpose { asks: Asks::Open, endings: VOLUMES }
+            }
             Self::SaveAs => Purpose { asks: Asks::SaveFolder, endings: &[] },
             Self::Export(export) => Purpose { asks: Asks::SaveFile, endings: export.format.endings() },
             Self::Image(Wish { exr: true, .. }) => Purpose { asks: Asks::SaveFile, endings: &[".exr"] },
@@ -73,7 +79,7 @@ impl What {
     pub(super) fn name(&self, app: &App) -> OsString {
         let mut name = stem(app);
         match self {
-            Self::Open | Self::Selection | Self::Labels => return OsString::new(),
+            Self::Open | Self::Selection | Self::Labels | Self::Source(_) => return OsString::new(),
             Self::SaveAs => name.push(".burin"),
             Self::Export(Export { field, format }) => {
                 // The ending says it already.
@@ -115,7 +121,7 @@ impl App {
         let beside = beside.filter(|folder| !self.recent.owns(folder) && folder.is_dir());
         let last = self.recent.folders().into_iter().next();
         let folder = match what {
-            What::Open | What::Selection | What::Labels => last.or(beside),
+            What::Open | What::Selection | What::Labels | What::Source(_) => last.or(beside),
             What::SaveAs | What::Export(_) | What::Image(_) => beside.or(last),
         };
         folder
