@@ -4,7 +4,7 @@
 //! pixels as the eye forgives; at rest it is refined in bands of rows, so that a command never waits long for a picture.
 
 use super::session::Picture;
-use crate::document::{Command, Document, DocumentError, SlicePlane, ViewCommand, ViewName};
+use crate::document::{Command, Document, DocumentError, HistoryCommand, SlicePlane, ViewCommand, ViewName};
 use crate::gpu::Image;
 use crate::math::Camera;
 use std::collections::BTreeMap;
@@ -78,6 +78,7 @@ impl Studio {
                     | ViewCommand::Forward { .. }
             ),
             Command::Brush(_) | Command::Ask(_) | Command::Render(_) => true,
+            Command::History(HistoryCommand::Begin {} | HistoryCommand::End {} | HistoryCommand::Budget { .. }) => true,
             Command::Part(_) | Command::Explosion(_) => {
                 self.poses += 1;
                 true

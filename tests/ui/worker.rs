@@ -23,12 +23,27 @@ struct Desk {
     pictures: Vec<ViewName>,
     /// Whether parts ever moved.
     moved: bool,
+    /// Whether the 3D view is to be finer.
+    refining: bool,
+    /// Serial of the last picture of the 3D view.
+    shows: u64,
+    /// What was under the pointer last.
+    probe: serde_json::Value,
 }
 
 impl Desk {
     fn new(document: Document) -> Self {
         let (session, thread) = spawn(document, egui::Context::default()).unwrap();
-        Self { session, now: Arc::default(), thread, pictures: Vec::new(), moved: false }
+        Self {
+            session,
+            now: Arc::default(),
+            thread,
+            pictures: Vec::new(),
+            moved: false,
+            refining: false,
+            shows: 0,
+            probe: serde_json::Value::Null,
+        }
     }
 
     fn apply(&mut self, line: &str) {
@@ -46,7 +61,14 @@ impl Desk {
                         self.moved |= snapshot.moving;
                         self.now = snapshot;
                     }
-                    Report::Picture(picture) => self.pictures.push(picture.view),
+                    Report::Picture(picture) => {
+                        self.pictures.push(picture.view);
+                        if picture.view == ViewName::ThreeD {
+                            self.shows = picture.serial;
+                        }
+                    }
+                    Report::Refining(refining) => self.refining = refining,
+                    Report::Probe(probe) => self.probe = probe,
                     Report::Message(Gravity::Error, text) => panic!("{text}"),
                     _ => {}
                 }
@@ -183,4 +205,64 @@ fn the_view_under_the_hand_is_drawn_first_and_no_other_starves() {
         }
         desk.close();
     }
+}
+
+#[test]
+fn a_drag_in_one_view_draws_no_other() {
+    let Some(document) = block() else { return };
+    let mut desk = Desk::new(document);
+    desk.session.send(Request::Show(VIEWS.to_vec()));
+    desk.rest(0);
+    desk.until("all is drawn", |d| VIEWS.iter().all(|v| d.pictures.contains(v)) && !d.refining);
+    desk.pictures.clear();
+    desk.apply(r#"{"history":{"begin":{}}}"#);
+    for _ in 0..3 {
+        desk.apply(r#"{"view":{"zoom":{"view":"axial","factor":0.8}}}"#);
+    }
+    desk.apply(r#"{"history":{"end":{}}}"#);
+    desk.rest(5);
+    desk.until("the slice is drawn", |d| d.pictures.contains(&ViewName::Axial));
+    // What comes after it would be drawn before what was asked later.
+    desk.apply(r#"{"view":{"zoom":{"view":"axial","factor":1.1}}}"#);
+    desk.rest(6);
+    desk.until("the slice is drawn again", |d| d.pictures.len() > 1);
+    assert!(desk.pictures.iter().all(|v| *v == ViewName::Axial), "{:?}", desk.pictures);
+    desk.close();
+}
+
+#[test]
+fn the_3d_view_says_whether_all_of_it_is_there_and_what_it_shows() {
+    let Some(document) = block() else { return };
+    let mut desk = Desk::new(document);
+    desk.session.send(Request::Show(VIEWS.to_vec()));
+    desk.rest(0);
+    desk.until("it is drawn", |d| d.pictures.contains(&ViewName::ThreeD) && !d.refining);
+    for (serial, line) in [
+        (1, r#"{"view":{"orbit":{"azimuth_deg":10,"elevation_deg":0}}}"#),
+        (2, r#"{"stroke":{"paint":{"points":[{"at":{"mm":[30,20,20]}}]}}}"#),
+        (3, r#"{"history":{"undo":{}}}"#),
+    ] {
+        desk.apply(line);
+        desk.until("it is to be drawn", |d| d.refining || d.shows == serial);
+        desk.until("it shows the change", |d| d.shows == serial && !d.refining);
+    }
+    desk.close();
+}
+
+#[test]
+fn what_lies_under_the_pointer_is_asked_of_the_document_as_it_is_now() {
+    let Some(document) = block() else { return };
+    let mut desk = Desk::new(document);
+    desk.rest(0);
+    let size = [64, 64];
+    let probe = Request::Probe { view: ViewName::Axial, px: burin::math::DVec2::splat(32.0), size };
+    desk.session.send(probe.clone());
+    desk.until("it answers", |d| d.probe["inside"] == true);
+    assert_eq!(desk.probe["selection"], 0.0);
+    desk.apply(r#"{"brush":{"set":{"target":{"selection":1},"radius_mm":9,"falloff":"hard"}}}"#);
+    let at = r#"{"pixel":{"view":"axial","px":[32,32],"size":[64,64]}}"#;
+    desk.apply(&format!(r#"{{"stroke":{{"paint":{{"points":[{{"at":{at}}}]}}}}}}"#));
+    desk.session.send(probe);
+    desk.until("it follows", |d| d.probe["selection"] == 1.0);
+    desk.close();
 }
