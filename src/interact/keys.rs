@@ -56,7 +56,7 @@ const fn line(group: &'static str, keys: &'static str, what: &'static str) -> Sh
 }
 
 /// Everything that the keyboard and the pointer can do.
-pub const SHORTCUTS: [Shortcut; 36] = [
+pub const SHORTCUTS: [Shortcut; 40] = [
     line("Paint", "B", "Brush"),
     line("Paint", "[  ]", "Smaller or larger brush"),
     line("Paint", "Shift + wheel", "Smaller or larger brush"),
@@ -68,7 +68,7 @@ pub const SHORTCUTS: [Shortcut; 36] = [
     line("Look", "Up, Down", "Next or previous slice"),
     line("Look", "Ctrl + wheel", "Zoom"),
     line("Look", "Wheel in 3D", "Zoom"),
-    line("Look", "Right drag on a slice", "Grey window: across width, along level"),
+    line("Look", "Right drag on a slice", "Grey window: across for width, up for level"),
     line("Look", "Right drag in 3D", "Zoom"),
     line("Look", "Space + drag, middle drag", "Pan"),
     line("Look", "Alt + drag in 3D", "Turn, with any tool"),
@@ -86,6 +86,10 @@ pub const SHORTCUTS: [Shortcut; 36] = [
     line("Parts", "Click or line on a slice", "Cut there, with the split tools"),
     line("Parts", "Drag, tool Move part", "Move a part and pin it"),
     line("Parts", "Ctrl + drag, tool Move part", "Turn a part and pin it"),
+    line("Panels", "Drag a border", "More room; double-click: as at first"),
+    line("Panels", "Double-click the curve", "A new point of opacity or colour"),
+    line("Panels", "Right-click a point", "Remove it"),
+    line("Panels", "Shift + drag a point", "Opacity and its colour together"),
     line("Document", "Ctrl + Z", "Undo"),
     line("Document", "Ctrl + Y, Ctrl + Shift + Z", "Redo"),
     line("Document", "Ctrl + S", "Save"),

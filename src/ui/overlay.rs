@@ -172,6 +172,14 @@ fn orientation_mark(painter: &Painter, body: Rect, right: DVec3, up: DVec3) {
         let colour = view_colour(view).gamma_multiply(0.5 + 0.5 * nearness);
         painter.line_segment([centre, centre + flat], Stroke::new(4.5, Color32::from_black_alpha(150)));
         painter.line_segment([centre, centre + flat], Stroke::new(2.5, colour));
-        shaded_text(painter, centre + flat * 1.28, Align2::CENTER_CENTER, letter, FontId::proportional(13.5), colour);
+        let tip = centre + flat * 1.28;
+        // What points away is a letter, what points at the eye a disc with it.
+        if nearness > 0.45 {
+            painter.circle_filled(tip, 9.5, Color32::from_black_alpha(150));
+            painter.circle_filled(tip, 8.5, colour);
+            painter.text(tip, Align2::CENTER_CENTER, letter, FontId::proportional(13.0), theme::DEEP);
+        } else {
+            shaded_text(painter, tip, Align2::CENTER_CENTER, letter, FontId::proportional(13.5), colour);
+        }
     }
 }

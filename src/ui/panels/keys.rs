@@ -5,49 +5,62 @@ use crate::ui::app::App;
 use crate::ui::icons::Icon;
 use crate::ui::theme;
 use crate::ui::widgets::{Face, from_right, icon_button};
-use egui::{Align2, Grid, RichText};
+use egui::{Align2, Color32, Grid, Id, RichText, ScrollArea, Ui, vec2};
+
+/// Width of the page with its groups in two columns, and in one.
+const WIDTHS: [f32; 2] = [1000.0, 520.0];
+/// The groups of each column.
+const COLUMNS: [&[&str]; 2] = [&["Paint", "Parts", "Panels"], &["Look", "Document"]];
 
 impl App {
     pub(in crate::ui) fn key_page(&mut self, ctx: &egui::Context) {
         if !self.keys_open {
             return;
         }
-        egui::Window::new("Keys and pointer")
-            .title_bar(false)
-            .resizable(false)
-            // As wide as it becomes: a window that does not know its width yet cuts its text off until the next frame.
-            .default_width(860.0)
-            .anchor(Align2::CENTER_CENTER, [0.0, 0.0])
-            .show(ctx, |ui| {
-                ui.horizontal(|ui| {
-                    ui.label(RichText::new("Keys and pointer").color(egui::Color32::WHITE).size(16.0));
-                    from_right(ui, |ui| {
-                        let tip = "Closes this page (F1 or Escape)";
-                        if icon_button(ui, Face::small(Icon::Close, "Close the page of keys", tip)).clicked() {
-                            self.keys_open = false;
-                        }
-                    });
-                });
-                ui.add_space(8.0);
-                ui.horizontal_top(|ui| {
-                    ui.spacing_mut().item_spacing.x = 32.0;
-                    for groups in [["Paint", "Parts"], ["Look", "Document"]] {
-                        ui.vertical(|ui| {
-                            for group in groups {
-                                ui.label(RichText::new(group).color(theme::ACCENT).size(14.0));
-                                Grid::new(("keys", group)).num_columns(2).spacing([20.0, 4.0]).show(ui, |ui| {
-                                    ui.spacing_mut().item_spacing.x = 20.0;
-                                    for line in SHORTCUTS.iter().filter(|s| s.group == group) {
-                                        ui.label(RichText::new(line.keys).color(egui::Color32::WHITE));
-                                        ui.label(RichText::new(line.what).color(theme::TEXT));
-                                        ui.end_row();
-                                    }
-                                });
-                                ui.add_space(12.0);
-                            }
-                        });
+        let window = ctx.viewport_rect().size();
+        // A small window scrolls one column.
+        let wide = window.x >= WIDTHS[0] + 60.0;
+        let width = if wide { WIDTHS[0] } else { WIDTHS[1] };
+        // As large as it is: a window that does not know its size yet cuts its text off until the next frame.
+        let page =
+            egui::Window::new("Keys and pointer").id(Id::unique(("keys", wide))).title_bar(false).resizable(false);
+        page.fixed_size(vec2(width, window.y - 80.0)).anchor(Align2::CENTER_CENTER, [0.0, 0.0]).show(ctx, |ui| {
+            ui.set_width(width);
+            ui.horizontal(|ui| {
+                ui.label(RichText::new("Keys and pointer").color(Color32::WHITE).size(16.0));
+                from_right(ui, |ui| {
+                    let tip = "Closes this page (F1 or Escape)";
+                    if icon_button(ui, Face::small(Icon::Close, "Close the page of keys", tip)).clicked() {
+                        self.keys_open = false;
                     }
                 });
             });
+            ui.add_space(6.0);
+            ScrollArea::vertical().id_salt("keys").max_height(window.y - 130.0).auto_shrink([false, true]).show(
+                ui,
+                |ui| {
+                    if wide {
+                        ui.horizontal_top(|ui| COLUMNS.map(|groups| ui.vertical(|ui| column(ui, width * 0.5, groups))));
+                    } else {
+                        COLUMNS.map(|groups| column(ui, width, groups));
+                    }
+                },
+            );
+        });
+    }
+}
+
+fn column(ui: &mut Ui, width: f32, groups: &[&str]) {
+    ui.set_width(width - 12.0);
+    for &group in groups {
+        ui.label(RichText::new(group).color(theme::ACCENT).size(14.0));
+        Grid::new(("keys", group)).num_columns(2).min_col_width(180.0).spacing([14.0, 3.0]).show(ui, |ui| {
+            for line in SHORTCUTS.iter().filter(|s| s.group == group) {
+                ui.label(RichText::new(line.keys).color(Color32::WHITE));
+                ui.label(RichText::new(line.what).color(theme::TEXT));
+                ui.end_row();
+            }
+        });
+        ui.add_space(10.0);
     }
 }
