@@ -277,11 +277,14 @@ impl App {
         let count = grid.dims[plane.axis];
         let mut index = plane.index + 1;
         let font = TextStyle::Monospace.resolve(ui.style());
-        let text = ui.painter().layout_no_wrap(format!("{index} / {count}"), font, theme::TEXT_WEAK);
         let room = right - ui.cursor().left();
+        // In a narrow header the number is written closer, last without what it is of.
+        let texts = [format!("{index} / {count}"), format!("{index}/{count}"), format!("{index}")];
+        let texts = texts.map(|text| ui.painter().layout_no_wrap(text, font.clone(), theme::TEXT_WEAK));
+        let [wide, ..] = &texts;
         // As wide as the last slice needs, so that the slider keeps its length.
         let digits = count.to_string().len() as f32;
-        let number = text.size().x.max(7.6 * (2.0 * digits + 3.0)).min(room);
+        let number = wide.size().x.max(7.6 * (2.0 * digits + 3.0)).min(room);
         let length = room - number - GAP * 2.0;
         if length >= SLIDER {
             ui.spacing_mut().slider_width = length;
@@ -300,7 +303,7 @@ impl App {
                 self.edit(&slider, Command::View(ViewCommand::Crosshair { at }));
             }
         }
-        if room >= text.size().x {
+        if let Some(text) = texts.into_iter().find(|text| text.size().x <= room) {
             let (rect, _) = ui.allocate_exact_size(vec2(right - ui.cursor().left(), 20.0), Sense::hover());
             ui.painter().galley(rect.right_center() - vec2(text.size().x, text.size().y * 0.5), text, theme::TEXT_WEAK);
         }

@@ -8,9 +8,9 @@ use crate::ui::widgets::{Face, from_right, icon_button};
 use egui::{Align2, Color32, Grid, Id, RichText, ScrollArea, Ui, vec2};
 
 /// Width of the page with its groups in two columns, and in one.
-const WIDTHS: [f32; 2] = [1000.0, 520.0];
-/// The groups of each column.
-const COLUMNS: [&[&str]; 2] = [&["Paint", "Parts", "Panels"], &["Look", "Document"]];
+const WIDTHS: [f32; 2] = [1040.0, 540.0];
+/// The groups of each column, and the column's share of the width.
+const COLUMNS: [(&[&str], f32); 2] = [(&["Paint", "Parts", "Panels"], 0.46), (&["Look", "Document"], 0.54)];
 
 impl App {
     pub(in crate::ui) fn key_page(&mut self, ctx: &egui::Context) {
@@ -40,9 +40,15 @@ impl App {
                 ui,
                 |ui| {
                     if wide {
-                        ui.horizontal_top(|ui| COLUMNS.map(|groups| ui.vertical(|ui| column(ui, width * 0.5, groups))));
+                        ui.horizontal_top(|ui| {
+                            for (groups, share) in COLUMNS {
+                                ui.vertical(|ui| column(ui, width * share, groups));
+                            }
+                        });
                     } else {
-                        COLUMNS.map(|groups| column(ui, width, groups));
+                        for (groups, _) in COLUMNS {
+                            column(ui, width, groups);
+                        }
                     }
                 },
             );
