@@ -18,7 +18,7 @@ use crate::document::{
     Command, HistoryCommand, OpenAs, ProjectCommand, Scene, StrokeCommand, ViewCommand, ViewName, VolumeCommand,
 };
 use crate::explode::PartId;
-use crate::interact::{Context, Event, Hit, Interaction, reach};
+use crate::interact::{Context, Event, Interaction, PointerEvent, reach};
 use crate::volume::FieldKind;
 use egui::{Id, Response, Ui};
 use std::collections::BTreeMap;
@@ -26,6 +26,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
+/// Pixels of the 3D view between two looks along the way of a stroke, and most looks from one sample of the pointer to the next.
+const LOOK_PX: f64 = 2.0;
+const MOST_LOOKS: f64 = 400.0;
 /// Seconds after which the wheel is at rest.
 const WHEEL_RESTS_S: f64 = 0.6;
 
@@ -259,8 +262,8 @@ impl App {
             let view = self.viewports.captured.map_or(self.viewports.last_used, |(_, view)| view);
             self.request(Request::Held(Some(view)));
         }
-        let hit = match event {
-            Event::Press(_, e) | Event::Move(e) | Event::Release(_, e) if e.view == ViewName::ThreeD => Some(e.hit),
+        let at = match event {
+            Event::Press(_, e) | Event::Move(e) | Event::Release(_, e) if e.view == ViewName::ThreeD => Some(e),
             _ => None,
         };
         for command in commands {
@@ -270,7 +273,7 @@ impl App {
             };
             self.send(command);
             if let Some(stroke) = stroke {
-                self.follow_stroke(&stroke, hit);
+                self.follow_stroke(&stroke, at);
             }
         }
         if was && !is {
@@ -398,18 +401,27 @@ impl App {
         }
     }
 
-    /// Lets the trail in the 3D view follow a stroke's command; `hit`: what is seen there, if it is there.
-    fn follow_stroke(&mut self, stroke: &StrokeCommand, hit: Option<Option<Hit>>) {
+    /// Lets the trail in the 3D view follow a stroke's command, where the pointer is there.
+    fn follow_stroke(&mut self, stroke: &StrokeCommand, at: Option<PointerEvent>) {
         let (Some(scene), Some(open)) = (&self.scene, &self.snapshot.open) else { return };
         let serial = self.session.serial();
-        match (stroke, hit) {
-            (StrokeCommand::Begin { .. }, Some(hit)) => {
+        match (stroke, at) {
+            (StrokeCommand::Begin { .. }, Some(e)) => {
                 let brush = &scene.brush;
                 let colour = if brush.erase { theme::ERROR } else { paint_colour(brush.target, scene) };
                 self.trail.begin(brush.radius_mm * reach(brush), open.grid.voxel_mm(), colour);
-                self.trail.add(hit, serial);
+                self.trail.add(e.px, e.hit, serial);
             }
-            (StrokeCommand::Extend { .. }, Some(hit)) if self.trail.is_running() => self.trail.add(hit, serial),
+            (StrokeCommand::Extend { .. }, Some(e)) if self.trail.is_running() => {
+                // The surface is followed all along the pointer's way, as the stroke will.
+                let from = self.trail.px();
+                let looks = (from.distance(e.px) / LOOK_PX).ceil().clamp(1.0, MOST_LOOKS);
+                for i in 1..=looks as u32 {
+                    let px = from.lerp(e.px, f64::from(i) / looks);
+                    let hit = self.pictures.hit(px, e.size, scene);
+                    self.trail.add(px, hit, serial);
+                }
+            }
             (StrokeCommand::End {}, _) => self.trail.end(),
             (StrokeCommand::Cancel {}, _) => self.trail.clear(),
             _ => {}

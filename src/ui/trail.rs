@@ -5,7 +5,11 @@
 
 use crate::interact::Hit;
 use crate::interact::surface::{Surface, near_way};
+use crate::math::DVec2;
 use egui::Color32;
+
+/// Share of the radius within which a sample adds nothing to the one before.
+const NEAR: f64 = 0.25;
 
 /// One input point of the stroke.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,8 +33,10 @@ pub(super) struct Trail {
     /// Samples that are in `tinted`.
     counted: usize,
     radius_mm: f64,
-    /// A step in depth beyond which nothing is painted between two samples.
+    /// A step beyond which nothing is painted between two samples.
     jump_mm: f64,
+    /// Where the pointer was last.
+    px: DVec2,
     colour: Color32,
     running: bool,
 }
@@ -46,14 +52,27 @@ impl Trail {
         self.samples.push(Sample { hit: None, serial: 0, joined: false, shown: false });
     }
 
-    /// The pointer was here; `serial` is that of the command that says so.
-    pub(super) fn add(&mut self, hit: Option<Hit>, serial: u64) {
+    /// The pointer passed this pixel of the 3D view, over this; `serial` is that of the command that says so.
+    pub(super) fn add(&mut self, px: DVec2, hit: Option<Hit>, serial: u64) {
+        self.px = px;
         let before = self.samples.last().and_then(|last| last.hit);
-        let joined = match (before, hit) {
-            (Some(a), Some(b)) => a.part == b.part && (a.depth_mm - b.depth_mm).abs() <= self.jump_mm,
-            _ => false,
+        let (joined, near) = match (before, hit) {
+            (Some(a), Some(b)) => {
+                let apart = a.world.distance(b.world);
+                (a.part == b.part && apart <= self.jump_mm, apart < self.radius_mm * NEAR)
+            }
+            _ => (false, false),
         };
+        // What the ball before covers but for a sliver is not worth a look at every point of the surface.
+        if joined && near {
+            return;
+        }
         self.samples.push(Sample { hit, serial, joined, shown: false });
+    }
+
+    /// Where the pointer was last.
+    pub(super) fn px(&self) -> DVec2 {
+        self.px
     }
 
     /// Whether a stroke of the 3D view is under the hand.

@@ -131,12 +131,14 @@ fn a_view_whose_picture_was_refused_shows_its_ground() {
     }
 }
 
-/// A picture of one colour of something at one distance from the eye.
-fn solid(window: &Window, serial: u64) -> Picture {
+/// A picture of one colour of something at one distance from the eye; `step` mm further in its right half.
+fn solid(window: &Window, serial: u64, step: f32) -> Picture {
     let view = window.harness.get_by_label("3D view").rect();
     let (size, camera) = ([view.width() as u32, view.height() as u32], window.scene.views.camera);
     let pixels = (size[0] * size[1]) as usize;
-    let depth_mm = vec![camera.eye.distance(camera.target) as f32; pixels];
+    let near = camera.eye.distance(camera.target) as f32;
+    let right = |i: usize| i % size[0] as usize >= size[0] as usize / 2;
+    let depth_mm = (0..pixels).map(|i| if right(i) { near + step } else { near }).collect();
     Picture { depth_mm, object: vec![1; pixels], serial, ..plain(window, ViewName::ThreeD, size, [60, 0, 90]) }
 }
 
@@ -147,7 +149,7 @@ fn a_stroke_in_3d_is_drawn_at_once_until_a_picture_shows_it_or_it_is_taken_back(
     let mut window = Window::painted(SMALL, state, canvas);
     window.scene.brush.target = burin::paint::Target::Colour([0.0, 1.0, 0.0, 1.0]);
     window.snapshot(|_| {});
-    let report = Report::Picture(Box::new(solid(&window, 0)));
+    let report = Report::Picture(Box::new(solid(&window, 0, 0.0)));
     window.report(report);
     window.click("Brush");
     let view = window.harness.get_by_label("3D view").rect();
@@ -178,10 +180,20 @@ fn a_stroke_in_3d_is_drawn_at_once_until_a_picture_shows_it_or_it_is_taken_back(
     stroke(&mut window);
     window.harness.drop_at(to);
     window.harness.run_steps(2);
-    let old = Report::Picture(Box::new(solid(&window, 0)));
+    let old = Report::Picture(Box::new(solid(&window, 0, 0.0)));
     window.report(old);
     assert_eq!(tinted(&mut window), [true, true, false], "a picture of before does not show it");
-    let new = Report::Picture(Box::new(solid(&window, u64::MAX)));
+    let new = Report::Picture(Box::new(solid(&window, u64::MAX, 0.0)));
     window.report(new);
     assert_eq!(tinted(&mut window), [false; 3], "the voxels follow");
+    // Over a step deeper than the brush both floors are painted all along, whether the pointer was sampled there or not.
+    let stepped = Report::Picture(Box::new(solid(&window, u64::MAX, 40.0)));
+    window.report(stepped);
+    stroke(&mut window);
+    let image = window.harness.render().unwrap();
+    for share in [0.0, 0.2, 0.4, 0.5, 0.65, 0.8] {
+        let at = from.lerp(to, share);
+        let [r, g, b, _] = image.get_pixel(at.x as u32, at.y as u32).0;
+        assert!(g > 80 && g > r && g > b, "{share} of the way: {r} {g} {b}");
+    }
 }
