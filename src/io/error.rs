@@ -16,6 +16,16 @@ pub enum IoError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// A file or folder that is known, and not read.
+    #[error("{file}: this is {what}; {advice}")]
+    Foreign {
+        /// File or folder.
+        file: String,
+        /// What it is.
+        what: String,
+        /// What to do.
+        advice: String,
+    },
     /// No reader knows the file.
     #[error("{file}: format: found {found}; expected one of: {expected}")]
     Unknown {

@@ -1,6 +1,6 @@
 //! What every format gives: a trait for its reader, the list of readers, and what an opened file offers.
 
-use super::{FileMark, IoError, inflate, nifti::Nifti, nrrd::Nrrd};
+use super::{FileMark, IoError, foreign, inflate, nifti::Nifti, nrrd::Nrrd};
 use crate::volume::{BrickSource, Grid, Statistics, VoxelType};
 use std::io::Read;
 use std::path::Path;
@@ -10,7 +10,7 @@ use std::sync::Arc;
 pub type Progress<'a> = &'a (dyn Fn(f32) -> bool + Sync);
 
 /// Bytes of a file's beginning, inflated if it is gzip, that readers may look at.
-const HEAD_BYTES: u64 = 544;
+pub(super) const HEAD_BYTES: u64 = 544;
 
 /// Segments that are named in a message.
 const MOST_NAMES: usize = 10;
@@ -141,11 +141,21 @@ pub fn readers() -> &'static [&'static dyn Reader] {
 /// If no reader knows the file, or its reader's.
 pub fn open(path: impl AsRef<Path>) -> Result<Opened, IoError> {
     let path = path.as_ref();
+    if path.is_dir() {
+        return Err(foreign::folder(path));
+    }
     let head = head(path)?;
     // Before anything is believed: whoever compares later knows the file that was read.
     let named = FileMark::of(path).map_err(IoError::system(path, "open the file"))?;
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-    let reader = readers().iter().find(|r| r.recognises(&head)).or_else(|| readers().iter().find(|r| r.claims(&name)));
+    let reader = match readers().iter().find(|r| r.recognises(&head)) {
+        Some(reader) => Some(reader),
+        // A file that is known for something else is that, whatever it is called.
+        None => match foreign::file(path, &head, named.bytes) {
+            Some(foreign) => return Err(foreign),
+            None => readers().iter().find(|r| r.claims(&name)),
+        },
+    };
     match reader {
         Some(reader) => {
             let mut opened = reader.open(path)?;

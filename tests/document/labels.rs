@@ -211,7 +211,7 @@ fn another_grid_gives_the_nearest_voxels_labels() {
     for (dims, spacing, turn) in [
         ([60, 40, 50], DVec3::new(1.3, 2.1, 1.7), -0.3),
         // Finer by far, so that a brick of ours is too many voxels at once.
-        ([260, 200, 150], DVec3::new(0.2, 0.2, 0.1), 0.2),
+        ([160, 160, 110], DVec3::new(0.2, 0.2, 0.1), 0.2),
     ] {
         let matrix3 = DMat3::from_rotation_z(turn) * DMat3::from_diagonal(spacing);
         let theirs =

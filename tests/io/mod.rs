@@ -4,6 +4,7 @@ mod axes;
 mod export;
 mod export_nifti;
 pub mod files;
+mod foreign;
 mod hostile;
 mod nifti;
 mod nrrd;

@@ -51,7 +51,7 @@ pub enum KeepError {
         holder: String,
     },
     /// No project there.
-    #[error("{} is no project: project.json not found; choose a folder that Burin saved", path.display())]
+    #[error("{}: {}", path.display(), crate::io::what_is(path))]
     NotAProject {
         /// Folder.
         path: PathBuf,

@@ -49,7 +49,7 @@ pub(in crate::document) struct Loaded {
 
 /// Fails unless there is something of a project in a folder.
 pub(in crate::document) fn check_project(dir: &Path) -> Result<(), KeepError> {
-    if named(dir)?.is_none() && described(dir).is_empty() {
+    if !dir.is_dir() || (named(dir)?.is_none() && described(dir).is_empty()) {
         return Err(KeepError::NotAProject { path: dir.to_owned() });
     }
     Ok(())
