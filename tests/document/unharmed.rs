@@ -138,6 +138,38 @@ fn what_is_write_protected_stays_and_rights_are_kept() {
 
 #[test]
 #[cfg(unix)]
+fn a_project_on_a_full_disk_opens_to_look_and_stays_as_it_is() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut document = opened(dir.path());
+    run(&mut document, &json!({"project":{"save":{"path":dir.path().join("p")}}}).to_string()).unwrap();
+    document.leave_as_found().unwrap();
+    assert!(!dir.path().join("p/journal-000001").exists());
+    // No file may have a byte: a full disk; SIGXFSZ ignored, so that write answers with an error.
+    let run = || {
+        std::process::Command::new("sh")
+            .args(["-c", "trap '' XFSZ; ulimit -f 0; exec \"$0\" run - --project p", env!("CARGO_BIN_EXE_burin")])
+            .current_dir(dir.path())
+            .stdin(std::process::Stdio::null())
+            .output()
+            .unwrap()
+    };
+    for _ in 0..2 {
+        let output = run();
+        let told = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success() && told.contains("open to look at: cannot write p/journal-000001"), "{told}");
+        assert!(!told.contains("lost"), "{told}");
+        assert!(!dir.path().join("p/journal-000001").exists());
+    }
+    // An older version left an empty one.
+    std::fs::write(dir.path().join("p/journal-000001"), b"").unwrap();
+    let mut again = Document::new();
+    let path = dir.path().join("p");
+    let answer = super::maker::run(&mut again, &json!({"project":{"open":{"path":path}}}).to_string()).unwrap();
+    assert_eq!(answer["warnings"], json!([]));
+}
+
+#[test]
+#[cfg(unix)]
 fn a_project_where_nothing_can_be_written_opens_to_look_and_saves_elsewhere() {
     use std::os::unix::fs::PermissionsExt;
     let dir = tempfile::tempdir().unwrap();

@@ -341,9 +341,12 @@ fn start(path: &Path, generation: u64, first_sequence: u64) -> Result<File, Keep
     header.extend(first_sequence.to_le_bytes());
     let write = || {
         let mut file = super::inside::create_anew(path)?;
-        file.write_all(&header)?;
-        disk::sync(&file, path)?;
-        Ok(file)
+        let begun = file.write_all(&header).and_then(|()| disk::sync(&file, path));
+        if begun.is_err() {
+            // Half a header would be taken for damage.
+            let _ = std::fs::remove_file(path);
+        }
+        begun.map(|()| file)
     };
     write().map_err(KeepError::io("write", path))
 }

@@ -60,6 +60,9 @@ impl Journal {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
             opened => opened.map_err(KeepError::io("open", path))?,
         };
+        if is_unbegun(path, &file)? {
+            return Ok(None);
+        }
         if inside::has_other_names(&file).map_err(KeepError::io("read", path))? {
             // A copy of the project by links: what is noted here is not noted there.
             let alone = path.with_extension("alone");
@@ -89,6 +92,9 @@ impl Journal {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
             opened => opened.map_err(KeepError::io("open", path))?,
         };
+        if is_unbegun(path, &file)? {
+            return Ok(None);
+        }
         let (_, mut replay, damage) = Self::read(path, file, generation, scene, past, map)?;
         replay.told = damage.map(|what| format!("{} is damaged: {}", path.display(), lost(&what, replay.torn_bytes)));
         Ok(Some(replay))
@@ -234,6 +240,11 @@ fn next_body(reader: &mut impl Read, left: u64, body: &mut Vec<u8>) -> std::io::
     body.resize(length as usize, 0);
     reader.read_exact(body)?;
     Ok(if checksum(body) == head[4..] { Body::Whole } else { Body::Damaged })
+}
+
+/// Whether a file was made and nothing was written into it: no step comes before the header.
+fn is_unbegun(path: &Path, file: &File) -> Result<bool, KeepError> {
+    file.metadata().map(|about| about.len() == 0).map_err(KeepError::io("read", path))
 }
 
 /// The folder and the name of a journal.

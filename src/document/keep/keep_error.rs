@@ -178,6 +178,7 @@ fn advice(error: &std::io::Error) -> &'static str {
         }
         ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => "choose a folder that you may write to",
         ErrorKind::NotFound => "check that it is still there",
+        ErrorKind::NotADirectory => "choose a folder",
         ErrorKind::InvalidInput => "nothing in a project leads out of it: put the file itself there, or take it away",
         _ => "check the disk and try again; what was saved before is intact",
     }
@@ -193,8 +194,8 @@ impl KeepError {
     /// Whether it says only that nothing can be written there, for want of rights or room.
     pub(in crate::document) fn is_unwritable(&self) -> bool {
         let refused = |kind| {
-            use ErrorKind::{PermissionDenied, QuotaExceeded, ReadOnlyFilesystem, StorageFull};
-            matches!(kind, PermissionDenied | ReadOnlyFilesystem | StorageFull | QuotaExceeded)
+            use ErrorKind::{FileTooLarge, PermissionDenied, QuotaExceeded, ReadOnlyFilesystem, StorageFull};
+            matches!(kind, PermissionDenied | ReadOnlyFilesystem | StorageFull | QuotaExceeded | FileTooLarge)
         };
         matches!(self, Self::Io { doing, source, .. } if *doing != "read" && refused(source.kind()))
     }
