@@ -179,7 +179,7 @@ fn keep(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
 }
 
 fn unwritable(path: &Path, reason: &dyn std::fmt::Display) -> ImageError {
-    ImageError::Unwritable { path: path.to_path_buf(), reason: reason.to_string() }
+    ImageError::Unwritable { path: path.to_path_buf(), reason: crate::io::without_numbers(&reason.to_string()) }
 }
 
 /// Colour as light: the transfer curve of sRGB undone on the colour itself, then multiplied by alpha again.

@@ -1,5 +1,6 @@
 //! What can go wrong with a file, in words that name the file, the field, what was found and what was expected.
 
+use super::words::in_words;
 use crate::volume::SourceError;
 use std::path::Path;
 
@@ -7,7 +8,7 @@ use std::path::Path;
 #[derive(Debug, thiserror::Error)]
 pub enum IoError {
     /// The system refused.
-    #[error("{file}: cannot {action}: {source}")]
+    #[error("{file}: cannot {action}: {}", in_words(source))]
     System {
         /// File.
         file: String,

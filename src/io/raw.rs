@@ -76,7 +76,7 @@ impl RawSource {
     }
 
     fn unreadable(&self, reason: impl ToString) -> SourceError {
-        SourceError::Unreadable { name: self.name.clone(), reason: reason.to_string() }
+        SourceError::Unreadable { name: self.name.clone(), reason: super::words::without_numbers(&reason.to_string()) }
     }
 
     /// Bytes of the block, from whichever files they are in.

@@ -1,9 +1,11 @@
 //! The window's state, and how commands leave it and reports reach it.
 
 use super::borders::Borders;
+use super::browse::shown;
 use super::dialogs::{Chosen, Dialog, Export, Parked, Wish, has_file_dialog};
 use super::echo::echo;
 use super::layout::Layout;
+use super::lesson::Lesson;
 use super::notes::Note;
 use super::overlay::paint_colour;
 use super::panels::messages::{Message, Toast};
@@ -47,7 +49,7 @@ pub struct App {
     pub(super) borders: Borders,
     pub(super) messages: Vec<Message>,
     pub(super) messages_open: bool,
-    pub(super) toast: Option<Toast>,
+    pub(super) toasts: Vec<Toast>,
     pub(super) keys_open: bool,
     pub(super) dialog: Option<Dialog>,
     /// The browser of a path that is being tried.
@@ -60,6 +62,8 @@ pub struct App {
     pub(super) picture_wish: Wish,
     /// What was exported last.
     pub(super) export_wish: Export,
+    /// The first steps on the sample.
+    pub(super) lesson: Option<Lesson>,
     pub(super) recent: Recent,
     /// Somebody has looked which of them are still there.
     pub(super) recent_looked: bool,
@@ -125,7 +129,7 @@ impl App {
             borders: Borders::default(),
             messages: Vec::new(),
             messages_open: false,
-            toast: None,
+            toasts: Vec::new(),
             keys_open: false,
             dialog: None,
             parked: None,
@@ -133,6 +137,7 @@ impl App {
             glances: 0,
             picture_wish: Wish::default(),
             export_wish: Export::of(FieldKind::Labels),
+            lesson: None,
             recent: Recent::default(),
             recent_looked: false,
             home: None,
@@ -338,7 +343,7 @@ impl App {
     pub(super) fn document_title(&self) -> String {
         let Some(open) = self.opened() else { return "Nothing open".into() };
         let path = self.snapshot.project.as_deref().unwrap_or(&open.scene.origin.path);
-        let name = path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
+        let name = shown(path.file_name().unwrap_or(path.as_os_str()));
         if self.snapshot.unsaved { format!("{name}*") } else { name }
     }
 
@@ -369,6 +374,7 @@ impl App {
         self.grounds.begin(ui);
         self.top_bar(ui);
         self.status_bar(ui);
+        self.lesson_strip(ui);
         self.message_list(ui);
         self.left_panel(ui);
         self.right_panel(ui);

@@ -13,6 +13,7 @@ mod errand;
 mod glance;
 mod icons;
 mod layout;
+mod lesson;
 mod notes;
 mod outlines;
 mod overlay;

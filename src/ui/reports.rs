@@ -72,6 +72,7 @@ impl App {
                     }
                     self.say(gravity, text);
                 }
+                Report::Offer(_) if self.names_source() => {}
                 Report::Offer(offer) => self.dialog = Some(Dialog::Offer(offer)),
                 Report::Done(command, answer) => self.done(ctx, &command, &answer),
                 Report::Refused(command, reason) => self.refused(&command, reason),
@@ -112,8 +113,14 @@ impl App {
     fn tell_of_file(&mut self, command: &Command, answer: &serde_json::Value) {
         let named = |path: &Path| shown(path.file_name().unwrap_or(path.as_os_str()));
         match command {
-            Command::Volume(VolumeCommand::Open { path, .. }) => self.recent.note(path, false),
-            Command::Project(ProjectCommand::Open { path, .. }) => self.recent.note(path, true),
+            Command::Volume(VolumeCommand::Open { path, .. }) => {
+                self.recent.note(path, false);
+                self.begin_lesson(path);
+            }
+            Command::Project(ProjectCommand::Open { path, .. }) => {
+                self.recent.note(path, true);
+                self.begin_lesson(path);
+            }
             Command::Project(ProjectCommand::Save { path, .. }) => {
                 let known = self.snapshot.project.clone();
                 let path = answer["path"].as_str().map(PathBuf::from).or_else(|| path.clone()).or(known);

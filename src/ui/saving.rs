@@ -3,6 +3,7 @@
 //! While something waits nothing can be changed, so that what closes is what was saved.
 
 use super::app::App;
+use super::browse::shown;
 use super::dialogs::{Dialog, What};
 use super::theme;
 use crate::document::{Command, OpenAs, ProjectCommand};
@@ -27,7 +28,7 @@ impl Coming {
             Self::Path(path) | Self::Volume(path, _) => path.as_path(),
             Self::Lost { origin, .. } => std::path::Path::new(origin),
         };
-        path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
+        shown(path.file_name().unwrap_or(path.as_os_str()))
     }
 }
 

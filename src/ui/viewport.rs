@@ -103,7 +103,7 @@ impl App {
             if self.opened().is_none() {
                 self.grounds.fill(all, theme::DEEP);
                 self.start_page(ui);
-                self.toast(ui.ctx(), all);
+                self.show_words(ui.ctx(), all);
                 return;
             }
             let tiles: Vec<(ViewName, Rect)> = match self.viewports.maximised {
@@ -127,7 +127,7 @@ impl App {
             }
             let sizes = bodies.iter().map(|&(v, r)| (v, pixels(r, scale))).collect();
             self.report_views(tiles.iter().map(|t| t.0).collect(), sizes);
-            self.toast(ui.ctx(), all);
+            self.show_words(ui.ctx(), all);
         });
     }
 

@@ -14,3 +14,4 @@ mod regular;
 mod segments;
 mod statistics;
 mod types;
+mod words;

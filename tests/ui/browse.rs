@@ -154,6 +154,9 @@ fn arrows_move_through_the_list_and_the_way_up_remembers() {
     assert_eq!(b.row(), Some(1), "where one came from is chosen");
     b.step(100);
     assert_eq!(b.row(), Some(b.len() - 1));
+    let mut fresh = browser(OPEN, dir.path(), "");
+    fresh.step(3);
+    assert_eq!(fresh.row(), Some(2), "three presses in one frame are three");
     assert_eq!(b.enter(), Some(dir.path().join("Skull.NRRD")));
     // What was typed last counts.
     b.type_text("scan10.nii".into());

@@ -2,7 +2,7 @@
 
 use super::driver::{SMALL, Window};
 use burin::document::{Command, ProjectCommand, VolumeCommand};
-use burin::ui::{Gravity, Recent, Report};
+use burin::ui::{Gravity, Offer, Recent, Report, Then};
 use burin::volume::FieldKind;
 use egui::{Modifiers, OutputCommand};
 use egui_kittest::kittest::Queryable;
@@ -73,6 +73,63 @@ fn one_click_opens_the_sample() {
     for step in ["Select", "Split", "Slide"] {
         assert!(window.harness.query_by_label(step).is_some(), "{step}");
     }
+}
+
+#[test]
+fn the_first_steps_are_there_on_the_sample_and_done_by_a_click() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut window = started(dir.path());
+    let [open] = &window.click("Open the sample head")[..] else { panic!("nothing is opened") };
+    let open = open.clone();
+    window.snapshot(|_| {});
+    window.report(Report::Done(open.clone(), serde_json::json!({})));
+    let selected = serde_json::to_value(window.click("Select the brain")).unwrap();
+    let brain = selected[0]["selection"]["import"]["path"].as_str().unwrap();
+    assert!(std::fs::metadata(brain).unwrap().len() > 1_000_000);
+    let split = serde_json::to_value(window.click("Split the head")).unwrap();
+    let normals: Vec<_> = (0..3).map(|i| split[i]["part"]["split"]["by"]["plane"]["normal"].clone()).collect();
+    assert_eq!(serde_json::json!(normals), serde_json::json!([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]));
+    let slid = serde_json::to_value(window.click("Slide the parts apart")).unwrap();
+    assert_eq!(slid[0]["explosion"]["degree"]["value"], 1.0);
+    window.click("Close the first steps");
+    assert!(window.harness.query_by_label("Select the brain").is_none());
+    // Another volume is no lesson.
+    window.report(Report::Done(open, serde_json::json!({})));
+    assert!(window.harness.query_by_label("Select the brain").is_some());
+    window.report(Report::Done(self::open(Path::new("/data/head.nii")), serde_json::json!({})));
+    assert!(window.harness.query_by_label("Select the brain").is_none());
+}
+
+#[test]
+fn a_wrong_volume_of_a_project_leaves_what_was_typed() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut window = started(dir.path());
+    let offer = || {
+        let then = Then::FindSource("/data/h.burin".into());
+        Report::Offer(Box::new(Offer { title: "Not there".into(), text: "missing (os error 2)".into(), then }))
+    };
+    window.report(offer());
+    window.click("Find the file…");
+    window.harness.get_by_label("Path").type_text("/moved/head.nii");
+    window.harness.run_steps(2);
+    let sent = window.key(Modifiers::NONE, egui::Key::Enter);
+    let wanted =
+        serde_json::json!([{ "project": { "open": { "path": "/data/h.burin", "source": "/moved/head.nii" } } }]);
+    assert_eq!(serde_json::to_value(&sent).unwrap(), wanted);
+    window.report(offer());
+    window.report(Report::Refused(Box::new(sent[0].clone()), "another".into()));
+    assert!(window.harness.query_by_label("another").is_some());
+    assert_eq!(window.harness.get_by_label("Path").value().as_deref(), Some("/moved/head.nii"));
+}
+
+#[test]
+fn a_name_is_typed_over_the_one_that_is_offered_and_keeps_the_ending() {
+    let mut window = Window::open(SMALL);
+    window.key(Modifiers::COMMAND | Modifiers::SHIFT, egui::Key::S);
+    assert_eq!(window.harness.get_by_label("Path").value().as_deref(), Some("small.burin"));
+    window.harness.event(egui::Event::Text("left ear".into()));
+    window.harness.run_steps(2);
+    assert_eq!(window.harness.get_by_label("Path").value().as_deref(), Some("left ear.burin"));
 }
 
 #[test]
@@ -193,4 +250,25 @@ fn an_error_goes_with_its_cause() {
     window.report(Report::Mended("render.image".into()));
     assert!(window.harness.query_by_label("/data/v.png: the disk is full").is_none());
     assert!(window.harness.query_by_label("something else").is_some());
+}
+
+#[test]
+fn a_warning_is_shown_and_words_stand_above_each_other() {
+    let mut window = Window::open(SMALL);
+    window.report(Report::Message(Gravity::Warning, "it covers a third of the volume (os error 1)".into()));
+    window.report(Report::Done(image("/data/a.png"), serde_json::json!({})));
+    let warning = window.harness.get_by_label("it covers a third of the volume").rect();
+    let word = window.harness.get_by_label("Saved picture a.png").rect();
+    assert!(warning.bottom() < word.top(), "{warning:?} {word:?}");
+    window.report(Report::Message(Gravity::Warning, "it covers a third of the volume (os error 1)".into()));
+    assert_eq!(
+        window.harness.query_all_by_label("it covers a third of the volume").count(),
+        1,
+        "the same is said once"
+    );
+    for i in 0..5 {
+        window.report(Report::Done(image(&format!("/data/{i}.png")), serde_json::json!({})));
+    }
+    let words = window.harness.query_all_by_label_contains("Saved picture").count();
+    assert!(words <= 3, "{words} at once");
 }

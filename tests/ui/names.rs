@@ -128,6 +128,10 @@ pub(super) fn states() -> Vec<(&'static str, Window, &'static str)> {
     add("what was written", "Copy the path of what was written", &|window| {
         let save = Command::Project(ProjectCommand::Save { path: Some("/data/h.burin".into()), density: None });
         window.report(Report::Done(save, serde_json::json!({})));
+    });
+    add("what was written, in the list", "Copy the path of message 1", &|window| {
+        let save = Command::Project(ProjectCommand::Save { path: Some("/data/h.burin".into()), density: None });
+        window.report(Report::Done(save, serde_json::json!({})));
         window.click("Messages");
     });
     add("the labels to choose from", "2  Segment 2", &|window| {

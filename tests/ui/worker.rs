@@ -69,7 +69,9 @@ impl Desk {
                     }
                     Report::Refining(refining) => self.refining = refining,
                     Report::Probe(probe) => self.probe = probe,
-                    Report::Message(Gravity::Error, text) => panic!("{text}"),
+                    Report::Message(Gravity::Error, text) | Report::Refused(_, text) | Report::Complaint(_, text) => {
+                        panic!("{text}")
+                    }
                     _ => {}
                 }
             }

@@ -1,5 +1,6 @@
 //! Why something could not be kept or brought back. Nothing that was kept before is harmed by any of these.
 
+use crate::io::in_words;
 use crate::volume::SourceError;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -8,7 +9,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum KeepError {
     /// The system refused.
-    #[error("cannot {doing} {}: {source}; {}", path.display(), advice(source))]
+    #[error("cannot {doing} {}: {}; {}", path.display(), in_words(source), advice(source))]
     Io {
         /// What was tried: "write", "read", …
         doing: &'static str,

@@ -53,6 +53,7 @@ pub struct Browser {
     /// The list was touched after the field.
     by_list: bool,
     moved: bool,
+    fresh: bool,
     text: String,
     suggested: String,
     order: Order,
@@ -80,6 +81,7 @@ impl Browser {
             at: None,
             by_list: false,
             moved: false,
+            fresh: !name.is_empty(),
             text: name.to_owned(),
             suggested: name.to_owned(),
             order: Order::default(),
@@ -130,6 +132,11 @@ impl Browser {
     /// How the list is sorted.
     pub fn order(&self) -> Order {
         self.order
+    }
+
+    /// Whether the field has its first name still, and this is asked for the first time.
+    pub fn take_fresh(&mut self) -> bool {
+        std::mem::take(&mut self.fresh)
     }
 
     /// How far the folder has been read.
@@ -252,11 +259,11 @@ impl Browser {
 
     /// Moves the choice by rows.
     pub fn step(&mut self, rows: isize) {
-        let Some(last) = self.rows.len().checked_sub(1) else { return };
+        let Some(last) = self.rows.len().checked_sub(1).filter(|_| rows != 0) else { return };
         let row = match self.row() {
             Some(row) => row.saturating_add_signed(rows).min(last),
             None if rows < 0 => last,
-            None => 0,
+            None => (rows.unsigned_abs() - 1).min(last),
         };
         self.choose(row);
     }

@@ -6,6 +6,8 @@ use crate::ui::browse::{Asks, Browser, By, Entry, Kind, Order, Place, Reading, d
 use crate::ui::icons::{self, Icon};
 use crate::ui::theme::{self, GAP, ROW};
 use crate::ui::widgets::{Face, cut_text, from_right_row, icon_button, tipped};
+use egui::text::{CCursor, CCursorRange};
+use egui::text_edit::TextEditState;
 use egui::{
     Align2, Button, Color32, Id, Key, Modifiers, Response, RichText, Role, ScrollArea, Sense, TextEdit, TextStyle, Ui,
     WidgetInfo, vec2,
@@ -250,7 +252,10 @@ fn list(ui: &mut Ui, browser: &mut Browser, height: f32) -> Option<PathBuf> {
                 Reading::On => "Reading…",
                 Reading::Failed(_) => "",
                 _ if browser.shows().0 || browser.purpose().asks == Asks::SaveFolder => "This folder is empty.",
-                _ => "Nothing here that can be opened. “All files” shows the rest.",
+                _ if browser.purpose().asks == Asks::Open => {
+                    "Nothing here that can be opened. “All files” shows the rest."
+                }
+                _ => "No file of this kind is here yet.",
             };
             ui.label(RichText::new(text).color(theme::TEXT_WEAK));
             return;
@@ -261,6 +266,8 @@ fn list(ui: &mut Ui, browser: &mut Browser, height: f32) -> Option<PathBuf> {
             let response = tipped(one_entry(ui, entry, chosen == Some(row), now), &tip);
             if response.clicked() {
                 clicked = Some(row);
+                // A row that was reached by Tab.
+                taken |= ui.input(|i| i.key_pressed(Key::Enter));
             }
             taken |= response.double_clicked();
         }
@@ -373,11 +380,23 @@ fn path_field(ui: &mut Ui, browser: &mut Browser, field: Id) {
             response.request_focus();
             // The cursor is seen a frame later.
             ui.ctx().request_repaint();
+            if browser.take_fresh() {
+                mark_stem(ui, field, browser.text());
+            }
         }
         if response.changed() {
             browser.type_text(text);
         }
     });
+}
+
+/// What is typed first takes the place of the name, and leaves its ending.
+fn mark_stem(ui: &Ui, field: Id, name: &str) {
+    let stem = name.find('.').filter(|at| *at > 0).map_or(name, |at| &name[..at]).chars().count();
+    let mut state = TextEditState::load(ui.ctx(), field).unwrap_or_default();
+    let range = CCursorRange::two(CCursor::new(0), CCursor::new(stem));
+    state.cursor.set_char_range(Some(range));
+    state.store(ui.ctx(), field);
 }
 
 fn kinds(ui: &mut Ui, browser: &mut Browser) {

@@ -126,6 +126,11 @@ impl App {
         self.parked.take_if(|parked| serves(&parked.browse.what, command));
     }
 
+    /// Whether a project's volume is being named: the browser comes back if it is another one.
+    pub(in crate::ui) fn names_source(&self) -> bool {
+        self.parked.as_ref().is_some_and(|parked| matches!(parked.browse.what, What::Source(_)))
+    }
+
     /// It failed: the browser comes back as it was, with the reason. Answers whether it did.
     pub(in crate::ui) fn file_failed(&mut self, command: &Command, reason: &str) -> bool {
         let Some(parked) = self.parked.take_if(|parked| serves(&parked.browse.what, command)) else { return false };
@@ -133,7 +138,7 @@ impl App {
             return false;
         }
         let Parked { mut browse, after_save } = parked;
-        browse.browser.fail(without_numbers(reason));
+        browse.browser.fail(shown(without_numbers(reason).as_ref()));
         browse.browser.refresh();
         self.after_save = after_save;
         self.dialog = Some(Dialog::Browse(browse));
@@ -186,8 +191,9 @@ fn by_system(what: &What, folder: &Path, name: &std::ffi::OsStr) -> Option<PathB
     }
     match what {
         What::Open => {
-            let extensions = ["nii", "gz", "nrrd", "nhdr", "hdr"];
-            ask.add_filter("Volumes", &extensions).add_filter("All files", &["*"]).pick_file()
+            // A project is a folder, which cannot be picked here: its manifest stands for it.
+            let extensions = ["nii", "gz", "nrrd", "nhdr", "hdr", "json"];
+            ask.add_filter("Volumes and projects", &extensions).add_filter("All files", &["*"]).pick_file()
         }
         What::Selection | What::Labels | What::Source(_) => {
             ask.add_filter("Volumes", &["nii", "gz", "nrrd", "nhdr", "hdr"]).pick_file()

@@ -5,6 +5,7 @@ use crate::interact::{Action, Tool};
 use crate::ui::app::App;
 use crate::ui::dialogs::What;
 use crate::ui::icons::Icon;
+use crate::ui::session::Gravity;
 use crate::ui::theme;
 use crate::ui::widgets::{Face, from_right, icon_button, tipped};
 use egui::{Frame, Margin, Panel, RichText, Ui};
@@ -113,10 +114,14 @@ impl App {
         {
             self.act(Action::Keys);
         }
-        let errors = self.messages.len();
-        if errors > 0 {
-            let tip = format!("{errors} messages");
-            let face = Face::tool(Icon::Message, "Messages", &tip, false).on(self.messages_open).tint(theme::WARNING);
+        if let Some(gravest) = self.gravest() {
+            let tip = format!("What was done and what went wrong ({})", self.messages.len());
+            let tint = match gravest {
+                Gravity::Note => theme::TEXT_WEAK,
+                Gravity::Warning => theme::WARNING,
+                Gravity::Error => theme::ERROR,
+            };
+            let face = Face::tool(Icon::Message, "Messages", &tip, false).on(self.messages_open).tint(tint);
             if icon_button(ui, face).clicked() {
                 self.messages_open = !self.messages_open;
             }

@@ -9,11 +9,14 @@ use crate::ui::icons::Icon;
 use crate::ui::session::Gravity;
 use crate::ui::theme;
 use crate::ui::widgets::{Face, from_right, icon_button};
-use egui::{Align2, Area, Context, Frame, Id, Margin, Order, Panel, Rect, RichText, ScrollArea, Ui, vec2};
+use egui::{Align2, Area, Context, Frame, Id, Margin, Order, Panel, Rect, RichText, ScrollArea, Ui, pos2};
 use std::path::{Path, PathBuf};
 
-/// Seconds that a word over the views stays, and after the pointer has left it.
+/// Seconds that a word over the views stays; a warning takes longer to read.
 const STAYS: f64 = 8.0;
+const WARNING_STAYS: f64 = 15.0;
+/// Words at once.
+const WORDS: usize = 3;
 /// Messages that are kept: a program that fails in a loop must not fill the memory with its complaints.
 const MOST: usize = 200;
 
@@ -45,9 +48,26 @@ const fn colour(gravity: Gravity) -> egui::Color32 {
 }
 
 impl App {
-    /// Adds to the list of messages; errors open it.
+    /// Adds to the list of messages; errors open it, warnings are shown over the views.
     pub(in crate::ui) fn say(&mut self, gravity: Gravity, text: String) {
-        self.add_message(Message { gravity, text, path: None, topic: None });
+        let message = Message { gravity, text: in_one_line(&text), path: None, topic: None };
+        if gravity == Gravity::Warning {
+            self.word(message.clone());
+        }
+        self.add_message(message);
+    }
+
+    fn word(&mut self, message: Message) {
+        self.toasts.retain(|toast| toast.message != message);
+        self.toasts.push(Toast { message, until: None });
+        if self.toasts.len() > WORDS {
+            self.toasts.remove(0);
+        }
+    }
+
+    /// The gravest message of the list.
+    pub(in crate::ui) fn gravest(&self) -> Option<Gravity> {
+        self.messages.iter().map(|m| m.gravity).max_by_key(|gravity| *gravity as u8)
     }
 
     /// An error that goes when what failed has worked.
@@ -63,12 +83,12 @@ impl App {
     /// A short word about what was written, with a way to it.
     pub(in crate::ui) fn confirm(&mut self, text: String, path: Option<PathBuf>) {
         let message = Message { gravity: Gravity::Note, text, path, topic: None };
-        self.toast = Some(Toast { message: message.clone(), until: None });
+        self.word(message.clone());
         self.add_message(message);
     }
 
     fn add_message(&mut self, message: Message) {
-        let message = Message { text: without_numbers(&message.text), ..message };
+        let message = Message { text: in_one_line(&message.text), ..message };
         // The same again is no news, but it is the last one now.
         self.messages.retain(|m| m.text != message.text || m.path != message.path);
         self.messages_open |= message.gravity == Gravity::Error;
@@ -138,44 +158,51 @@ impl App {
         }
     }
 
-    /// The word over the views, in the middle of their lower edge, where no control is.
-    pub(in crate::ui) fn toast(&mut self, ctx: &Context, views: Rect) {
-        let Some(toast) = &mut self.toast else { return };
-        if self.dialog.is_some() {
-            // Not over a question; it is shown for its time afterwards.
-            toast.until = None;
-            return;
-        }
+    /// Words over the views, in the middle of their lower edge, where no control is; the last one lowest.
+    pub(in crate::ui) fn show_words(&mut self, ctx: &Context, views: Rect) {
         let now = ctx.input(|i| i.time);
-        let until = *toast.until.get_or_insert(now + STAYS);
-        if now >= until {
-            self.toast = None;
+        // Not over a question; they are shown for their time afterwards.
+        if self.dialog.is_some() {
+            self.toasts.iter_mut().for_each(|toast| toast.until = None);
             return;
         }
-        ctx.request_repaint_after(std::time::Duration::from_secs_f64(until - now));
-        let message = toast.message.clone();
-        let at = views.center_bottom() - vec2(0.0, 12.0);
-        let (mut way, mut close) = (None, false);
-        let area = Area::new(Id::unique("toast")).order(Order::Foreground).pivot(Align2::CENTER_BOTTOM).fixed_pos(at);
-        let response = area.show(ctx, |ui| {
-            Frame::popup(ui.style()).inner_margin(Margin::symmetric(12, 8)).show(ui, |ui| {
+        // The open list says them already.
+        if self.messages_open && !self.messages.is_empty() {
+            self.toasts.clear();
+            return;
+        }
+        let mut way = None;
+        let mut bottom = views.bottom() - 12.0;
+        let mut toasts = std::mem::take(&mut self.toasts);
+        for (i, toast) in toasts.iter_mut().rev().enumerate() {
+            let stays = if toast.message.gravity == Gravity::Warning { WARNING_STAYS } else { STAYS };
+            let until = *toast.until.get_or_insert(now + stays);
+            let at = pos2(views.center().x, bottom);
+            let area = Area::new(Id::unique(("word", &toast.message.text)))
+                .order(Order::Foreground)
+                .pivot(Align2::CENTER_BOTTOM)
+                .fixed_pos(at);
+            let shown = area.show(ctx, |ui| {
                 ui.set_max_width(views.width() - 48.0);
-                ui.horizontal(|ui| {
-                    ui.add(egui::Label::new(RichText::new(&message.text).color(theme::TEXT)).truncate());
-                    ui.add_space(8.0);
-                    way = message.path.as_deref().and_then(|path| ways(ui, path, "what was written"));
-                    close = icon_button(ui, Face::small(Icon::Close, "Close this word", "Close")).clicked();
-                });
-            })
-        });
-        if response.response.contains_pointer()
-            && let Some(toast) = &mut self.toast
-        {
-            toast.until = Some(until.max(now + STAYS * 0.5));
+                Frame::popup(ui.style())
+                    .inner_margin(Margin::symmetric(12, 8))
+                    .show(ui, |ui| word(ui, &toast.message, i))
+            });
+            bottom = shown.response.rect.top() - 6.0;
+            let (chosen, close) = shown.inner.inner;
+            if close || chosen.is_some() {
+                toast.until = Some(now);
+            } else if shown.response.contains_pointer() {
+                // Not while it is read.
+                toast.until = Some(until.max(now + STAYS * 0.5));
+            }
+            way = way.or(chosen);
         }
-        if close || way.is_some() {
-            self.toast = None;
+        toasts.retain(|toast| toast.until.is_none_or(|until| until > now));
+        if let Some(next) = toasts.iter().filter_map(|toast| toast.until).reduce(f64::min) {
+            ctx.request_repaint_after(std::time::Duration::from_secs_f64(next - now));
         }
+        self.toasts = toasts;
         if let Some(way) = way {
             self.go_way(ctx, way);
         }
@@ -196,6 +223,26 @@ impl App {
     }
 }
 
+/// One of them: what it says, the ways to what was written, and how to close it.
+fn word(ui: &mut Ui, message: &Message, number: usize) -> (Option<Way>, bool) {
+    ui.horizontal(|ui| {
+        let text_colour = if message.gravity == Gravity::Note { theme::TEXT } else { colour(message.gravity) };
+        let room = ui.available_width() - if message.path.is_some() { 220.0 } else { 40.0 };
+        ui.scope(|ui| {
+            ui.set_max_width(room.max(120.0));
+            ui.add(egui::Label::new(RichText::new(&message.text).color(text_colour)).wrap());
+        });
+        ui.add_space(8.0);
+        let (about, name) = match number {
+            0 => ("what was written".to_owned(), "Close this word".to_owned()),
+            n => (format!("what was written, {}", n + 1), format!("Close word {}", n + 1)),
+        };
+        let way = message.path.as_deref().and_then(|path| ways(ui, path, &about));
+        (way, icon_button(ui, Face::small(Icon::Close, &name, "Close; the list of messages keeps it")).clicked())
+    })
+    .inner
+}
+
 enum Way {
     Folder(PathBuf),
     Copy(PathBuf),
@@ -211,6 +258,11 @@ fn ways(ui: &mut Ui, path: &Path, about: &str) -> Option<Way> {
     } else {
         copy.on_hover_text(full).clicked().then(|| Way::Copy(path.into()))
     }
+}
+
+/// Without the system's numbers, and without what a name may hold to break a line.
+fn in_one_line(text: &str) -> String {
+    shown(without_numbers(text).as_ref())
 }
 
 /// Asks the system's file manager; `false` if there is none.
