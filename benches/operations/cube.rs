@@ -21,7 +21,7 @@ pub fn document(n: u32, folder: &Path) -> Result<Document, Failure> {
     let path = folder.join("origin");
     std::fs::write(&path, b"made in memory")?;
     let statistics = Statistics { min: 0.0, max: 255.0, ..Statistics::default() };
-    let histogram = Histogram { min: 0.0, max: 255.0, bins: vec![1; 256] };
+    let histogram = Histogram { min: 0.0, max: 255.0, bins: vec![1; 256], ..Histogram::default() };
     let origin = Origin { path, component: 0, frame: 0 };
     let mut document = Document::new();
     document.adopt(State::new(source, origin, statistics, histogram, None, &|_| true)?);

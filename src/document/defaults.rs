@@ -1,18 +1,18 @@
 //! What a volume that was just opened looks like.
 
-use super::{Layer, Look, Looks, Origin, Scene, SliceView, ViewName, Views, Window};
+use super::{Layer, Looks, Origin, Scene, SliceView, ViewName, Views, Window, first_look};
 use crate::explode::Explosion;
-use crate::math::{Camera, DVec3};
 use crate::paint::Brush;
-use crate::volume::{FieldKind, Grid, Histogram, Segments, TransferFunction};
+use crate::volume::{FieldKind, Grid, Histogram, Segments};
 
 impl Scene {
-    /// Seen from the front, framed, the crosshair in the middle, colours from the histogram, nothing painted, one part.
+    /// Seen from the front, a slab from its face, framed, the crosshair in the middle, colours from the histogram, nothing
+    /// painted, one part.
     pub fn new(grid: &Grid, histogram: &Histogram, origin: Origin) -> Self {
         Self {
             origin,
-            transfer: TransferFunction::from_histogram(histogram, grid.voxel_mm()),
-            look: Look::default(),
+            transfer: first_look::transfer(grid, histogram),
+            look: first_look::look(grid),
             window: Window::from_histogram(histogram),
             views: Views::new(grid),
             layers: FieldKind::ALL.map(Layer::new).to_vec(),
@@ -73,23 +73,6 @@ impl Scene {
     }
 }
 
-impl Window {
-    /// Black at the smallest value, white where 99.5 % of the values lie below.
-    pub fn from_histogram(histogram: &Histogram) -> Self {
-        let total: u64 = histogram.bins.iter().sum();
-        let bin = histogram.bin_width();
-        let mut seen = 0;
-        let top = histogram.bins.iter().position(|n| {
-            seen += n;
-            seen as f64 >= total as f64 * 0.995
-        });
-        let width = bin * top.map_or(histogram.bins.len(), |i| i + 1) as f64;
-        let width = if width.is_finite() && width > 0.0 { width } else { 1.0 };
-        let lo = if histogram.min.is_finite() { histogram.min } else { 0.0 };
-        Self { level: lo + width * 0.5, width }
-    }
-}
-
 impl Views {
     /// All of the volume in every view, 512 pixels square.
     pub fn new(grid: &Grid) -> Self {
@@ -99,12 +82,7 @@ impl Views {
             height_mm: (bounds.max - bounds.min).max_element().max(grid.voxel_mm()),
             size: [512; 2],
         };
-        Self {
-            camera: Camera::framing(&bounds, DVec3::Y, DVec3::Z),
-            size: [512; 2],
-            slices: [slice; 3],
-            crosshair: bounds.centre(),
-        }
+        Self { camera: first_look::camera(grid), size: [512; 2], slices: [slice; 3], crosshair: bounds.centre() }
     }
 
     /// A slice view; `None` for the 3D view.

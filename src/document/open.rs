@@ -1,24 +1,15 @@
 //! From a volume file to a document, in three passes over the voxels: statistics, histogram, levels.
 
+use super::histogram::histogram;
 use super::trail::Resolved;
 use super::{
     Command, Document, DocumentError, KeepError, Keeper, KeptDocument, OpenAs, Origin, Recovered, State, VolumeCommand,
     Wanted,
 };
 use crate::io;
-use crate::volume::{BrickSource, FieldKind, Histogram, Statistics, Value, unit};
-use crate::with_voxels;
-use rayon::prelude::*;
+use crate::volume::FieldKind;
 use serde_json::{Value as Json, json};
 use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// Most bins of a histogram.
-const BINS: u64 = 1024;
-/// Steps between integers that are counted one by one.
-const MOST_STEPS: f64 = 9_007_199_254_740_992.0;
-/// Voxels read at once.
-const SLAB_VOXELS: u64 = 1 << 20;
 
 impl State {
     /// Opens a volume file as a new document's state. `progress` gets the share done and answers whether to go on; it is asked
@@ -247,68 +238,6 @@ impl Document {
             }
         }
     }
-}
-
-/// Counts of all finite values. Integer values lie in the middle of bins of equally many values each, so that no bin stands out
-/// for its width.
-///
-/// # Errors
-/// If the source fails or `progress` said no.
-pub(super) fn histogram(
-    source: &dyn BrickSource,
-    statistics: &Statistics,
-    progress: &(dyn Fn(f32) -> bool + Sync),
-) -> Result<Histogram, DocumentError> {
-    let (min, max) = (statistics.min, statistics.max);
-    if !(min.is_finite() && max.is_finite()) {
-        return Ok(Histogram { min: 0.0, max: 1.0, bins: vec![0] });
-    }
-    // Where integers lie too far apart to be told one by one in f64, they are spread like numbers with a fraction.
-    let steps = unit(source).map(|unit| ((max - min) / unit).round()).filter(|&steps| steps < MOST_STEPS);
-    let (lo, hi, bins) = match (unit(source), steps) {
-        (Some(unit), Some(steps)) => {
-            let values = steps as u64 + 1;
-            let per_bin = values.div_ceil(BINS);
-            let (lo, bins) = (min - unit * 0.5, values.div_ceil(per_bin));
-            (lo, lo + unit * (per_bin * bins) as f64, bins)
-        }
-        _ if max > min => (min, max, BINS),
-        _ => (min, min + 1.0, 1),
-    };
-    let [nx, ny, nz] = source.grid().dims;
-    let thick = (SLAB_VOXELS / (u64::from(nx) * u64::from(ny)).max(1)).clamp(1, u64::from(nz)) as u32;
-    let slabs: Vec<u32> = (0..nz).step_by(thick as usize).collect();
-    let done = AtomicUsize::new(0);
-    let (slope, intercept) = source.scaling();
-    let counts = slabs
-        .par_iter()
-        .map(|&z| {
-            if !progress(done.fetch_add(1, Ordering::Relaxed) as f32 / slabs.len() as f32) {
-                return Err(DocumentError::Stopped);
-            }
-            fn count<T: Value>(voxels: &[T], bin_of: impl Fn(f64) -> Option<usize>, counts: &mut [u64]) {
-                voxels.iter().filter_map(|v| bin_of(v.to_f64())).for_each(|bin| counts[bin] += 1);
-            }
-            // Halves, since the distance of two numbers may be beyond all numbers; no less than f64 has a reciprocal of.
-            let half_width = (hi / bins as f64 * 0.5 - lo / bins as f64 * 0.5).max(f64::MIN_POSITIVE);
-            let (per_half, half_lo, last) = (1.0 / half_width, lo * 0.5, bins as usize - 1);
-            let bin_of = |stored: f64| {
-                let value = stored * slope + intercept;
-                value.is_finite().then(|| (((value * 0.5 - half_lo) * per_half).max(0.0) as usize).min(last))
-            };
-            let mut counts = vec![0; bins as usize];
-            let voxels = source.read([0, 0, z], [nx, ny, thick.min(nz - z)])?;
-            with_voxels!(&voxels, v => count(v, bin_of, &mut counts));
-            Ok(counts)
-        })
-        .try_reduce(
-            || vec![0; bins as usize],
-            |mut a, b| {
-                a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
-                Ok(a)
-            },
-        )?;
-    Ok(Histogram { min: lo, max: hi, bins: counts })
 }
 
 impl From<io::IoError> for DocumentError {

@@ -58,22 +58,31 @@ fn mm_per_unit(xyzt_units: i32, warnings: &mut Vec<String>) -> f64 {
 
 /// `pixdim[1..=3]`, made positive; 1 where there is nothing sensible.
 fn spacing(header: &Header, warnings: &mut Vec<String>) -> DVec3 {
-    let mut size = |a: usize| {
+    let rank = header.dim[0];
+    let mut size = |a: usize, usual: f64| {
         let found = header.pixdim[a];
-        let taken = if found.is_finite() && found != 0.0 { found.abs() } else { 1.0 };
-        // Axes that a picture does not have are often left at 0.
-        if taken != found && header.dim[0] >= a as i64 {
+        // Axes that a picture does not have are left at 0 or 1: a picture is as thick as its pixels are wide.
+        let left_out = a as i64 > rank && found == 1.0;
+        let taken = if found.is_finite() && found != 0.0 && !left_out { found.abs() } else { usual };
+        if taken != found && rank >= a as i64 {
             warnings.push(format!("pixdim[{a}] is {found}; taken as {taken}"));
         }
         taken
     };
-    DVec3::new(size(1), size(2), size(3))
+    let x = size(1, 1.0);
+    let y = size(2, if rank < 2 { x } else { 1.0 });
+    DVec3::new(x, y, size(3, if rank < 3 { x.min(y) } else { 1.0 }))
 }
 
 /// Method 3: rows `srow_x`, `srow_y`, `srow_z`.
 fn sform(header: &Header) -> DAffine3 {
     let column = |c: usize| DVec3::new(header.rows[0][c], header.rows[1][c], header.rows[2][c]);
-    DAffine3 { matrix3: DMat3::from_cols(column(0), column(1), column(2)), translation: column(3) }
+    let (x, y, mut z) = (column(0), column(1), column(2));
+    if header.dim[0] < 3 && z == DVec3::ZERO {
+        // A picture's direction across may be left out.
+        z = x.cross(y).normalize_or_zero() * x.length().min(y.length());
+    }
+    DAffine3 { matrix3: DMat3::from_cols(x, y, z), translation: column(3) }
 }
 
 /// Method 2: the quaternion's rotation, pixdim's spacing, `pixdim[0]` (qfac) the sign of k, `qoffset`.

@@ -56,13 +56,16 @@ pub(super) fn place(header: &Header, warnings: &mut Vec<String>) -> Result<(Grid
     Ok((grid, axes))
 }
 
-/// Fills up to three directions for pictures with fewer axes: at right angles, 1 mm.
+/// Fills up to three directions for pictures with fewer axes: at right angles, as long as the shortest that there is.
 fn complete(columns: &mut Vec<DVec3>) {
+    let length = columns.iter().map(|c| c.length()).fold(f64::INFINITY, f64::min);
+    let length = if length > 0.0 && length.is_finite() { length } else { 1.0 };
     if columns.len() == 2 {
-        columns.push(columns[0].cross(columns[1]).try_normalize().unwrap_or(DVec3::Z));
+        columns.push(columns[0].cross(columns[1]).try_normalize().unwrap_or(DVec3::Z) * length);
     }
     if let [only] = columns[..] {
-        columns.extend(only.try_normalize().map_or([DVec3::Y, DVec3::Z], |u| u.any_orthonormal_pair().into()));
+        let others = only.try_normalize().map_or([DVec3::Y, DVec3::Z], |u| u.any_orthonormal_pair().into());
+        columns.extend(others.map(|c| c * length));
     }
 }
 

@@ -3,7 +3,6 @@
 //! CT in Hounsfield units is known by its air and has looks by value; any other data has looks by how its values are spread, since
 //! an MR value has no unit. Knows the histogram only.
 
-use super::transfer::otsu;
 use super::{Histogram, TransferFunction};
 
 /// A look that is chosen by name.
@@ -56,10 +55,9 @@ impl Histogram {
         found.map_or(self.max, |b| b.0)
     }
 
-    /// Where air ends and matter begins, if anything does.
-    fn clear(&self) -> f64 {
-        let width = (self.max - self.min) / self.bins.len().max(1) as f64;
-        self.min + width * otsu(&self.bins) as f64 * 0.6
+    /// The value where air ends and matter begins, if anything does.
+    fn clear_value(&self) -> f64 {
+        self.value_at(self.clear())
     }
 }
 
@@ -95,7 +93,7 @@ impl TransferFunction {
                 ),
             ];
         }
-        let clear = histogram.clear();
+        let clear = histogram.clear_value();
         let [low, middle, high, top] = [0.2, 0.5, 0.9, 0.99].map(|share| histogram.quantile_above(clear, share));
         let begin = clear + (middle - clear) * 0.3;
         vec![

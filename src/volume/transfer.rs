@@ -1,10 +1,6 @@
 //! The transfer function: density to colour and opacity.
 
-use super::Histogram;
 use serde::{Deserialize, Serialize};
-
-/// The largest value of a point that is found from data: room for one above it.
-const MOST: f64 = 1e308;
 
 /// Entries of the table that the ray caster reads.
 pub const TABLE_ENTRIES: usize = 4096;
@@ -97,39 +93,6 @@ impl TransferFunction {
             })
             .collect()
     }
-
-    /// A start from the data: everything up to the background's peak is clear, then opacity rises to the last hundredth of the
-    /// values, steeply enough that a brush paints near what is seen: the surface is where half of the light has gone. Colours go
-    /// from dark red through skin to white.
-    pub fn from_histogram(histogram: &Histogram, unit_mm: f64) -> Self {
-        let clear = histogram.value_at(otsu(&histogram.bins) as f64 * 0.6);
-        let total: u64 = histogram.bins.iter().sum();
-        let mut seen = 0;
-        let mut top = histogram.bins.len();
-        for (i, n) in histogram.bins.iter().enumerate() {
-            seen += n;
-            if seen as f64 >= total as f64 * 0.995 {
-                top = i + 1;
-                break;
-            }
-        }
-        // A bin apart at least, and no nearer than 32-bit floats can tell them; both well within all numbers.
-        let clear = clear.clamp(-MOST, MOST);
-        let apart = histogram.bin_width().max(clear.abs() * 1e-5).max(f64::from(f32::MIN_POSITIVE));
-        let top = histogram.value_at(top as f64).clamp(-MOST, MOST);
-        let top = if top - clear >= apart { top } else { clear + apart };
-        let at = |t: f64| mix(clear, top, t);
-        Self {
-            colour: vec![
-                (at(0.0), [0.25, 0.08, 0.06]),
-                (at(0.35), [0.72, 0.42, 0.30]),
-                (at(0.7), [0.93, 0.80, 0.66]),
-                (at(1.0), [1.0, 1.0, 1.0]),
-            ],
-            opacity: vec![(at(0.0), 0.0), (at(0.35), 0.08), (at(0.7), 0.35), (at(1.0), 0.6)],
-            unit_mm,
-        }
-    }
 }
 
 fn interpolate<T: Copy>(points: &[(f64, T)], value: f64, mix: impl Fn(T, T, f32) -> T) -> T {
@@ -148,26 +111,6 @@ fn interpolate<T: Copy>(points: &[(f64, T)], value: f64, mix: impl Fn(T, T, f32)
 }
 
 /// Between two numbers, also where their distance is beyond all numbers.
-fn mix(a: f64, b: f64, t: f64) -> f64 {
+pub(super) fn mix(a: f64, b: f64, t: f64) -> f64 {
     if (b - a).is_finite() { a + (b - a) * t } else { a * (1.0 - t) + b * t }
-}
-
-/// The bin that splits the counts into two classes of greatest distance (Otsu 1979).
-pub(super) fn otsu(bins: &[u64]) -> usize {
-    let total: f64 = bins.iter().map(|&n| n as f64).sum();
-    let mean: f64 = bins.iter().enumerate().map(|(i, &n)| i as f64 * n as f64).sum();
-    let (mut below, mut below_mean, mut best, mut at) = (0.0, 0.0, -1.0, 0);
-    for (i, &n) in bins.iter().enumerate() {
-        below += n as f64;
-        below_mean += i as f64 * n as f64;
-        let above = total - below;
-        if below > 0.0 && above > 0.0 {
-            let distance = below_mean / below - (mean - below_mean) / above;
-            let score = below * above * distance * distance;
-            if score > best {
-                (best, at) = (score, i);
-            }
-        }
-    }
-    at
 }

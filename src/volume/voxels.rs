@@ -250,28 +250,3 @@ impl Statistics {
         }
     }
 }
-
-/// Counts of values in equal bins over `[min, max]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Histogram {
-    /// Value at the lower edge of the first bin.
-    pub min: f64,
-    /// Value at the upper edge of the last bin.
-    pub max: f64,
-    /// Voxels per bin.
-    pub bins: Vec<u64>,
-}
-
-impl Histogram {
-    /// Width of a bin; finite also where `max − min` is not.
-    pub fn bin_width(&self) -> f64 {
-        let bins = self.bins.len().max(1) as f64;
-        self.max / bins - self.min / bins
-    }
-
-    /// The value that lies so many bins above the lower edge of the first.
-    pub fn value_at(&self, bins: f64) -> f64 {
-        let share = bins / self.bins.len().max(1) as f64;
-        self.min * (1.0 - share) + self.max * share
-    }
-}

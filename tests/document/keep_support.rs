@@ -34,7 +34,7 @@ pub fn state_over(source: Arc<dyn BrickSource>, range: [f64; 2], nan_count: u64,
     let path = dir.join("origin.bin");
     std::fs::write(&path, b"the file that was opened").unwrap();
     let statistics = Statistics { min: range[0], max: range[1], sum: 1.5, nan_count, ..Statistics::default() };
-    let histogram = Histogram { min: range[0], max: range[1], bins: vec![3, 0, 9, 1] };
+    let histogram = Histogram { min: range[0], max: range[1], bins: vec![3, 0, 9, 1], ..Histogram::default() };
     let origin = Origin { path, component: 0, frame: 0 };
     State::new(source, origin, statistics, histogram, None, &|_| true).unwrap()
 }

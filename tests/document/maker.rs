@@ -29,7 +29,8 @@ pub fn state() -> State {
     let source = Arc::new(MemorySource::new("ramp", grid, Voxels::U16(voxels), (1.0, 0.0)).unwrap());
     let statistics = Statistics { min: 0.0, max, sum, nan_count: 0, ..Statistics::default() };
     let origin = Origin { path: "ramp.nrrd".into(), component: 0, frame: 0 };
-    State::new(source, origin, statistics, Histogram { min: 0.0, max, bins }, None, &|_| true).unwrap()
+    State::new(source, origin, statistics, Histogram { min: 0.0, max, bins, ..Histogram::default() }, None, &|_| true)
+        .unwrap()
 }
 
 /// The same with labels 1 and 2 painted across brick borders.

@@ -32,7 +32,7 @@ pub fn block() -> Option<Document> {
         Statistics { min: 0.0, max: 200.0, sum: 200.0 * inside as f64, nan_count: 0, ..Statistics::default() };
     let source = Arc::new(MemorySource::new("block", grid, Voxels::U8(voxels), (1.0, 0.0)).unwrap());
     let origin = Origin { path: "block.nrrd".into(), component: 0, frame: 0 };
-    let histogram = Histogram { min: -0.5, max: 200.5, bins };
+    let histogram = Histogram { min: -0.5, max: 200.5, bins, ..Histogram::default() };
     document.adopt(State::new(source, origin, statistics, histogram, None, &|_| true).unwrap());
     let opaque =
         r#"{"transfer":{"set":{"function":{"colour":[[0,[1,0.8,0.6]]],"opacity":[[90,0],[110,0.9]],"unit_mm":1}}}}"#;
@@ -51,7 +51,8 @@ pub fn made(voxels: Voxels, dims: [u32; 3], spacing: DVec3) -> Option<Document> 
     let grid = Grid::aligned(dims, spacing, DVec3::ZERO);
     let source = Arc::new(MemorySource::new("made", grid, voxels, (1.0, 0.0)).unwrap());
     let statistics = burin::io::statistics(source.as_ref(), &|_| true).unwrap();
-    let histogram = Histogram { min: statistics.min - 0.5, max: statistics.max + 0.5, bins: vec![1; 4] };
+    let histogram =
+        Histogram { min: statistics.min - 0.5, max: statistics.max + 0.5, bins: vec![1; 4], ..Histogram::default() };
     let origin = Origin { path: "made.nrrd".into(), component: 0, frame: 0 };
     document.adopt(State::new(source, origin, statistics, histogram, None, &|_| true).unwrap());
     Some(document)

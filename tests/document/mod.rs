@@ -3,6 +3,7 @@
 mod brushes;
 mod doors;
 mod exploded;
+mod first_look;
 mod fixtures;
 mod history;
 mod keep;

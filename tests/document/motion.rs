@@ -21,7 +21,7 @@ fn a_picture_in_motion_waits_for_few_bricks_and_at_rest_none_is_missing() {
     let statistics = Statistics { min: 200.0, max: 200.0, sum: 0.0, nan_count: 0, ..Statistics::default() };
     let source = Arc::new(MemorySource::new("slab", grid, Voxels::U8(voxels), (1.0, 0.0)).unwrap());
     let origin = Origin { path: "slab.nrrd".into(), component: 0, frame: 0 };
-    let histogram = Histogram { min: 0.0, max: 250.0, bins: vec![1; 256] };
+    let histogram = Histogram { min: 0.0, max: 250.0, bins: vec![1; 256], ..Histogram::default() };
     let mut state = State::new(source, origin, statistics, histogram, None, &|_| true).unwrap();
     let texels: Vec<u8> = (0..BRICK_VOXELS).flat_map(|i| [(i * 7 % 251) as u8, (i / 99) as u8, 0, 255]).collect();
     let changes = state.colour.brick_indices(0).into_iter().map(|b| (b, Some(Brick::from_texels(texels.clone(), 4))));

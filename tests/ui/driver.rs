@@ -93,7 +93,8 @@ impl Window {
     /// The document says what it is now.
     pub fn tell(&mut self, change: impl FnOnce(&mut Snapshot)) {
         let (grid, _) = scene();
-        let histogram = Histogram { min: 0.0, max: 100.0, bins: (0..50).map(|i| 1000 / (i + 1)).collect() };
+        let histogram =
+            Histogram { min: 0.0, max: 100.0, bins: (0..50).map(|i| 1000 / (i + 1)).collect(), ..Histogram::default() };
         let opened = Opened {
             scene: Arc::new(self.scene.clone()),
             grid,

@@ -34,7 +34,8 @@ use burin::volume::{Grid, Histogram};
 /// 64 × 64 × 32 voxels of 1 × 1 × 2 mm, values 0 to 100, nothing painted.
 fn scene() -> (Grid, Scene) {
     let grid = Grid::aligned([64, 64, 32], DVec3::new(1.0, 1.0, 2.0), DVec3::ZERO);
-    let histogram = Histogram { min: 0.0, max: 100.0, bins: (0..50).map(|i| 1000 / (i + 1)).collect() };
+    let histogram =
+        Histogram { min: 0.0, max: 100.0, bins: (0..50).map(|i| 1000 / (i + 1)).collect(), ..Histogram::default() };
     let scene = Scene::new(&grid, &histogram, Origin { path: "small.nii".into(), component: 0, frame: 0 });
     (grid, scene)
 }

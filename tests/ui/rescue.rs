@@ -45,7 +45,7 @@ fn brittle(dir: &Path) -> (Document, Arc<AtomicBool>) {
     let memory = MemorySource::new("brittle", grid, Voxels::F32(vec![0.5; 512]), (1.0, 0.0)).unwrap();
     let source = Arc::new(Brittle(memory, broken.clone()));
     let statistics = burin::io::statistics(source.as_ref(), &|_| true).unwrap();
-    let histogram = Histogram { min: 0.0, max: 1.0, bins: vec![512] };
+    let histogram = Histogram { min: 0.0, max: 1.0, bins: vec![512], ..Histogram::default() };
     let mut document = Document::new();
     document.keep_unsaved_in(dir.join("states"));
     document.adopt(State::new(source, origin, statistics, histogram, None, &|_| true).unwrap());

@@ -1,8 +1,7 @@
 //! Commands on colour and opacity.
 
 use super::edit::Edit;
-use super::{Document, DocumentError, TransferCommand};
-use crate::volume::TransferFunction;
+use super::{Document, DocumentError, TransferCommand, first_look};
 use serde_json::{Value, json};
 
 impl Document {
@@ -19,7 +18,7 @@ impl Document {
             }
             TransferCommand::Reset {} => {
                 edit.name("Reset transfer function");
-                TransferFunction::from_histogram(&state.histogram, state.grid().voxel_mm())
+                first_look::transfer(state.grid(), &state.histogram)
             }
         };
         function.check().map_err(|found| DocumentError::NotNow(format!("transfer function: {found}")))?;

@@ -90,6 +90,12 @@ pub(in crate::document) struct HistogramRecord {
     min: Option<f64>,
     max: Option<f64>,
     bins: Vec<u64>,
+    /// See [`Histogram::ids`].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    ids: Vec<f64>,
+    /// See [`Histogram::voids`].
+    #[serde(default)]
+    voids: [u64; 2],
 }
 
 impl Manifest {
@@ -124,6 +130,8 @@ impl Manifest {
                     min: number(histogram.min),
                     max: number(histogram.max),
                     bins: histogram.bins.clone(),
+                    ids: histogram.ids.clone(),
+                    voids: histogram.voids,
                 },
             },
             shards,
@@ -163,7 +171,7 @@ impl Manifest {
         if !(slope.is_finite() && slope != 0.0 && intercept.is_finite()) {
             return bad("volume.scaling", format!("[{slope}, {intercept}]"), "finite numbers, the first other than 0");
         }
-        let HistogramRecord { min, max, bins } = &manifest.volume.histogram;
+        let HistogramRecord { min, max, bins, .. } = &manifest.volume.histogram;
         let total = bins.iter().try_fold(0_u64, |sum, n| sum.checked_add(*n));
         if bins.is_empty() || bins.len() > MOST_BINS || total.is_none() || min > max {
             let found = format!("{} bins from {min:?} to {max:?}", bins.len());
@@ -205,8 +213,8 @@ impl Manifest {
 
     /// Of the source's values.
     pub fn histogram(&self) -> Histogram {
-        let HistogramRecord { min, max, bins } = self.volume.histogram.clone();
-        Histogram { min: min.unwrap_or(f64::NAN), max: max.unwrap_or(f64::NAN), bins }
+        let HistogramRecord { min, max, bins, ids, voids } = self.volume.histogram.clone();
+        Histogram { min: min.unwrap_or(f64::NAN), max: max.unwrap_or(f64::NAN), bins, ids, voids }
     }
 
     /// The hashes of an array's files.
