@@ -3,9 +3,10 @@
 use super::histogram::histogram;
 use super::trail::Resolved;
 use super::{
-    Command, Document, DocumentError, KeepError, Keeper, KeptDocument, OpenAs, Origin, Recovered, State, VolumeCommand,
-    Wanted,
+    Command, Document, DocumentError, KeepError, Keeper, KeptDocument, OpenAs, Origin, Recovered, Scene, State,
+    VolumeCommand, Wanted,
 };
+use crate::explode::Explosion;
 use crate::io;
 use crate::volume::FieldKind;
 use serde_json::{Value as Json, json};
@@ -184,7 +185,9 @@ impl Opened {
         let mut state = kept.into_state(linked, progress)?;
         let grid = *state.grid();
         let mended = state.scene.mend(&grid, &state.histogram);
-        state.past.retain(&state.scene, |scene| scene.check(&grid).is_ok());
+        // Parts are checked already, and not anew with each of the past's views.
+        let plain = Scene { explosion: Explosion::whole(&grid), ..state.scene.clone() };
+        state.past.retain(&plain, |scene| scene.check(&grid).is_ok());
         let mut warnings = recovered.told.clone();
         warnings.extend(mended.into_iter().map(|what| format!("the project cannot be used as it was kept: {what}")));
         if let Some((path, reason)) = &recovered.set_aside {

@@ -107,7 +107,7 @@ impl Past {
     /// Notes a change of view; those of one group are one change.
     pub(super) fn viewed(&mut self, name: &str, before: Views, now: &Views, group: Option<&mut PastGroup>) {
         if before != *now {
-            self.changes += 1;
+            self.changes = self.changes.saturating_add(1);
             let change = Change { number: self.changes, name: name.into(), other: before };
             self.views.push(change, group.map(|g| &mut g.views));
         }
@@ -115,7 +115,7 @@ impl Past {
 
     /// Notes a change of looks; those of one group are one change.
     pub(super) fn looked(&mut self, name: &str, before: Looks, group: Option<&mut PastGroup>) {
-        self.changes += 1;
+        self.changes = self.changes.saturating_add(1);
         let change = Change { number: self.changes, name: name.into(), other: before };
         self.looks.push(change, group.map(|g| &mut g.looks));
     }
@@ -145,7 +145,7 @@ impl Past {
     /// change's name, `None` if there is none.
     pub(super) fn travel(&mut self, scene: &mut Scene, of: Option<PastOf>, back: bool) -> Option<(PastOf, String)> {
         let of = self.which(of, back)?;
-        self.changes += 1;
+        self.changes = self.changes.saturating_add(1);
         let name = match of {
             PastOf::Views => self.views.travel(back, self.changes, |other| {
                 let now = &mut scene.views;

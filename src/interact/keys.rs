@@ -75,7 +75,7 @@ pub const SHORTCUTS: [Shortcut; 40] = [
     line("Look", "Shift + click", "Crosshair here, with any tool"),
     line("Look", "Double-click the view's title", "One view or all four"),
     line("Look", "F", "One view or all four"),
-    line("Look", "Home", "Fit the view under the pointer; in 3D the direction stays"),
+    line("Look", "Home", "Fit the view; in 3D the direction stays"),
     line("Look", "Shift + Home", "3D view from the front"),
     line("Look", "Alt + Left, Alt + Right", "View or look before, and after"),
     line("Look", "Alt + Shift + Left, Right", "Look alone before, and after"),

@@ -311,6 +311,13 @@ fn a_project_of_before_has_no_past_and_a_damaged_one_loses_only_that() {
     assert_eq!(with(&|_| {}), (2, 1));
     assert_eq!(with(&|json| drop(json.as_object_mut().unwrap().remove("past"))), (0, 0));
     assert_eq!(with(&|json| json["past"]["views"]["back"][0]["other"]["camera"]["up"] = json!([0, 0, 1])), (2, 1));
+    // Numbers that cannot grow any more are no reason to fail.
+    assert_eq!(with(&|json| json["past"]["changes"] = json!(u64::MAX)), (2, 1));
+    let mut document = reopened(&project);
+    run(&mut document, r#"{"view":{"window":{"level":70,"width":90}}}"#).unwrap();
+    run(&mut document, BACK).unwrap();
+    assert_eq!(counts(&document, PastOf::Looks), (1, 1));
+    document.leave_as_found().unwrap();
     let eye = |json: &mut Value| {
         let camera = &mut json["past"]["views"]["back"][1]["other"]["camera"];
         camera["eye"] = camera["target"].clone();
