@@ -111,8 +111,10 @@ impl App {
         let share = self.busy.as_ref().and_then(|b| b.percent).unwrap_or(0) as f32 / 100.0;
         ui.add(ProgressBar::new(share).desired_height(6.0).fill(theme::ACCENT));
         ui.add_space(12.0);
-        let cancelled =
-            super::widgets::from_right_row(ui, |ui| ui.add(Button::new("Cancel").min_size(vec2(90.0, 30.0))).clicked());
+        let cancelled = super::widgets::from_right_row(ui, |ui| {
+            let cancel = ui.add(Button::new("Cancel").min_size(vec2(90.0, 30.0)));
+            super::widgets::tipped(cancel, "Stops saving; the project on disk stays as it was").clicked()
+        });
         if cancelled {
             self.stop();
             return None;

@@ -8,8 +8,7 @@ use egui_kittest::kittest::NodeT;
 fn no_control_is_without_a_tooltip() {
     let mut without = Vec::new();
     let mut seen = 0;
-    let asked = ["the menu", "what a crash left", "a question before closing"];
-    for (state, window, _) in states().into_iter().filter(|s| !asked.contains(&s.0)) {
+    for (state, window, _) in states() {
         let mut stack = vec![window.harness.root()];
         while let Some(node) = stack.pop() {
             stack.extend(node.children());

@@ -6,7 +6,7 @@ use crate::interact::readout;
 use crate::ui::app::App;
 use crate::ui::saving::{AfterSave, Coming};
 use crate::ui::theme;
-use crate::ui::widgets::from_right_row;
+use crate::ui::widgets::{from_right_row, tipped};
 use egui::{RichText, Ui, vec2};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
@@ -85,7 +85,8 @@ impl App {
         for (i, Lost { id, origin, age, doomed }) in lost.iter().enumerate() {
             from_right_row(ui, |ui| {
                 let name = format!("Recover {}", short_path(origin));
-                if ui.add(primary("Recover")).accessible_name(name).clicked() {
+                let recovered = ui.add(primary("Recover")).accessible_name(name);
+                if tipped(recovered, "Opens it as it was when the program ended").clicked() {
                     recover = Some(Coming::Lost { id: id.clone(), origin: origin.clone() });
                 }
                 ui.add_space(24.0);
@@ -93,7 +94,9 @@ impl App {
                 let (text, name) =
                     if *doomed { ("Really throw away", format!("{name} for good")) } else { ("Throw away", name) };
                 let discard = egui::Button::new(RichText::new(text).color(theme::ERROR));
-                if ui.add(discard.min_size(vec2(0.0, 30.0))).accessible_name(name).clicked() {
+                let discarded = ui.add(discard.min_size(vec2(0.0, 30.0))).accessible_name(name);
+                let tip = "Nothing brings it back afterwards: it takes a second click";
+                if tipped(discarded, tip).clicked() {
                     clicked = Some(i);
                 }
                 ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
@@ -115,7 +118,9 @@ impl App {
             }
         }
         ui.add_space(12.0);
-        let later = from_right_row(ui, |ui| ui.add(plain("Decide later")).clicked());
+        let later = from_right_row(ui, |ui| {
+            tipped(ui.add(plain("Decide later")), "It stays where it is and is offered at the next start").clicked()
+        });
         if let Some(coming) = recover {
             self.open_guarded(coming);
             return None;
@@ -141,17 +146,18 @@ fn three_buttons(ui: &mut Ui) -> Option<Answer> {
     let entered = entered && ui.memory(|m| m.focused().is_none());
     from_right_row(ui, |ui| {
         let mut answer = None;
-        if ui.add(primary("Save")).accessible_name("Save and go on").clicked() || entered {
+        let save = ui.add(primary("Save")).accessible_name("Save and go on");
+        if tipped(save, "Saves the project, then goes on (Enter)").clicked() || entered {
             answer = Some(Answer::Yes);
         }
-        if ui.add(plain("Cancel")).clicked() {
+        if tipped(ui.add(plain("Cancel")), "Everything stays as it is (Esc)").clicked() {
             answer = Some(Answer::Cancel);
         }
         // Far from the other two: the one that loses work must not be hit by mistake.
         ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
             let discard =
                 egui::Button::new(RichText::new("Discard changes").color(theme::ERROR)).min_size(vec2(130.0, 30.0));
-            if ui.add(discard).clicked() {
+            if tipped(ui.add(discard), "Goes on without saving: what changed since the last save is lost").clicked() {
                 answer = Some(Answer::No);
             }
         });

@@ -66,7 +66,8 @@ impl App {
 
     fn more_menu(&mut self, ui: &mut Ui) {
         ui.set_min_width(220.0);
-        if ui.add(egui::Button::new("Save as…").shortcut_text("Ctrl+Shift+S")).clicked() {
+        let save_as = ui.add(egui::Button::new("Save as…").shortcut_text("Ctrl+Shift+S"));
+        if save_as.on_hover_text("The project in another place; it is that one from then on").clicked() {
             self.act(Action::SaveAs);
         }
         ui.separator();
