@@ -272,3 +272,14 @@ fn a_warning_is_shown_and_words_stand_above_each_other() {
     let words = window.harness.query_all_by_label_contains("Saved picture").count();
     assert!(words <= 3, "{words} at once");
 }
+
+#[test]
+fn names_break_no_line() {
+    let mut window = Window::open(SMALL);
+    window.snapshot(|s| s.project = Some("/data/two\nlines.burin".into()));
+    assert!(window.harness.query_by_label("two\\nlines.burin").is_some());
+    window.report(Report::Message(Gravity::Error, "two\nlines: it is not there (os error 2)".into()));
+    assert!(window.harness.query_by_label("two\\nlines: it is not there").is_some());
+    window.report(Report::Done(image("/data/a\tb.png"), serde_json::json!({})));
+    assert!(window.harness.query_by_label("Saved picture a\\tb.png").is_some());
+}

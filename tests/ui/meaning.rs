@@ -206,6 +206,7 @@ fn what_is_exported_is_chosen_and_gets_its_ending() {
         ("What: Density", "Format: NRRD", "density", ".nrrd"),
         ("What: Density", "Format: NIfTI (.nii.gz)", "density", ".nii.gz"),
         ("What: Selection", "Format: NRRD", "selection", ".nrrd"),
+        ("What: Selection", "Format: NIfTI (.nii.gz)", "selection", ".nii.gz"),
         ("What: Colour", "Format: NRRD", "colour", ".nrrd"),
     ] {
         choose(&mut window, "Export…");

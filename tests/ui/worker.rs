@@ -268,3 +268,64 @@ fn what_lies_under_the_pointer_is_asked_of_the_document_as_it_is_now() {
     desk.until("it follows", |d| d.probe["selection"] == 1.0);
     desk.close();
 }
+
+/// What comes back from a document, until something is so.
+fn reports(document: Document, ask: Vec<Request>, mut enough: impl FnMut(&[Report]) -> bool) -> Vec<Report> {
+    let (mut session, thread) = spawn(document, egui::Context::default()).unwrap();
+    for request in ask {
+        assert!(session.send(request));
+    }
+    let (begun, mut all) = (Instant::now(), Vec::new());
+    while !enough(&all) {
+        all.extend(session.reports());
+        assert!(begun.elapsed() < PATIENCE, "waited in vain: {all:?}");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    session.send(Request::Quit);
+    thread.join().unwrap();
+    all
+}
+
+#[test]
+fn a_small_picture_is_what_the_command_would_write() {
+    let Some(mut document) = block() else { return };
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("whole.png");
+    let wish = json!({ "path": file, "size": [40, 30], "background": [0.2, 0.4, 0.6], "supersample": 2 });
+    let written = run(&mut document, &json!({ "render": { "image": wish } }).to_string()).unwrap();
+    assert_eq!(written["size"], json!([40, 30]));
+    let mut asked = wish.clone();
+    asked["path"] = json!("");
+    let sketch: burin::document::RenderCommand = serde_json::from_value(json!({ "image": asked })).unwrap();
+    let all = reports(document, vec![Request::Sketch(sketch.clone())], |all| {
+        all.iter().any(|r| matches!(r, Report::Sketch(..)))
+    });
+    let Some(Report::Sketch(of, Ok((size, rgba)))) = all.iter().find(|r| matches!(r, Report::Sketch(..))) else {
+        panic!("{all:?}")
+    };
+    assert_eq!((of, size), (&sketch, &[40, 30]));
+    assert!(*rgba == image::open(&file).unwrap().into_rgba8().into_raw());
+}
+
+#[test]
+fn what_was_refused_is_said_with_its_command_and_taken_back_once_it_works() {
+    let dir = tempfile::tempdir().unwrap();
+    let none = dir.path().join("none.nii");
+    let good = dir.path().join("good.nrrd");
+    let mut bytes = b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nencoding: raw\n\n".to_vec();
+    bytes.extend([7; 64]);
+    std::fs::write(&good, bytes).unwrap();
+    let open = |path: &std::path::Path| -> Command {
+        serde_json::from_value(json!({ "volume": { "open": { "path": path } } })).unwrap()
+    };
+    let ask = vec![Request::Apply(open(&none)), Request::Apply(open(&good))];
+    let all = reports(Document::new(), ask, |all| all.iter().any(|r| matches!(r, Report::Done(..))));
+    let refused = all.iter().find_map(|r| match r {
+        Report::Refused(command, why) => Some((command, why)),
+        _ => None,
+    });
+    let (command, why) = refused.unwrap();
+    assert_eq!(**command, open(&none));
+    assert!(why.contains("none.nii") && why.contains("it is not there") && !why.contains("os error"), "{why}");
+    assert!(all.iter().any(|r| matches!(r, Report::Mended(topic) if topic == "volume.open")), "{all:?}");
+}

@@ -20,8 +20,7 @@ impl Format {
     const fn of(field: FieldKind) -> &'static [Self] {
         match field {
             FieldKind::Labels => &[Self::SegNrrd, Self::Nrrd, Self::Nifti],
-            FieldKind::Density => &[Self::Nrrd, Self::Nifti],
-            FieldKind::Selection | FieldKind::Colour => &[Self::Nrrd],
+            FieldKind::Density | FieldKind::Selection | FieldKind::Colour => &[Self::Nrrd, Self::Nifti],
         }
     }
 

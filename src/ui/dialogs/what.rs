@@ -9,8 +9,8 @@ use crate::volume::FieldKind;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-/// Files that are opened.
-const VOLUMES: &[&str] = &[".nii", ".nii.gz", ".nrrd", ".nhdr", ".hdr"];
+/// Files that are opened, and those that are told what they are.
+const VOLUMES: &[&str] = &[".nii", ".nii.gz", ".nrrd", ".nhdr", ".hdr", ".dcm"];
 
 /// What a path is for.
 #[derive(Clone, Debug, PartialEq)]
