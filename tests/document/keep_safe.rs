@@ -239,6 +239,19 @@ fn the_newest_whole_generation_is_taken_and_a_damaged_one_left() {
 }
 
 #[test]
+fn a_folder_with_a_number_that_no_save_gave_is_no_generation() {
+    let dir = tempfile::tempdir().unwrap();
+    let state = state(SMALL, dir.path());
+    let (project, mut keeper) = saved(dir.path(), &state, "project");
+    let odd = project.join(format!("generation-{}", u64::MAX));
+    std::fs::create_dir(&odd).unwrap();
+    std::fs::write(odd.join("generation.json"), b"{}").unwrap();
+    assert_eq!(save(&mut keeper, &state), 2);
+    drop(keeper);
+    assert_kept(&state, &Keeper::open(&project).unwrap().1, "beside it");
+}
+
+#[test]
 fn a_save_whose_journal_cannot_be_made_leaves_the_current_generation() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());

@@ -67,7 +67,8 @@ pub enum KeepError {
     },
     /// The file that the density is linked to is not the one that was painted on.
     #[error(
-        "{}: {field}: {found} found, {expected} expected; put the file back as it was when the document was kept",
+        "{}: {field}: {found} found, {expected} expected; put the file back as it was when the document was kept, or name \
+         the one that it was as the source (project.open source)",
         path.display()
     )]
     SourceChanged {

@@ -102,7 +102,11 @@ impl Link {
             (None, Some(error @ KeepError::SourceChanged { .. })) => Err(error),
             (None, error) => Err(KeepError::SourceMissing {
                 path: self.path.clone(),
-                reason: error.map_or_else(|| "not found".into(), |e| crate::io::without_numbers(&e.to_string())),
+                reason: match error {
+                    Some(KeepError::Io { source, .. }) => crate::io::in_words(&source),
+                    Some(other) => crate::io::without_numbers(&other.to_string()),
+                    None => "not found".into(),
+                },
                 bytes: self.file.bytes,
                 blake3: self.file.blake3.clone().unwrap_or_else(|| "unknown".into()),
             }),

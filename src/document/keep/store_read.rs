@@ -15,6 +15,9 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+/// Nobody saves so often: a greater number is none that a save gave.
+const MOST: u64 = 1 << 48;
+
 /// What is wanted of a project beside its folder.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Wanted<'a> {
@@ -198,5 +201,5 @@ pub(in crate::document) fn generation_name(generation: u64) -> String {
 /// The number in a folder's name, if it is one that a generation has.
 pub(in crate::document) fn generation_of(name: &str) -> Option<u64> {
     let number = name.strip_prefix("generation-")?.parse().ok()?;
-    (generation_name(number) == name).then_some(number)
+    (number < MOST && generation_name(number) == name).then_some(number)
 }
