@@ -1,6 +1,6 @@
 //! What `burin info` tells of a file.
 
-use super::{IoError, Progress, open};
+use super::{IoError, NamedLabel, Progress, open};
 use crate::volume::Number;
 use serde::Serialize;
 use std::path::Path;
@@ -9,6 +9,8 @@ use std::path::Path;
 /// are all NaN or infinite) is `null`; 64-bit integers are given to the last digit, a sum beyond all numbers as `"inf"`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Info {
+    /// The format's name, with its version or encoding.
+    pub format: String,
     /// Voxels along i (fastest in the file), j, k.
     pub dims: [u32; 3],
     /// Numbers per voxel.
@@ -27,6 +29,9 @@ pub struct Info {
     pub sum: Number,
     /// How many values are NaN, likewise.
     pub nan_count: u64,
+    /// Segments that the header names; left out if it names none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub segments: Vec<NamedLabel>,
     /// What was odd about the file and how it was taken.
     pub warnings: Vec<String>,
 }
@@ -41,6 +46,7 @@ pub fn info(path: impl AsRef<Path>, progress: Progress<'_>) -> Result<Info, IoEr
     let [min, max, sum] = statistics.numbers();
     let (m, t) = (opened.grid.world_from_index.matrix3, opened.grid.world_from_index.translation);
     Ok(Info {
+        format: opened.format,
         dims: opened.grid.dims,
         components: opened.components,
         frames: opened.frames,
@@ -50,6 +56,7 @@ pub fn info(path: impl AsRef<Path>, progress: Progress<'_>) -> Result<Info, IoEr
         max: Some(max).filter(|n| !n.is_nan()),
         sum,
         nan_count: statistics.nan_count,
+        segments: opened.labels,
         warnings: opened.warnings,
     })
 }

@@ -94,6 +94,7 @@ impl Layout {
             return Err(IoError::field(&self.file, "voxel data", "gzip inside gzip", expected));
         }
         Ok(Opened {
+            format: String::new(),
             grid: self.grid,
             voxel_type: self.voxel_type,
             scaling: self.scaling,

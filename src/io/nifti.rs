@@ -54,10 +54,11 @@ impl Reader for Nifti {
         axes.extend(parts.map(|len| Axis { len, role: Role::Component }));
         let encoding = if is_gzip(&path)? { Encoding::Gzip } else { Encoding::Raw };
         let (data, skip) = (vec![DataFile { path, start: 0 }], Skip::Bytes(offset));
-        let big_endian = header.big_endian;
+        let (big_endian, version) = (header.big_endian, header.version);
         let mut opened =
             Layout { data, file, grid, voxel_type, big_endian, scaling, axes, encoding, skip }.opened(warnings)?;
         opened.files.push(mark);
+        opened.format = format!("NIfTI-{version}{}", if encoding == Encoding::Gzip { ", gzip" } else { "" });
         Ok(opened)
     }
 }

@@ -60,6 +60,7 @@ impl Reader for Nrrd {
         }
         let layout = Layout { data, file, grid, voxel_type, big_endian, scaling: (1.0, 0.0), axes, encoding, skip };
         let mut opened = layout.opened(warnings)?;
+        opened.format = format!("NRRD, {}", encoding.name());
         opened.labels = nrrd_segments::segments(&header.keys, opened.components, &mut opened.warnings);
         Ok(opened)
     }

@@ -61,6 +61,8 @@ pub struct NamedLabel {
 /// A file whose header was read and believed.
 #[derive(Debug)]
 pub struct Opened {
+    /// The format's name, with its version or encoding.
+    pub format: String,
     /// Dimensions and place, RAS+ mm.
     pub grid: Grid,
     /// Type of the voxels as stored.

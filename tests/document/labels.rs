@@ -120,7 +120,10 @@ fn labels_lie_over_those_that_are_there_and_undo_takes_table_and_voxels_back() {
 #[test]
 fn ids_of_any_size_become_ids_that_the_label_field_holds() {
     let folder = tempfile::tempdir().unwrap();
-    let grid = grid_of(&plain());
+    let grid = Grid::aligned([40, 6, 5], DVec3::ONE, DVec3::ZERO);
+    let base = folder.path().join("base.nrrd");
+    std::fs::rename(write(folder.path(), &grid, &Voxels::U8(vec![0; 1200])), &base).unwrap();
+    let open = json!({"volume":{"open":{"path":base}}}).to_string();
     let pick = |v: [u32; 3]| ((v[0] + v[1]) % 4) as usize;
     fn made<T: burin::volume::Value>(grid: &Grid, ids: [T; 3], pick: impl Fn([u32; 3]) -> usize) -> Voxels {
         T::wrap(each(grid, |v| if pick(v) == 0 { T::from_f64(0.0) } else { ids[pick(v) - 1] }))
@@ -147,7 +150,8 @@ fn ids_of_any_size_become_ids_that_the_label_field_holds() {
         (made(&grid, [7.0_f32, 3.0, 16_777_216.0], pick), [7, 3, 16_777_216], [7, 3, 1]),
         (made(&grid, [7.0_f64, -0.0, -4.0], pick), [7, 0, -4], [7, 0, 1]),
     ] {
-        let mut document = plain();
+        let mut document = Document::new();
+        run(&mut document, &open).unwrap();
         let path = write(folder.path(), &grid, &numbers);
         let answer = import(&mut document, &path).unwrap();
         for v in voxels(&grid) {

@@ -358,7 +358,8 @@ fn edits_are_there_also_in_slabs_that_begin_inside_a_brick() {
     let dims = [260, 260, 33];
     let grid = Grid::aligned(dims, DVec3::ONE, DVec3::ZERO);
     let voxels = Voxels::U8(vec![9; grid.voxel_count() as usize]);
-    let places = [[0, 0, 30], [31, 7, 31], [259, 259, 31], [40, 40, 32]];
+    // No brick that begins in the slab is edited: one would have all of it looked at.
+    let places = [[0, 0, 30], [31, 7, 31], [259, 259, 31]];
     let at = |v: [u32; 3]| (v[0] + dims[0] * (v[1] + dims[1] * v[2])) as usize;
     let map = DensityMap::codes(0.0, 255.0, Some(1.0));
     let mut field = density(voxels, grid, (1.0, 0.0), map);
@@ -369,7 +370,7 @@ fn edits_are_there_also_in_slabs_that_begin_inside_a_brick() {
         for name in ["out.nii", "out.nrrd"] {
             let path = folder.path().join(name);
             let exported = io::export(&path, field, &grid, &Segments::default(), Compression::Raw, &|_| true).unwrap();
-            assert_eq!(exported.voxels_changed, 4, "{name}");
+            assert_eq!(exported.voxels_changed, 3, "{name}");
             let read = io::open(&path).unwrap().source(0, 0, &|_| true).unwrap().read([0; 3], dims).unwrap();
             let Voxels::U8(read) = read else { panic!() };
             let edited: Vec<usize> = (0..read.len()).filter(|&i| read[i] != rest).collect();

@@ -195,8 +195,14 @@ fn no_mutated_nifti_makes_the_reader_panic() {
         let mut header = Nifti::new(ty, &[5, 4, 3, 2, 1], round % 2 == 0);
         header.i16(252, 1).i16(254, (round % 3 == 0).into()).f32s(256, &[0.1, 0.2, 0.3, 4.0, 5.0, 6.0]);
         header.f32(280, 1.0).f32(300, 2.0).f32(320, 3.0).f32s(112, &[0.5, 1.0]);
+        if round % 5 == 4 {
+            header = Nifti::second(ty, &[5, 4, 3, 2, 1], round % 2 == 0);
+            header.i32(344, 1).i32(348, (round % 3 == 0).into()).f64s(352, &[0.1, 0.2, 0.3, 4.0, 5.0, 6.0]);
+            header.f64s(400, &[1.0]).f64s(440, &[2.0]).f64s(480, &[3.0]).f64s(176, &[0.5, 1.0]);
+        }
         let mut file = header.with(&noise(ty, 120, round as u64));
-        mutate(&mut file, 352, &mut random);
+        let length = header.bytes.len();
+        mutate(&mut file, length, &mut random);
         let path = if round % 4 == 3 {
             let mut packed = gzip(&file);
             if round % 8 == 7 {
@@ -232,12 +238,26 @@ fn no_mutated_nrrd_makes_the_reader_panic() {
         "key:=value",
         "spacings: NaN 1 1 1",
     ];
+    for n in 0..3 {
+        keep(&folder, &format!("d{n}"), &[n; 82]);
+    }
     for round in 0..3000 {
         let data = [vec![0; 2], bytes_of(&noise(VoxelType::I16, 120, round), false)].concat();
-        let (encoding, data) = if round % 2 == 0 { ("encoding: raw", data) } else { ("encoding: gzip", gzip(&data)) };
+        let (encoding, data) = match round % 5 {
+            0 => ("encoding: raw", data),
+            1 => ("encoding: gzip", gzip(&data)),
+            2 => ("encoding: bzip2", bzip2(&data)),
+            3 => ("encoding: hex", data.iter().map(|b| format!("{b:02x} ")).collect::<String>().into_bytes()),
+            _ => ("encoding: text", data.iter().map(|b| format!("{b} ")).collect::<String>().into_bytes()),
+        };
         let lines = if round % 3 == 0 { &lines[..4] } else { &lines[..11] };
         let mut file = nrrd(&[lines, &["endian: little", encoding]].concat(), &data);
-        let header = file.len() - data.len();
+        let mut header = file.len() - data.len();
+        if round % 7 == 0 {
+            let series = ["data file: d%d 0 2 1", "data file: LIST\nd0\nd1\nd2"][round as usize / 7 % 2];
+            file = nrrd(&[&lines[..4], &["endian: little", "byte skip: 2", encoding, series]].concat(), b"");
+            header = file.len();
+        }
         mutate(&mut file, header, &mut random);
         read += u32::from(survives(&keep(&folder, "a.nrrd", &file)));
     }

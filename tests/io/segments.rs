@@ -48,6 +48,36 @@ fn names_colours_values_and_layers_are_the_headers() {
 }
 
 #[test]
+fn what_is_told_of_a_file_names_its_format_and_its_segments() {
+    let folder = tempfile::tempdir().unwrap();
+    let told = |name: &str, bytes: &[u8]| {
+        serde_json::to_value(io::info(keep(&folder, name, bytes), &|_| true).unwrap()).unwrap()
+    };
+    let lines = ["type: uint8", "dimension: 1", "sizes: 2", "Segment0_Name:=a", "Segment0_LabelValue:=7"];
+    let nrrd = |encoding: &str, data: &[u8]| nrrd(&[&lines[..], &[&format!("encoding: {encoding}")]].concat(), data);
+    for (encoding, data, format) in [
+        ("raw", vec![1, 2], "NRRD, raw"),
+        ("gz", gzip(&[1, 2]), "NRRD, gzip"),
+        ("bz2", bzip2(&[1, 2]), "NRRD, bzip2"),
+        ("hex", b"0102".to_vec(), "NRRD, hex"),
+        ("ascii", b"1 2".to_vec(), "NRRD, text"),
+    ] {
+        let told = told("a.seg.nrrd", &nrrd(encoding, &data));
+        assert_eq!((&told["format"], told["max"].as_f64()), (&format.into(), Some(2.0)));
+        assert_eq!((&told["segments"][0]["value"], &told["segments"][0]["name"]), (&7.into(), &"a".into()));
+    }
+    let first = Nifti::new(burin::volume::VoxelType::U8, &[2], false);
+    let second = Nifti::second(burin::volume::VoxelType::U8, &[2], true);
+    let file = |n: &Nifti| [&n.bytes[..], &[1, 2]].concat();
+    for (bytes, format) in
+        [(file(&first), "NIfTI-1"), (gzip(&file(&first)), "NIfTI-1, gzip"), (file(&second), "NIfTI-2")]
+    {
+        let told = told("a.nii", &bytes);
+        assert_eq!((&told["format"], told.get("segments")), (&format.into(), None));
+    }
+}
+
+#[test]
 fn older_files_have_a_layer_for_each_segment() {
     let keys = ["Segment0_Name:=a", "Segment1_Name:=b", "Segment2_Name:=c"];
     let opened = open(3, &keys);
