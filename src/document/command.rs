@@ -275,6 +275,9 @@ pub enum BrushCommand {
         /// What erasing does to density: `"restore"` takes edits back, `{"to": value}` removes by painting that value.
         #[serde(default)]
         erase_density: Option<EraseDensity>,
+        /// Whether strokes keep to the surface that the 3D view shows.
+        #[serde(default)]
+        visible_only: Option<bool>,
     },
 }
 
@@ -294,6 +297,7 @@ impl BrushCommand {
             any_value,
             erase,
             erase_density,
+            visible_only,
         } = self;
         let is_label = |target: &Target| matches!(target, Target::Label(_));
         let becomes_label = target.as_ref().is_some_and(is_label) && !is_label(&old.target);
@@ -309,6 +313,7 @@ impl BrushCommand {
             range: range.or(if *any_value { None } else { old.range }),
             erase: erase.unwrap_or(old.erase),
             erase_density: erase_density.unwrap_or(old.erase_density),
+            visible_only: visible_only.unwrap_or(old.visible_only),
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::gpu::{
     Caster, FieldPools, Fields, Frame, Gpu, GpuError, Hit, Image, Painter, SliceCaster, SliceFrame, Visibility,
 };
 use crate::math::DVec2;
-use crate::paint::{Brush, Dab};
+use crate::paint::{Brush, Dab, VoxelSet};
 use crate::volume::{Brick, BrickIndex, FieldKind, LiveCells, Refresh};
 
 /// Memory for pools of bricks on the GPU, all fields together.
@@ -174,6 +174,13 @@ impl Graphics {
         self.with(state, "painting", |_, painter| {
             painter.begin(state.grid(), &fields(state), brush, &state.scene.segments)
         })
+    }
+
+    /// Lets the running stroke, which keeps to the visible surface, paint these voxels.
+    pub(super) fn open(&mut self, voxels: &VoxelSet) {
+        if let Some(painter) = &mut self.painter {
+            painter.open(voxels);
+        }
     }
 
     pub(super) fn extend(&mut self, state: &State, dabs: &[Dab]) -> Result<Vec<BrickIndex>, DocumentError> {

@@ -31,6 +31,7 @@ mod spill;
 mod state;
 mod step;
 mod trail;
+mod visible;
 mod watch;
 
 pub use command::*;

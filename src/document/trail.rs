@@ -33,6 +33,8 @@ pub(super) struct Resolved {
     /// Points of the 3D view where nothing shows.
     pub(super) missed: u64,
     pub(super) trail: Option<Trail>,
+    /// Whether the first point is one of a slice.
+    pub(super) on_slice: bool,
 }
 
 impl State {
@@ -49,7 +51,8 @@ impl Document {
     /// # Errors
     /// As [`resolve`](Self::resolve).
     pub(super) fn follow(&mut self, points: &[StrokePoint], trail: Option<Trail>) -> Result<Resolved, DocumentError> {
-        let mut resolved = Resolved { trail, ..Resolved::default() };
+        let on_slice = |p: &StrokePoint| matches!(p.at, Place::Pixel { view, .. } if view != ViewName::ThreeD);
+        let mut resolved = Resolved { trail, on_slice: points.first().is_some_and(on_slice), ..Resolved::default() };
         for point in points {
             match point.at {
                 Place::Pixel { view: ViewName::ThreeD, px, size } => {
@@ -127,7 +130,7 @@ fn seen(hit: Hit) -> Seen {
 }
 
 /// Size of a pixel of the picture where what is drawn ends, mm: what is nearer is smaller.
-fn pixel_mm(frame: &Frame, state: &State) -> f64 {
+pub(super) fn pixel_mm(frame: &Frame, state: &State) -> f64 {
     let corners = state.grid().world_corners();
     let forward = frame.camera.forward();
     let far = |pose: &Pose| corners.map(|c| (pose.apply(c) - frame.camera.eye).dot(forward));

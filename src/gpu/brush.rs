@@ -10,9 +10,9 @@ use super::brush_memory::Chunk;
 use super::brush_stroke::{Stroke, locked_bits};
 use super::brush_submit::{buffer, met};
 use super::{FieldPools, Fields, Gpu, GpuError, brush_cells, brush_readback};
-use crate::paint::{Brush, Dab};
+use crate::paint::{Brush, Dab, VoxelSet};
 use crate::volume::{Brick, BrickIndex, BrickKey, Grid, LiveCells, Refresh, Segments};
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 /// Memory that one stroke may take unless [`Painter::set_budget`] says otherwise.
 const BUDGET: u64 = 512 << 20;
@@ -127,8 +127,19 @@ impl Painter {
             chunks: Vec::new(),
             homes: HashMap::new(),
             live: LiveBricks::default(),
+            seen: VoxelSet::default(),
+            stale: BTreeSet::new(),
         });
         Ok(())
+    }
+
+    /// Lets the running stroke paint these voxels besides those that it may already, if it keeps to the visible surface: other
+    /// voxels it leaves alone. To be called before the dabs on them.
+    pub fn open(&mut self, voxels: &VoxelSet) {
+        if let Some(stroke) = self.stroke.as_mut().filter(|s| s.brush.visible_only) {
+            stroke.seen.extend(voxels);
+            stroke.stale.extend(voxels.slots(stroke.grid.dims));
+        }
     }
 
     /// Paints further dabs: after it the pools' slots show them, without waiting for the GPU. Answers the bricks that the
@@ -176,6 +187,7 @@ impl Painter {
             }
             stroke.take(&self.gpu, fields, new, slots, &mut encoder, texture)?;
         }
+        stroke.renew_gates(&self.gpu, fields)?;
         let submitted = self.submit(encoder, texture, &pipeline, variant, dabs, begins);
         let Some(stroke) = &mut self.stroke else { return Err(NOT_RUNNING) };
         if let Err(error) = submitted {

@@ -279,7 +279,7 @@ impl BrushStroke {
                 Falloff::Linear => 1,
                 Falloff::Smooth => 2,
             },
-            gate: u32::from(brush.range.is_some()),
+            gate: u32::from(brush.range.is_some() || brush.visible_only),
             low,
             top,
             to_end: u32::from(brush.ends()),

@@ -5,10 +5,10 @@ use super::brush_cells::LiveBricks;
 use super::brush_kernel::{BrushStroke, Variant};
 use super::brush_memory::{Chunk, Extras, next_capacity, slot_bytes};
 use super::{FieldPools, Fields, Gpu, GpuError};
-use crate::paint::{Brush, Dab, Gate, Operation, Target};
-use crate::volume::{BrickIndex, Field, FieldKind, Grid, Segments};
+use crate::paint::{Brush, Dab, Gate, Operation, Target, VoxelSet};
+use crate::volume::{BrickIndex, Field, FieldKind, Grid, Segments, SourceError};
 use rayon::prelude::*;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 #[derive(Debug)]
 pub(super) struct Stroke {
@@ -22,6 +22,10 @@ pub(super) struct Stroke {
     /// By touched brick.
     pub(super) homes: HashMap<BrickIndex, Home>,
     pub(super) live: LiveBricks,
+    /// What it may paint, if it keeps to the visible surface.
+    pub(super) seen: VoxelSet,
+    /// Bricks whose slots show some of it that their gates do not have yet.
+    pub(super) stale: BTreeSet<BrickIndex>,
 }
 
 /// Where a touched brick is kept.
@@ -52,7 +56,7 @@ impl Stroke {
         let on_density = matches!(self.brush.target, Target::Density(_));
         let extras = Extras {
             base: (on_density && self.brush.effective() == Operation::Restore).then(|| density.format()),
-            gate: self.brush.range.is_some(),
+            gate: self.brush.range.is_some() || self.brush.visible_only,
         };
         loop {
             let room: usize = self.chunks.iter().map(Chunk::room).sum();
@@ -90,9 +94,9 @@ impl Stroke {
             true => new_slots.clone().map(|&b| density.base_slot(b)).collect::<Result<Vec<_>, _>>()?,
             false => Vec::new(),
         };
-        let gate = match self.brush.range.map(|range| Gate::new(range, density)) {
-            Some(gate) => new_slots.map(|&b| gate.slot(density, b)).collect::<Result<Vec<_>, _>>()?,
-            None => Vec::new(),
+        let gate = match self.brush.range.is_some() || self.brush.visible_only {
+            true => new_slots.map(|&b| self.gate_of(density, b)).collect::<Result<Vec<_>, _>>()?,
+            false => Vec::new(),
         };
         for (i, (brick, &slot)) in new.iter().zip(slots).enumerate() {
             let Some(home) = self.chunks.iter().position(|c| c.room() > 0) else { continue };
@@ -106,6 +110,33 @@ impl Stroke {
                 }
             }
             self.homes.insert(*brick, Home { chunk: home, place, slot });
+            self.stale.remove(brick);
+        }
+        Ok(())
+    }
+
+    /// A bit for every texel of a slot, set where it may be painted.
+    fn gate_of(&self, density: &Field, brick: BrickIndex) -> Result<Vec<u32>, SourceError> {
+        let range = self.brush.range.map(|range| Gate::new(range, density).slot(density, brick)).transpose()?;
+        let seen = self.brush.visible_only.then(|| self.seen.slot(brick, self.grid.dims));
+        Ok(match (range, seen) {
+            (Some(a), Some(b)) => a.iter().zip(&b).map(|(a, b)| a & b).collect(),
+            (a, b) => a.or(b).unwrap_or_default(),
+        })
+    }
+
+    /// Writes the gates of slots anew in which more may be painted by now.
+    pub(super) fn renew_gates(&mut self, gpu: &Gpu, fields: &Fields<'_>) -> Result<(), GpuError> {
+        for brick in std::mem::take(&mut self.stale) {
+            let Some(home) = self.homes.get(&brick) else { continue };
+            let bits = self.gate_of(fields.density, brick)?;
+            if let Some(gate) = &self.chunks[home.chunk].gate {
+                gpu.queue.write_buffer(
+                    gate,
+                    u64::from(home.place) * (bits.len() * 4) as u64,
+                    bytemuck::cast_slice(&bits),
+                );
+            }
         }
         Ok(())
     }

@@ -22,6 +22,7 @@ pub fn brush_change(old: &Brush, new: &Brush) -> Option<Command> {
             any_value: old.range.is_some() && new.range.is_none(),
             erase: changed(old.erase, new.erase),
             erase_density: changed(old.erase_density, new.erase_density),
+            visible_only: changed(old.visible_only, new.visible_only),
         })
     })
 }
@@ -47,6 +48,7 @@ fn only(change: impl FnOnce(&mut BrushCommand)) -> Command {
         any_value: false,
         erase: None,
         erase_density: None,
+        visible_only: None,
     };
     change(&mut command);
     Command::Brush(command)

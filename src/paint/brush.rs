@@ -123,6 +123,10 @@ pub struct Brush {
     /// What taking away means for density.
     #[serde(default)]
     pub erase_density: EraseDensity,
+    /// Whether a stroke keeps to the surface that the 3D view shows: no voxel behind what is met first, none that the look hides. A
+    /// stroke that begins on a slice is drawn where one sees it already, and takes no heed of it.
+    #[serde(default)]
+    pub visible_only: bool,
 }
 
 impl Default for Brush {
@@ -139,6 +143,7 @@ impl Default for Brush {
             range: None,
             erase: false,
             erase_density: EraseDensity::Restore,
+            visible_only: false,
         }
     }
 }

@@ -12,6 +12,7 @@ mod path;
 mod pile;
 mod room;
 mod surface;
+mod voxel_set;
 
 pub use brush::{Brush, EraseDensity, Falloff, Operation, Sample, Shape, Target, Tip};
 pub use dab::{Dab, EDGE, Footprint, IndexBox, half_diagonal_mm};
@@ -20,3 +21,4 @@ pub use gate::{GATE_WORDS, Gate};
 pub use path::{MAX_DABS, StrokePath};
 pub use pile::Pile;
 pub use surface::{CLOSE_VOXELS, Seen, SurfaceRule};
+pub use voxel_set::VoxelSet;

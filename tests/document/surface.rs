@@ -340,3 +340,113 @@ fn the_view_may_turn_while_a_stroke_runs() {
     }
     assert!(labelled(&document, 1).len() > 150, "{}", labelled(&document, 1).len());
 }
+
+/// Two plates one behind the other, the front one with a window of values that the look hides.
+fn plates_with_a_window(p: DVec3) -> f64 {
+    let front = (50.0..54.0).contains(&p.y);
+    let behind = (40.0..46.0).contains(&p.y);
+    if !(front || behind) || !(4.0..60.0).contains(&p.x) || !(4.0..60.0).contains(&p.z) {
+        return 0.0;
+    }
+    if front && (38.0..40.0).contains(&p.x) { 99.0 } else { 200.0 }
+}
+
+#[test]
+fn a_stroke_that_keeps_to_the_surface_paints_its_first_layer_and_nothing_that_is_hidden() {
+    for projection in ["perspective", "orthographic"] {
+        let Some(mut document) = scene(plates_with_a_window) else { return };
+        if projection == "orthographic" {
+            let camera = json!({"eye":[31.5,120,31.5],"target":[31.5,31.5,31.5],"up":[0,0,1],"projection":{"orthographic":{"height_mm":90}}});
+            run(&mut document, &json!({"view":{"camera":{"camera":camera}}}).to_string()).unwrap();
+        }
+        let set = json!({"radius_mm":12,"visible_only":true,"target":{"label":1}});
+        assert_eq!(
+            run(&mut document, &json!({"brush":{"set":set}}).to_string()).unwrap()["brush"]["visible_only"],
+            true
+        );
+        let camera = document.state().unwrap().scene.views.camera;
+        let click = camera.project(DVec3::new(28.0, 53.5, 31.0), SIZE).unwrap().0;
+        paint(&mut document, &[click]);
+        let hit = hits(&mut document, &[click])[0].unwrap();
+        let labels = labelled(&document, 1);
+        for v in &labels {
+            // The front layer; through the window, where the rays pass, its sides and what shows behind it.
+            let through = (45..53).contains(&v[1]) && (36..=42).contains(&v[0]);
+            assert!(v[1] == 53 || through, "{projection}: {v:?} is behind the first surface");
+            assert!(!(38..40).contains(&v[0]) || v[1] != 53, "{projection}: {v:?} is hidden by the look");
+        }
+        // All of the layer within the ball.
+        let mut layer = 0;
+        for x in 4..38 {
+            for z in 4..60 {
+                let inside = DVec3::new(f64::from(x), 53.0, f64::from(z)).distance(hit) < 11.9;
+                layer += usize::from(inside);
+                assert!(!inside || labels.contains(&[x, 53, z]), "{projection}: [{x}, 53, {z}] is not painted");
+            }
+        }
+        assert!(layer > 300);
+        // The same click without it goes through to the plate behind.
+        run(&mut document, r#"{"brush":{"set":{"visible_only":false,"target":{"label":2}}}}"#).unwrap();
+        paint(&mut document, &[click]);
+        assert!(labelled(&document, 2).iter().any(|v| v[1] < 46));
+    }
+}
+
+#[test]
+fn a_fast_stroke_on_the_surface_of_a_ball_leaves_no_hole_and_nothing_beneath() {
+    let ball = |p: DVec3| 105.0 + 40.0 * (24.0 - p.distance(DVec3::splat(31.5)));
+    let Some(mut document) = scene(ball) else { return };
+    run(&mut document, r#"{"brush":{"set":{"radius_mm":5,"visible_only":true}}}"#).unwrap();
+    paint(&mut document, &way([90.0, 128.0], [166.0, 128.0], 100.0));
+    let labels = labelled(&document, 1);
+    for v in &labels {
+        let depth = 24.0 - DVec3::from_array(v.map(f64::from)).distance(DVec3::splat(31.5));
+        // A cell of the surface reaches less than its diagonal; the look begins to show at 100, 0.1 voxels outside.
+        assert!(depth < 1.75 && depth > -0.2, "{v:?} lies {depth} deep");
+    }
+    let met = hits(&mut document, &way([90.0, 128.0], [166.0, 128.0], 1.0));
+    for h in met.iter().flatten() {
+        let nearest =
+            labels.iter().map(|v| h.distance(DVec3::from_array(v.map(f64::from)))).fold(f64::INFINITY, f64::min);
+        assert!(nearest < 1.0, "{h}: {nearest}");
+    }
+    assert!(labels.len() > 300, "{}", labels.len());
+    // Mode and value range go together with it.
+    run(&mut document, r#"{"history":{"undo":{}}}"#).unwrap();
+    run(&mut document, r#"{"brush":{"set":{"range":[0,20]}}}"#).unwrap();
+    let nothing = paint(&mut document, &way([120.0, 128.0], [130.0, 128.0], 5.0));
+    assert!(nothing["nothing"].as_str().unwrap().contains("from 0 to 20"), "{nothing}");
+}
+
+#[test]
+fn a_moved_part_is_painted_on_what_shows_of_it() {
+    let Some(mut document) = block() else { return };
+    let plane = r#"{"part":{"split":{"by":{"plane":{"point":[0,23.5,0],"normal":[0,1,0]}}}}}"#;
+    let halves = run(&mut document, plane).unwrap()["halves"].clone();
+    // The front half goes up: the cut face of the one behind shows.
+    let pose = json!({"rotation":[0,0,0,1],"translation":[0,0,40]});
+    run(&mut document, &json!({"part":{"move":{"id":halves[0][1],"pose":pose}}}).to_string()).unwrap();
+    run(&mut document, &json!({"view":{"size":{"view":"3d","size":SIZE}}}).to_string()).unwrap();
+    let set = json!({"radius_mm":6,"visible_only":true,"target":{"label":1}});
+    run(&mut document, &json!({"brush":{"set":set}}).to_string()).unwrap();
+    let camera = document.state().unwrap().scene.views.camera;
+    let click = camera.project(DVec3::new(31.0, 23.5, 20.0), SIZE).unwrap().0;
+    paint(&mut document, &[click]);
+    let layers: std::collections::BTreeSet<u32> = labelled(&document, 1).iter().map(|v| v[1]).collect();
+    // The cut runs between the layers 23 and 24.
+    assert!(!layers.is_empty() && layers.iter().all(|y| (22..=24).contains(y)), "{layers:?}");
+    assert!(labelled(&document, 1).len() > 80);
+}
+
+#[test]
+fn a_stroke_on_a_slice_takes_no_heed_of_what_the_3d_view_shows() {
+    let Some(mut document) = scene(plates_with_a_window) else { return };
+    run(&mut document, r#"{"view":{"crosshair":{"at":{"index":[31,43,31]}}}}"#).unwrap();
+    run(&mut document, r#"{"brush":{"set":{"radius_mm":3,"visible_only":true}}}"#).unwrap();
+    let point = json!({"at":{"pixel":{"view":"coronal","px":[128,128],"size":[256,256]}}});
+    let answer = run(&mut document, &json!({"stroke":{"paint":{"points":[point]}}}).to_string()).unwrap();
+    assert!(answer["voxels_changed"].as_u64().unwrap() > 100, "{answer}");
+    // In mm and index it keeps to the surface: here, between the plates, there is none.
+    let answer = run(&mut document, r#"{"stroke":{"paint":{"points":[{"at":{"index":[20,32,31]}}]}}}"#).unwrap();
+    assert!(answer["nothing"].as_str().unwrap().contains("shows"), "{answer}");
+}

@@ -8,7 +8,7 @@ use super::stroke_nothing::why_nothing;
 use super::trail::{Resolved, Trail};
 use super::{Command, Document, DocumentError, ExplosionCommand, Place, StrokeCommand, StrokePoint, warn};
 use crate::gpu::GpuError;
-use crate::paint::{Brush, Dab, Pile, Sample, StrokePath, Target};
+use crate::paint::{Brush, Dab, Pile, Sample, StrokePath, Target, VoxelSet};
 use crate::volume::FieldKind;
 use serde_json::{Value, json};
 
@@ -23,6 +23,8 @@ pub(in crate::document) struct Running {
     edit: Edit,
     /// Where it has got to in the 3D view.
     trail: Option<Trail>,
+    /// What of the visible surface it has come to, if it keeps to that.
+    seen: VoxelSet,
     samples: Vec<Sample>,
     dabs: u64,
     missed: u64,
@@ -102,7 +104,7 @@ impl Document {
             self.mirror(&refreshed);
             self.no_stroke();
             swapped?;
-            let why = why_nothing(self.open()?, &running.brush, &running.samples, running.missed)?;
+            let why = why_nothing(self.open()?, &running.brush, &running.samples, running.missed, &running.seen)?;
             return Ok(json!({
                 "step": null,
                 "dabs": running.dabs,
@@ -146,6 +148,7 @@ impl Document {
         let mut path = running.path.clone();
         let Some(dab) = path.end() else { return Ok(None) };
         self.make_room(&[dab])?;
+        self.keep_to_surface(&[dab])?;
         let (Some(running), Some(state)) = (&mut self.running, &self.state) else { return Ok(None) };
         match self.graphics.extend(state, &[dab]) {
             Ok(_) => running.dabs += 1,
@@ -175,7 +178,8 @@ impl Document {
     /// Starts a stroke with resolved samples.
     pub(in crate::document) fn begin_stroke(&mut self, resolved: Resolved) -> Result<Value, DocumentError> {
         let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
-        let brush = state.scene.brush;
+        let mut brush = state.scene.brush;
+        brush.visible_only &= !resolved.on_slice;
         let path = StrokePath::new(&brush, state.grid())?;
         // What a straight stroke piles up, since a wider map costs the whole volume; one application without building up.
         let pile = brush.piles_up().then(|| Pile::new(&brush, state.grid()));
@@ -192,7 +196,17 @@ impl Document {
             self.graphics.remap(state);
         }
         let begun = begun.and_then(|()| self.graphics.begin(state, &brush));
-        self.running = Some(Running { brush, path, pile, edit, trail: None, samples: Vec::new(), dabs: 0, missed: 0 });
+        self.running = Some(Running {
+            brush,
+            path,
+            pile,
+            edit,
+            trail: None,
+            seen: VoxelSet::default(),
+            samples: Vec::new(),
+            dabs: 0,
+            missed: 0,
+        });
         let first = begun.and_then(|()| self.extend_stroke(resolved));
         if first.is_err() {
             self.drop_stroke();
@@ -219,6 +233,7 @@ impl Document {
         let mut widened = running.edit.remap(state, map).map_err(DocumentError::from);
         self.graphics.remap(state);
         widened = widened.and_then(|()| self.graphics.begin(state, &running.brush));
+        self.graphics.open(&running.seen);
         let painted = widened
             .and_then(|()| if before.is_empty() { Ok(()) } else { self.graphics.extend(state, &before).map(drop) });
         if painted.is_err() {
@@ -227,12 +242,27 @@ impl Document {
         painted
     }
 
+    /// Before dabs are painted by a stroke that keeps to the visible surface: finds what that is under them.
+    fn keep_to_surface(&mut self, dabs: &[Dab]) -> Result<(), DocumentError> {
+        let Some(running) = self.running.as_mut().filter(|r| r.brush.visible_only && !dabs.is_empty()) else {
+            return Ok(());
+        };
+        let mut seen = std::mem::take(&mut running.seen);
+        let found = self.see(dabs, &mut seen);
+        self.graphics.open(&seen);
+        if let Some(running) = &mut self.running {
+            running.seen = seen;
+        }
+        found
+    }
+
     fn extend_stroke(&mut self, resolved: Resolved) -> Result<Value, DocumentError> {
-        let Resolved { samples, missed, trail } = resolved;
+        let Resolved { samples, missed, trail, .. } = resolved;
         let Some(running) = &self.running else { return Ok(json!({})) };
         let mut path = running.path.clone();
         let dabs = path.extend(&samples)?;
         self.make_room(&dabs)?;
+        self.keep_to_surface(&dabs)?;
         let (Some(running), Some(state)) = (&mut self.running, &self.state) else { return Ok(json!({})) };
         let bricks = if dabs.is_empty() { Vec::new() } else { self.graphics.extend(state, &dabs)? };
         running.path = path;

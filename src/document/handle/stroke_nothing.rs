@@ -3,7 +3,7 @@
 //! Looks at the fields as they are, which is as they were at the stroke's start, and at the stroke's own dabs. Changes nothing.
 
 use super::State;
-use crate::paint::{Brush, Dab, Footprint, Gate, IndexBox, Operation, Sample, StrokePath, Target, Tip};
+use crate::paint::{Brush, Dab, Footprint, Gate, IndexBox, Operation, Sample, StrokePath, Target, Tip, VoxelSet};
 use crate::volume::{BRICK, BrickIndex, FieldKind, SLOT, SourceError};
 use std::collections::HashMap;
 
@@ -16,6 +16,7 @@ pub(super) fn why_nothing(
     brush: &Brush,
     samples: &[Sample],
     missed: u64,
+    seen: &VoxelSet,
 ) -> Result<String, SourceError> {
     if samples.is_empty() {
         return Ok(match missed {
@@ -42,7 +43,10 @@ pub(super) fn why_nothing(
             return Ok(format!("Labels take a strength times pressure of 50 % or more; here it was {percent} %."));
         }
     }
-    let open = Open::under(state, brush, &footprints, &bounds)?;
+    let open = Open::under(state, brush, &footprints, &bounds, seen)?;
+    if !open.visible {
+        return Ok("Nothing under the brush shows in the 3D view, and it paints only what does.".into());
+    }
     if let (Some([lo, hi]), Open { in_range: false, .. }) = (brush.range, &open) {
         return Ok(format!("No voxel under the brush has a value from {lo} to {hi}, where alone it may paint."));
     }
@@ -75,15 +79,23 @@ fn dabs(brush: &Brush, samples: &[Sample], state: &State) -> Vec<Dab> {
 
 /// What keeps the brush from the voxels that it covers.
 struct Open {
-    /// Whether one of them has a value that may be painted.
+    /// Whether one of them is of the visible surface, or need not be.
+    visible: bool,
+    /// Whether one of these has a value that may be painted.
     in_range: bool,
     /// The first locked label, if all that may be painted are locked.
     locked: Option<u16>,
 }
 
 impl Open {
-    fn under(state: &State, brush: &Brush, footprints: &[Footprint], bounds: &IndexBox) -> Result<Self, SourceError> {
-        let unknown = Self { in_range: true, locked: None };
+    fn under(
+        state: &State,
+        brush: &Brush,
+        footprints: &[Footprint],
+        bounds: &IndexBox,
+        seen: &VoxelSet,
+    ) -> Result<Self, SourceError> {
+        let unknown = Self { visible: true, in_range: true, locked: None };
         let size: [u32; 3] = std::array::from_fn(|a| bounds.end[a] - bounds.lo[a]);
         let looked: u64 = footprints.iter().map(|f| volume(&f.bounds)).sum();
         if volume(bounds) > MOST_VOXELS || looked > MOST_VOXELS {
@@ -100,11 +112,15 @@ impl Open {
                 gates.insert(brick, gate.slot(&state.density, brick)?);
             }
         }
-        let (mut in_range, mut locked, mut free) = (false, None, false);
+        let (mut visible, mut in_range, mut locked, mut free) = (false, false, None, false);
         for footprint in footprints {
             for voxel in voxels(&footprint.bounds).filter(|&v| footprint.coverage(v) > 0.0) {
                 let [x, y, z] = std::array::from_fn(|a| (voxel[a] - bounds.lo[a]) as usize);
                 let i = x + size[0] as usize * (y + size[1] as usize * z);
+                if brush.visible_only && !seen.contains(voxel) {
+                    continue;
+                }
+                visible = true;
                 if !gates.is_empty() && !is_open(&gates, voxel) {
                     continue;
                 }
@@ -116,7 +132,7 @@ impl Open {
                 }
             }
         }
-        Ok(Self { in_range, locked: locked.filter(|_| !free) })
+        Ok(Self { visible, in_range, locked: locked.filter(|_| !free) })
     }
 }
 

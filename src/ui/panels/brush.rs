@@ -3,7 +3,7 @@
 use crate::document::Scene;
 use crate::interact::readout;
 use crate::interact::{Tool, brush_change};
-use crate::paint::{Brush, Falloff, Operation, Shape, Target, Tip};
+use crate::paint::{Brush, EraseDensity, Falloff, Operation, Shape, Target, Tip};
 use crate::ui::app::App;
 use crate::ui::colour::colour_button;
 use crate::ui::theme;
@@ -112,6 +112,12 @@ impl App {
         row(ui, "Erase", |ui| {
             tick(ui, &mut new.erase, "Erase, not paint", "Strokes take away what was painted; also while E is held");
         });
+        let span = self.opened().map_or([0.0, 1.0], |o| [o.statistics.min, o.statistics.max]);
+        row(ui, "Erasing", |ui| erasing(ui, span, &mut new));
+        row(ui, "In 3D", |ui| {
+            let tip = "Strokes in the 3D view keep to the surface that is seen: nothing behind it is painted";
+            tick(ui, &mut new.visible_only, "Only what is visible", tip);
+        });
         range_row(ui, &mut new, self.opened().map(|o| (o.statistics.min, o.statistics.max)));
         if let Some(command) = brush_change(&old, &new) {
             self.last_paint.insert(kind(new.target), new.target);
@@ -191,6 +197,30 @@ fn label_mode(ui: &mut Ui, brush: &Brush) {
         false => ("a label replaces", theme::TEXT_WEAK),
     };
     ui.add(Label::new(RichText::new(text).color(colour)).truncate());
+}
+
+/// What erasing leaves: the row is always there, so that nothing below moves.
+fn erasing(ui: &mut Ui, [least, most]: [f64; 2], new: &mut Brush) {
+    if !matches!(new.target, Target::Density(_)) {
+        ui.add(Label::new(RichText::new("takes away what was painted").color(theme::TEXT_WEAK)).truncate());
+        return;
+    }
+    let removes = matches!(new.erase_density, EraseDensity::To(_));
+    ui.allocate_ui(vec2(ui.available_width() - 72.0, theme::ROW), |ui| {
+        let options = [
+            (false, "Restores", "What the file says comes back; where nothing was painted nothing changes"),
+            (true, "Removes to", "The value beside it takes the place of what is there"),
+        ];
+        match choice(ui, "Erasing density", Some(removes), &options) {
+            Some(true) => new.erase_density = EraseDensity::To(least),
+            Some(false) => new.erase_density = EraseDensity::Restore,
+            None => {}
+        }
+    });
+    if let EraseDensity::To(value) = &mut new.erase_density {
+        let tip = "What erased density becomes: the value of air, say";
+        value_field(ui, 68.0, ("Value after erasing", tip), value, most - least);
+    }
 }
 
 fn operation_box(ui: &mut Ui, new: &mut Brush) {

@@ -1,0 +1,74 @@
+//! A set of voxels, by brick: what a stroke on the visible surface may paint.
+//!
+//! Memory follows the bricks that hold any. Knows neither fields nor how its voxels were found.
+
+use super::GATE_WORDS;
+use crate::volume::{BRICK, BRICK_VOXELS, BrickIndex, SLOT};
+use std::collections::HashMap;
+
+/// A bit for every voxel of a brick, x fastest.
+type Bits = [u32; BRICK_VOXELS / 32];
+
+/// See the module's head.
+#[derive(Clone, Debug, Default)]
+pub struct VoxelSet(HashMap<BrickIndex, Box<Bits>>);
+
+impl VoxelSet {
+    /// Whether it holds a voxel.
+    pub fn contains(&self, voxel: [u32; 3]) -> bool {
+        let (word, bit) = place(voxel);
+        self.0.get(&BrickIndex::of_voxel(voxel)).is_some_and(|bits| bits[word] & bit != 0)
+    }
+
+    /// Adds a voxel; answers whether it is new.
+    pub fn insert(&mut self, voxel: [u32; 3]) -> bool {
+        let (word, bit) = place(voxel);
+        let bits = self.0.entry(BrickIndex::of_voxel(voxel)).or_insert_with(|| Box::new([0; BRICK_VOXELS / 32]));
+        let new = bits[word] & bit == 0;
+        bits[word] |= bit;
+        new
+    }
+
+    /// Adds all voxels of another.
+    pub fn extend(&mut self, other: &Self) {
+        for (brick, bits) in &other.0 {
+            match self.0.get_mut(brick) {
+                Some(own) => own.iter_mut().zip(bits.iter()).for_each(|(a, b)| *a |= b),
+                None => drop(self.0.insert(*brick, bits.clone())),
+            }
+        }
+    }
+
+    /// A bit for every texel of a slot of level 0 in a volume of `dims` voxels, as [`Gate::slot`](super::Gate::slot) has them: apron
+    /// texels as the voxels that they repeat.
+    pub fn slot(&self, index: BrickIndex, dims: [u32; 3]) -> Vec<u32> {
+        let origin = index.origin();
+        let voxel = |a: usize, t: u32| (origin[a] + t).saturating_sub(1).min(dims[a] - 1);
+        let mut bits = vec![0_u32; GATE_WORDS];
+        for texel in 0..SLOT * SLOT * SLOT {
+            let [x, y, z] = [texel % SLOT, texel / SLOT % SLOT, texel / (SLOT * SLOT)];
+            let open = self.contains([voxel(0, x), voxel(1, y), voxel(2, z)]);
+            bits[(texel / 32) as usize] |= u32::from(open) << (texel % 32);
+        }
+        bits
+    }
+
+    /// Bricks whose slots show any of its voxels in a volume of `dims` voxels.
+    pub fn slots(&self, dims: [u32; 3]) -> Vec<BrickIndex> {
+        let reach = |index: &BrickIndex| {
+            let lo = index.origin();
+            let end = std::array::from_fn(|a| (lo[a] + BRICK).min(dims[a]));
+            super::IndexBox { lo, end }.slots(dims)
+        };
+        let mut all: Vec<_> = self.0.keys().flat_map(reach).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+}
+
+fn place(voxel: [u32; 3]) -> (usize, u32) {
+    let [x, y, z] = voxel.map(|v| v % BRICK);
+    let i = x + BRICK * (y + BRICK * z);
+    ((i / 32) as usize, 1 << (i % 32))
+}
