@@ -286,3 +286,57 @@ fn the_same_stroke_paints_the_same_voxels_whatever_the_unit() {
         assert!(other[8] == painted[0][8]);
     }
 }
+
+#[test]
+fn a_locked_segment_is_left_alone_whatever_its_number() {
+    let Some(mut document) = of(Voxels::U8(vec![0; 32 * 8 * 8]), [32, 8, 8], DVec3::ONE) else { return };
+    let ids = [1_u16, 31, 32, 33, 64, 255, 300, 32_767, 32_768, 65_535];
+    for (i, id) in ids.iter().enumerate() {
+        brush(&mut document, json!({"radius_mm":0,"target":{"label":id}}));
+        stroke(&mut document, &[[i as f64 * 3.0, 4.0, 4.0]]);
+        // One beside it that differs in the lowest bit, and is not locked.
+        brush(&mut document, json!({"target":{"label":id ^ 1}}));
+        stroke(&mut document, &[[i as f64 * 3.0 + 1.0, 4.0, 4.0]]);
+    }
+    for id in ids {
+        run(&mut document, &json!({"segment":{"set":{"id":id,"locked":true}}}).to_string()).unwrap();
+    }
+    brush(&mut document, json!({"radius_mm":40,"target":{"label":9}}));
+    stroke(&mut document, &[[16.0, 4.0, 4.0]]);
+    let label = |x: u32| document.state().unwrap().labels.value([x, 4, 4]).unwrap();
+    for (i, id) in (0..).zip(ids) {
+        assert_eq!(label(3 * i), f32::from(id));
+        let beside = id ^ 1;
+        let expected = if beside == 0 {
+            9.0
+        } else if ids.contains(&beside) {
+            f32::from(beside)
+        } else {
+            9.0
+        };
+        assert_eq!(label(3 * i + 1), expected, "{beside}");
+    }
+}
+
+#[test]
+fn full_strength_is_the_value_itself_however_large_what_was_there() {
+    let voxels = Voxels::F32((0..64).map(|i| if i == 0 { f32::INFINITY } else { 1e8 }).collect());
+    let Some(mut document) = of(voxels, [4; 3], DVec3::ONE) else { return };
+    brush(&mut document, json!({"radius_mm":0,"target":{"density":0.1}}));
+    stroke(&mut document, &[[2.0, 2.0, 2.0]]);
+    assert_eq!(document.state().unwrap().density.value([2, 2, 2]).unwrap(), 0.1);
+    assert_eq!(document.state().unwrap().density.value([1, 2, 2]).unwrap(), 1e8);
+}
+
+#[test]
+fn colour_too_weak_for_a_step_of_opacity_leaves_nothing() {
+    let Some(mut document) = of(Voxels::U8(vec![7; 512]), [8; 3], DVec3::ONE) else { return };
+    brush(&mut document, json!({"radius_mm":2,"falloff":"hard","strength":0.0015,"target":{"colour":[1,0.5,0.2,1]}}));
+    let answer = stroke(&mut document, &[[4.0, 4.0, 4.0]]);
+    assert_eq!((&answer["step"], &answer["voxels_changed"]), (&Value::Null, &json!(0)), "0.38 of a step");
+    assert!(document.state().unwrap().colour.is_blank());
+    brush(&mut document, json!({"strength":0.0025}));
+    stroke(&mut document, &[[4.0, 4.0, 4.0]]);
+    // 0.64 of a step of opacity is one, and the hue is whole.
+    assert_eq!(document.state().unwrap().colour.texel([4, 4, 4]).unwrap(), [255, 128, 51, 1]);
+}

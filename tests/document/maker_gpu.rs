@@ -45,7 +45,7 @@ pub fn block() -> Option<Document> {
 pub fn made(voxels: Voxels, dims: [u32; 3], spacing: DVec3) -> Option<Document> {
     let mut document = Document::new();
     if let Err(reason) = document.describe_gpu() {
-        eprintln!("skipped: {reason}");
+        crate::common::gpu::missing(reason);
         return None;
     }
     let grid = Grid::aligned(dims, spacing, DVec3::ZERO);

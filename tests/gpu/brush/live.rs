@@ -93,6 +93,31 @@ fn cells_in_doubt_may_show_anything_and_then_what_they_hold() {
 }
 
 #[test]
+fn cells_that_were_asked_for_and_not_answered_may_show_anything() {
+    let Some(gpu) = gpu() else { return };
+    let grid = unit_grid([64, 64, 64]);
+    let mut canvas = Canvas::blank(&gpu, grid);
+    let frame = frame(&grid, ramp(1000.0, 4000.0), DVec3::NEG_Y, [32, 32]);
+    let skip = |canvas: &mut Canvas, at: f32| {
+        let Canvas { density, colour, selection, labels, pools, .. } = canvas;
+        pools.make_resident(&gpu, &Fields { density, colour, selection, labels }, &frame).unwrap();
+        sample(&gpu, &canvas.pools, &[[at; 3]])[0].skip[0]
+    };
+    let brush = Brush { target: Target::Density(3000.0), radius_mm: 3.0, falloff: Falloff::Hard, ..Brush::default() };
+    canvas.begin(&brush);
+    canvas.extend(&[dab_at(&grid, DVec3::splat(6.0), 3.0)]);
+    // Asked, and the answer not taken; then another block of the same brick is painted.
+    let Canvas { density, colour, selection, labels, painter, pools, .. } = &mut canvas;
+    painter.follow(pools, &Fields { density, colour, selection, labels }).unwrap();
+    canvas.extend(&[dab_at(&grid, DVec3::splat(26.0), 3.0)]);
+    assert_eq!(skip(&mut canvas, 6.0), 0, "the first ball must not be skipped by what was there before it");
+    assert_eq!(skip(&mut canvas, 26.0), 0);
+    follow(&gpu, &mut canvas);
+    assert_eq!([skip(&mut canvas, 6.0), skip(&mut canvas, 26.0)], [0; 2]);
+    canvas.finish();
+}
+
+#[test]
 fn a_long_stroke_is_submitted_in_parts_and_paints_the_same() {
     let Some(gpu) = gpu() else { return };
     let grid = unit_grid([40, 34, 20]);
