@@ -283,3 +283,18 @@ fn names_break_no_line() {
     window.report(Report::Done(image("/data/a\tb.png"), serde_json::json!({})));
     assert!(window.harness.query_by_label("Saved picture a\\tb.png").is_some());
 }
+
+#[test]
+fn a_path_and_enter_within_one_slow_frame_are_taken_in_their_order() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut window = started(dir.path());
+    window.key(Modifiers::COMMAND, egui::Key::O);
+    let key =
+        |key| egui::Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers: Modifiers::NONE };
+    let text = |text: &str| egui::Event::Text(text.into());
+    let path = "/nowhere/head.nii";
+    window.harness.input_mut().events.extend([text("/nowhere/"), text("head.nii"), key(egui::Key::Enter)]);
+    window.harness.step();
+    window.harness.run_steps(3);
+    assert_eq!(window.sent(), [open(Path::new(path))]);
+}

@@ -9,8 +9,8 @@ use crate::ui::widgets::{Face, cut_text, from_right_row, icon_button, tipped};
 use egui::text::{CCursor, CCursorRange};
 use egui::text_edit::TextEditState;
 use egui::{
-    Align2, Button, Color32, Id, Key, Modifiers, Response, RichText, Role, ScrollArea, Sense, TextEdit, TextStyle, Ui,
-    WidgetInfo, vec2,
+    Align2, Button, Color32, Event, Id, Key, Modifiers, Response, RichText, Role, ScrollArea, Sense, TextEdit,
+    TextStyle, Ui, WidgetInfo, vec2,
 };
 use std::path::PathBuf;
 use std::time::SystemTime;
@@ -24,9 +24,10 @@ const COLUMNS: [f32; 2] = [76.0, 104.0];
 
 impl App {
     pub(super) fn browser_dialog(&mut self, ui: &mut Ui, mut browse: Box<Browse>) -> Option<Dialog> {
-        let Browse { what, browser, places } = browse.as_mut();
+        let Browse { what, browser, places, held } = browse.as_mut();
         browser.poll();
         let field = Id::unique("browsed path");
+        hold_back(ui, held);
         let mut answer = keys(ui, browser, field);
         ui.heading(what.title());
         ui.label(RichText::new(what.hint()).color(theme::TEXT_WEAK));
@@ -92,6 +93,25 @@ impl App {
             }
             None => Some(Dialog::Browse(browse)),
         }
+    }
+}
+
+/// In a slow frame Enter may come together with the text before it: the field takes its text first, the key waits a frame.
+fn hold_back(ui: &Ui, held: &mut Vec<Event>) {
+    let moves = [Key::Enter, Key::ArrowUp, Key::ArrowDown, Key::PageUp, Key::PageDown];
+    ui.input_mut(|i| {
+        i.events.splice(0..0, held.drain(..));
+        let mut typed = false;
+        let cut = i.events.iter().position(|event| {
+            typed |= matches!(event, Event::Text(_) | Event::Paste(_));
+            typed && matches!(event, Event::Key { key, pressed: true, .. } if moves.contains(key))
+        });
+        if let Some(cut) = cut {
+            *held = i.events.split_off(cut);
+        }
+    });
+    if !held.is_empty() {
+        ui.ctx().request_repaint();
     }
 }
 

@@ -65,7 +65,7 @@ impl App {
         let name = what.name(self);
         let browser = Browser::new(what.purpose(), &folder, &name.to_string_lossy(), self.home.clone(), self.wake());
         let places = places(self.home.as_deref(), &self.recent.folders());
-        self.dialog = Some(Dialog::Browse(Box::new(Browse { what, browser, places })));
+        self.dialog = Some(Dialog::Browse(Box::new(Browse { what, browser, places, held: Vec::new() })));
     }
 
     /// Draws the window again when something has come from another thread.

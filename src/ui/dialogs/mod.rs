@@ -53,6 +53,8 @@ pub(super) struct Browse {
     pub(super) what: What,
     pub(super) browser: Browser,
     pub(super) places: Vec<Place>,
+    /// Keys that wait for the text before them.
+    pub(super) held: Vec<egui::Event>,
 }
 
 impl Dialog {
