@@ -1,11 +1,11 @@
 // A slice: grey window, then painted colour, labels and selection over it. Linear in the plane, one voxel deep.
 
-#import burin::field::{info, brick_of, density_page, density_at, is_nan, colour_page, colour_at, selection_page,
+#import burin::field::{info, brick_of, density_page, density_texel, address, is_nan, colour_page, colour_at, selection_page,
     selection_at, label_at}
 
 struct Slice {
     top_left: vec3<f32>,        // the picture's corner in voxels, on the slice
-    black: f32,                 // density that is black
+    black: f32,                 // density that is black, as a texel
     per_x: vec3<f32>,           // voxels per pixel to the right
     white: f32,
     per_y: vec3<f32>,           // voxels per pixel down
@@ -32,7 +32,8 @@ fn shown(at: vec2<f32>) -> vec4<f32> {
         return vec4<f32>(0.0);
     }
     let brick = brick_of(p);
-    let density = density_at(density_page(brick), p);
+    let page = density_page(brick);
+    let density = density_texel(page, address(page, p));
 #ifdef FLOAT_DENSITY
     if (is_nan(density)) {
         return vec4<f32>(0.0);

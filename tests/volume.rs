@@ -1,5 +1,6 @@
 //! Fields, levels, grids and the transfer function.
 
+mod levels;
 mod presets;
 
 use burin::math::DVec3;

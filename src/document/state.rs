@@ -136,6 +136,14 @@ pub(super) fn density_map(
         return Err(DocumentError::invalid("range", format!("[{lo}, {hi}]"), "two finite values, the smaller first"));
     }
     let (min, max) = range.map_or((statistics.min, statistics.max), |[lo, hi]| (lo, hi));
+    let largest = min.abs().max(max.abs());
+    if largest > f64::from(f32::MAX) && largest.is_finite() {
+        // A few numbers beyond all others mark what has no data; it is drawn as infinite. Where most are so large they are the data.
+        let far = (0..histogram.bins.len()).filter(|&i| histogram.value_at(i as f64 + 0.5).abs() > largest * 0.01);
+        let large: u64 = far.map(|i| histogram.bins[i]).sum();
+        let most = large * 2 > histogram.bins.iter().sum();
+        return Ok(if most { DensityMap::floats(largest) } else { DensityMap::FLOAT });
+    }
     if statistics.nan_count > 0 || !(min.is_finite() && max.is_finite()) {
         return Ok(DensityMap::FLOAT);
     }

@@ -113,6 +113,7 @@ impl Painter {
             return Err(GpuError::Stroke("one is running; end or cancel it first"));
         }
         brush.check()?;
+        brush.check_on(fields.density)?;
         if let Some(needed) = brush.range_needed(fields.density) {
             let map = fields.density.map();
             return Err(GpuError::BeyondRange { needed, held: [map.lo, map.hi()] });

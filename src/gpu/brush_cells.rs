@@ -351,7 +351,8 @@ fn value(key: u32, field: &Field, variant: Variant) -> f32 {
             let [a, b] = ((texel * 65_535.0).round() as u16).to_le_bytes();
             field.map().decode([a, b, 0, 0]) as f32
         }
-        Variant::Floats | Variant::Labels | Variant::Colour => texel,
+        Variant::Floats => field.map().decode(texel.to_le_bytes()) as f32,
+        Variant::Labels | Variant::Colour => texel,
     }
 }
 

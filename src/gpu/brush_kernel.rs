@@ -234,8 +234,10 @@ impl BrushStroke {
         let operation = brush.effective();
         let offset = matches!(operation, Operation::Add | Operation::Subtract);
         let paint = match brush.effective_target() {
-            Target::Density(value) if target.format() == TexelFormat::R32Float => [value as f32, 0.0, 0.0, 0.0],
             Target::Density(value) if offset => [(value * map.codes_per_unit) as f32, 0.0, 0.0, 0.0],
+            Target::Density(value) if target.format() == TexelFormat::R32Float => {
+                [((value - map.lo) * map.codes_per_unit) as f32, 0.0, 0.0, 0.0]
+            }
             Target::Density(value) => {
                 [((value - map.lo) * map.codes_per_unit).clamp(0.0, 65_535.0) as f32, 0.0, 0.0, 0.0]
             }
@@ -246,9 +248,8 @@ impl BrushStroke {
         // A hair wider than f32 rounds.
         let hair = |v: f64| (v.abs() * 1e-6).min(1.0);
         let [low, top] = match (target.kind(), target.format(), brush.bounds(target)) {
-            (FieldKind::Density, TexelFormat::R32Float, [lo, hi]) => {
-                [(lo - hair(lo)).max(f64::from(f32::MIN)), (hi + hair(hi)).min(f64::from(f32::MAX))]
-            }
+            (FieldKind::Density, TexelFormat::R32Float, [lo, hi]) => [lo - hair(lo), hi + hair(hi)]
+                .map(|v| ((v - map.lo) * map.codes_per_unit).clamp(f32::MIN.into(), f32::MAX.into())),
             (FieldKind::Density, _, ends) => ends.map(|v| ((v - map.lo) * map.codes_per_unit).clamp(0.0, 65_535.0)),
             _ => [0.0, 255.0],
         }

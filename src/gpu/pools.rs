@@ -350,7 +350,7 @@ impl FieldPools {
     /// (lo, span): value = lo + texel · span for the density that shaders read.
     pub fn value_of_texel(&self) -> (f64, f64) {
         match self.map.format {
-            TexelFormat::R32Float => (0.0, 1.0),
+            TexelFormat::R32Float => (self.map.lo, 1.0 / self.map.codes_per_unit),
             _ => (self.map.lo, self.map.hi() - self.map.lo),
         }
     }

@@ -183,7 +183,8 @@ fn view(frame: &Frame, window: &Window, lo: f64, span: f64) -> View {
     let pixel = 2.0 * half / h.max(1.0);
     let corner = forward + right * ((window.origin.x - 0.5 * w) * pixel) + up * ((0.5 * h - window.origin.y) * pixel);
     let (first, last) = frame.transfer.domain();
-    let entries = (TABLE_ENTRIES - 1) as f64 / (last - first);
+    // Halves, since their distance may be beyond all numbers.
+    let entries = (TABLE_ENTRIES - 1) as f64 * 0.5 / (last * 0.5 - first * 0.5);
     let Overlay { colour, labels, selection, selection_colour, .. } = frame.overlay;
     let light = frame.lighting.unwrap_or_default();
     View {

@@ -70,11 +70,11 @@ shared_struct! {
     pub struct Slice {
         /// The picture's corner in voxels.
         pub top_left: [f32; 3],
-        /// Density that is black.
+        /// Density that is black, as a texel.
         pub black: f32,
         /// Voxels per pixel to the right.
         pub per_x: [f32; 3],
-        /// Density that is white.
+        /// Density that is white, as a texel.
         pub white: f32,
         /// Voxels per pixel down.
         pub per_y: [f32; 3],
@@ -173,7 +173,7 @@ impl SliceCaster {
                 write_colours(gpu, &self.colours, &frame.overlay.segments);
                 self.segments = Some(frame.overlay.segments.clone());
             }
-            gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform(frame)));
+            gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform(frame, pools.value_of_texel())));
             let colours = self.colours.create_view(&wgpu::TextureViewDescriptor::default());
             let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: Some("slice"),
@@ -254,13 +254,14 @@ fn defs(gpu: &Gpu, pools: &FieldPools, frame: &SliceFrame) -> Key {
     pools.defs(gpu).into_iter().map(|d| d.0).chain(drawn.map(|l| l.0)).collect()
 }
 
-fn uniform(frame: &SliceFrame) -> Slice {
+fn uniform(frame: &SliceFrame, (lo, span): (f64, f64)) -> Slice {
+    let [black, white] = frame.window.map(|value| ((value - lo) / span) as f32);
     let narrow = |v: DVec3| v.as_vec3().to_array();
     Slice {
         top_left: narrow(frame.top_left),
-        black: frame.window[0] as f32,
+        black,
         per_x: narrow(frame.per_x),
-        white: frame.window[1] as f32,
+        white,
         per_y: narrow(frame.per_y),
         colour_opacity: frame.overlay.colour,
         selection_colour: frame.overlay.selection_colour,

@@ -1,7 +1,7 @@
 //! Smallest, largest, sum and NaN count of values, in one pass and in exact or compensated sums.
 
 use super::{IoError, Progress};
-use crate::volume::{BrickSource, Statistics, Value, Voxels};
+use crate::volume::{BrickSource, Statistics, Total, Value, Voxels};
 use crate::with_voxels;
 use rayon::prelude::*;
 
@@ -39,7 +39,7 @@ const SLAB_VOXELS: u64 = 1 << 21;
 const EXACT_RUN: usize = 1 << 18;
 
 /// Gathers stored voxels of one type. Integers are summed as such and scaled at the end; fractions are scaled first and
-/// summed with Neumaier's compensation, and so are integers whose scaled values `f64` may not hold.
+/// summed with compensation, and so are integers whose scaled values `f64` may not hold.
 #[derive(Debug)]
 pub(super) struct Accumulator {
     scaling: (f64, f64),
@@ -49,8 +49,7 @@ pub(super) struct Accumulator {
     /// Least and greatest of 64-bit integers.
     long: Option<[i128; 2]>,
     count: u64,
-    sum: f64,
-    lost: f64,
+    sum: Total,
     nan_count: u64,
     infinite_count: u64,
 }
@@ -64,8 +63,7 @@ impl Accumulator {
             integers: 0,
             long: None,
             count: 0,
-            sum: 0.0,
-            lost: 0.0,
+            sum: Total::default(),
             nan_count: 0,
             infinite_count: 0,
         }
@@ -114,18 +112,12 @@ impl Accumulator {
             if x.is_finite() {
                 self.min = if x < self.min { x } else { self.min };
                 self.max = if x > self.max { x } else { self.max };
-                self.compensated(x);
+                self.sum.add(x);
             } else {
                 self.nan_count += u64::from(x.is_nan());
                 self.infinite_count += u64::from(x.is_infinite());
             }
         }
-    }
-
-    fn compensated(&mut self, x: f64) {
-        let total = self.sum + x;
-        self.lost += if self.sum.abs() >= x.abs() { (self.sum - total) + x } else { (x - total) + self.sum };
-        self.sum = total;
     }
 
     fn merge(&mut self, other: &Self) {
@@ -137,8 +129,7 @@ impl Accumulator {
             (a, b) => a.or(b),
         };
         self.count += other.count;
-        self.compensated(other.sum);
-        self.lost += other.lost;
+        self.sum.merge(&other.sum);
         self.nan_count += other.nan_count;
         self.infinite_count += other.infinite_count;
     }
@@ -150,13 +141,11 @@ impl Accumulator {
         let (a, b) = (least * slope + intercept, greatest * slope + intercept);
         let (min, max) = if least > greatest { (f64::NAN, f64::NAN) } else { (a.min(b), a.max(b)) };
         let integers = self.integers as f64 * slope + intercept * self.count as f64;
-        // Once the sum has left f64, the compensation is NaN and no help.
-        let lost = if self.lost.is_nan() { 0.0 } else { self.lost };
         let exact = self.long.filter(|_| self.scaling == (1.0, 0.0)).map(|[min, max]| [min, max, self.integers]);
         Statistics {
             min,
             max,
-            sum: integers + self.sum + lost,
+            sum: integers + self.sum.value(),
             nan_count: self.nan_count,
             infinite_count: self.infinite_count,
             exact,

@@ -210,10 +210,6 @@ impl Brush {
             Target::Density(value) if !value.is_finite() => {
                 return wrong("target.density", value.to_string(), "a finite value in the volume's unit");
             }
-            Target::Density(value) if value.abs() > f64::from(f32::MAX) => {
-                let expected = "a value within 32-bit floats, which keep what is painted: up to 3.4e38 either way";
-                return wrong("target.density", value.to_string(), expected);
-            }
             Target::Colour(rgba) if !rgba.iter().all(|c| (0.0..=1.0).contains(c)) => {
                 return wrong("target.colour", format!("{rgba:?}"), "four numbers from 0 to 1");
             }

@@ -5,7 +5,7 @@
 //! Otherwise density moves to floats, which hold every value to 24 bits. Nothing is ever refused for want of room. Knows fields,
 //! neither documents nor the GPU.
 
-use super::{Brush, Falloff, Operation, Target, Tip};
+use super::{Brush, Falloff, Operation, PaintError, Target, Tip};
 use crate::volume::{DensityMap, Field, Statistics, TexelFormat, unit};
 
 /// Codes between neighbouring integers below which a soft brush would paint in steps.
@@ -56,6 +56,17 @@ impl Brush {
             ((hi - lo) / unit <= 65_535.0).then(|| DensityMap::codes(lo, hi, Some(unit)))
         });
         Some(wider.filter(keeps).unwrap_or(DensityMap::FLOAT))
+    }
+
+    /// # Errors
+    /// If the brush's number is beyond what density as it is now can keep.
+    pub fn check_on(&self, density: &Field) -> Result<(), PaintError> {
+        let Target::Density(value) = self.target else { return Ok(()) };
+        let map = density.map();
+        let kept = map.format != TexelFormat::R32Float || map.decode(map.encode(value)).is_finite();
+        let expected = "a value within 32-bit floats, which keep what is painted: up to 3.4e38 either way";
+        let wrong = || PaintError::Brush { field: "target.density", found: format!("{value:e}"), expected };
+        if kept || self.effective() == Operation::Restore { Ok(()) } else { Err(wrong()) }
     }
 
     /// The range of values after this brush has painted on values of the range `ends`: these, and what one application makes of

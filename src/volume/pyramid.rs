@@ -78,9 +78,9 @@ fn ranges(format: TexelFormat, map: &DensityMap, texels: &[u8], n: [usize; 3]) -
         TexelFormat::Rgba8Unorm => texels.chunks_exact(4).map(|t| f32::from(t[3])).collect(),
     };
     let decode = |raw: f32| match format {
-        TexelFormat::R16Unorm => (map.lo + f64::from(raw) / map.codes_per_unit) as f32,
+        TexelFormat::R16Unorm | TexelFormat::R32Float => (map.lo + f64::from(raw) / map.codes_per_unit) as f32,
         TexelFormat::R8Unorm | TexelFormat::Rgba8Unorm => raw / 255.0,
-        TexelFormat::R32Float | TexelFormat::R16Uint => raw,
+        TexelFormat::R16Uint => raw,
     };
     // Separable: 6 taps along each axis in turn, at a stride of 4.
     let [nx, ny, nz] = n;
@@ -179,9 +179,11 @@ fn mean(format: TexelFormat, taps: &[[u8; 4]]) -> [u8; 4] {
             [a, b, 0, 0]
         }
         TexelFormat::R32Float => {
-            let numbers = taps.iter().map(|&t| f32::from_le_bytes(t)).filter(|v| !v.is_nan());
-            let (sum, count) = numbers.fold((0.0_f64, 0_u32), |(s, c), v| (s + f64::from(v), c + 1));
-            let value = if count == 0 { f32::NAN } else { (sum / f64::from(count)) as f32 };
+            let numbers = || taps.iter().map(|&t| f32::from_le_bytes(t)).filter(|v| !v.is_nan());
+            // One infinite voxel would be all of a picture from afar.
+            let finite = numbers().filter(|v| v.is_finite());
+            let (sum, count) = finite.fold((0.0_f64, 0_u32), |(s, c), v| (s + f64::from(v), c + 1));
+            let value = if count == 0 { numbers().next().unwrap_or(f32::NAN) } else { (sum / f64::from(count)) as f32 };
             value.to_le_bytes()
         }
         TexelFormat::Rgba8Unorm => {

@@ -34,7 +34,8 @@ impl TexelFormat {
 /// How density values become texels.
 ///
 /// `R16Unorm`: `code = round((value − lo) · codes_per_unit)`, clamped to 0..65535. Integer data spanning at most 65,535 has a
-/// whole number of codes per unit, so that every integer is exact and what is left is fraction. `R32Float`: the value.
+/// whole number of codes per unit, so that every integer is exact and what is left is fraction. `R32Float`: the same without
+/// rounding, which is the value itself but for data beyond all 32-bit floats.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DensityMap {
     /// `R16Unorm` or `R32Float`.
@@ -49,10 +50,19 @@ impl DensityMap {
     /// Values as they are, in 32-bit float.
     pub const FLOAT: Self = Self { format: TexelFormat::R32Float, lo: 0.0, codes_per_unit: 1.0 };
 
+    /// Floats for values of up to this size: as they are, or if 32 bits have no room for them by a power of two smaller.
+    pub fn floats(largest: f64) -> Self {
+        if largest <= f64::from(f32::MAX) || !largest.is_finite() {
+            return Self::FLOAT;
+        }
+        Self { codes_per_unit: 2.0_f64.powi(100 - largest.log2().ceil() as i32), ..Self::FLOAT }
+    }
+
     /// 16-bit codes over `[min, max]`. `unit` is the distance between neighbouring values of integer data (its slope); with
     /// it integers map one to one as long as they span at most 65,535. `None`: data with a fraction, spread over all codes.
     pub fn codes(min: f64, max: f64, unit: Option<f64>) -> Self {
-        let span = (max - min).max(f64::MIN_POSITIVE);
+        // No less than leaves a number of codes per unit.
+        let span = (max - min).max(1e-300);
         let codes_per_unit = match unit {
             Some(unit) if unit > 0.0 && max > min && span / unit <= 65_535.0 => {
                 (65_535.0 / (span / unit).round()).floor() / unit
@@ -85,7 +95,8 @@ impl DensityMap {
         let size = value.abs();
         match self.format {
             TexelFormat::R32Float => {
-                size.min(f64::from(f32::MAX)) * f64::from(f32::EPSILON) + f64::from(f32::from_bits(1))
+                let [most, least] = [f32::MAX, f32::from_bits(1)].map(|v| f64::from(v) / self.codes_per_unit);
+                size.min(most) * f64::from(f32::EPSILON) + least
             }
             _ => self.half_step() * if exact { 1.0 } else { 2.0 } * (1.0 + 1.0 / 64.0) + size * f64::EPSILON,
         }
@@ -94,7 +105,7 @@ impl DensityMap {
     /// Value to texel bytes.
     pub fn encode(&self, value: f64) -> [u8; 4] {
         match self.format {
-            TexelFormat::R32Float => (value as f32).to_le_bytes(),
+            TexelFormat::R32Float => (((value - self.lo) * self.codes_per_unit) as f32).to_le_bytes(),
             _ => {
                 let [a, b] = nearest_code((value - self.lo) * self.codes_per_unit).to_le_bytes();
                 [a, b, 0, 0]
@@ -105,7 +116,7 @@ impl DensityMap {
     /// Texel bytes to value.
     pub fn decode(&self, texel: [u8; 4]) -> f64 {
         match self.format {
-            TexelFormat::R32Float => f64::from(f32::from_le_bytes(texel)),
+            TexelFormat::R32Float => self.lo + f64::from(f32::from_le_bytes(texel)) / self.codes_per_unit,
             _ => self.lo + f64::from(u16::from_le_bytes([texel[0], texel[1]])) / self.codes_per_unit,
         }
     }
@@ -119,7 +130,7 @@ impl DensityMap {
             match map.format {
                 TexelFormat::R32Float => {
                     for (out, &x) in out[start..].chunks_exact_mut(4).zip(v) {
-                        out.copy_from_slice(&((x.to_f64() * slope + intercept) as f32).to_le_bytes());
+                        out.copy_from_slice(&map.encode(x.to_f64() * slope + intercept));
                     }
                 }
                 _ => {

@@ -23,6 +23,7 @@ mod masks;
 mod memory;
 mod motion;
 mod nouns;
+mod opening;
 mod painted;
 mod parts;
 mod past;

@@ -5,7 +5,7 @@ use super::values_support::{Data, ask, density, voxel};
 use crate::common::gpu::gpu;
 use crate::io::files::ALL_TYPES;
 use burin::document::Document;
-use burin::volume::{Number, TexelFormat, Value as _, VoxelType, Voxels};
+use burin::volume::{Brick, BrickIndex, Number, TexelFormat, Value as _, VoxelType, Voxels};
 use burin::with_voxel_type;
 use serde_json::{Value, json};
 
@@ -219,10 +219,55 @@ fn an_export_has_the_sources_own_bytes_and_what_was_painted_in_its_type() {
 
 #[test]
 fn what_no_float_can_hold_is_refused_in_plain_words() {
+    if gpu().is_none() {
+        return;
+    }
     let (mut document, _) = Data::new(Voxels::F64(vec![0.0; COUNT]), DIMS).open(json!({}));
     for value in [json!(1e39), json!(-1e300)] {
         let set = json!({"brush":{"set":{"target":{"density":value}}}});
-        let said = run(&mut document, &set.to_string()).unwrap_err().to_string();
+        run(&mut document, &set.to_string()).unwrap();
+        let stroke = r#"{"stroke":{"paint":{"points":[{"at":{"index":[3,3,1]}}]}}}"#;
+        let said = run(&mut document, stroke).unwrap_err().to_string();
+        assert_eq!(density(&mut document, [3, 3, 1]), 0.0);
         assert!(said.contains("brush.target.density") && said.contains("3.4e38"), "{said}");
+    }
+}
+
+#[test]
+fn a_wider_map_takes_unpainted_voxels_of_edited_bricks_from_the_source_and_painted_ones_as_they_were() {
+    if gpu().is_none() {
+        return;
+    }
+    for ty in [VoxelType::U8, VoxelType::I16, VoxelType::F32] {
+        let data = Data::new(with_voxel_type!(ty, T => T::wrap((0..COUNT).map(|i| (i % 90) as T).collect())), DIMS);
+        // Codes over a part of the values, with an edit as older projects have them.
+        let (mut document, _) = data.open(json!({"range":[10, 20]}));
+        let mut state = document.state().unwrap().clone();
+        assert_eq!(state.density.format(), TexelFormat::R16Unorm);
+        let (index, map) = (BrickIndex([0, 0, 0]), *state.density.map());
+        let mut texels = state.density.base_brick(index).unwrap().to_texels(2);
+        texels[..2].copy_from_slice(&map.encode(15.0)[..2]);
+        state.density.swap(vec![(index, Some(Brick::from_texels(texels, 2)))]).unwrap();
+        document.adopt(state);
+        paint(&mut document, json!({"operation":"add","target":{"density":50}}));
+        assert!(*document.state().unwrap().density.map() != map);
+        let half_step = half_step(&mut document);
+        for i in 0..COUNT {
+            let found = voxel(&mut document, data.place(i));
+            let [x, y, z]: [f64; 3] = std::array::from_fn(|a| f64::from(data.place(i)[a]) - CENTRE[a]);
+            let ball = x * x + y * y + z * z <= RADIUS * RADIUS;
+            if i == 0 || ball {
+                let right = if ball { data.value(i) + 50.0 } else { 15.0 };
+                // The edit was rounded by both maps.
+                assert!(
+                    (number(&found["density"]) - right).abs() <= half_step + map.half_step(),
+                    "{ty:?} {i}: {found}"
+                );
+            } else {
+                assert_eq!((&found["density"], found["half_step"].as_f64()), (&data.said(i), Some(0.0)), "{ty:?} {i}");
+            }
+        }
+        run(&mut document, r#"{"history":{"undo":{}}}"#).unwrap();
+        assert_eq!(*document.state().unwrap().density.map(), map);
     }
 }

@@ -5,7 +5,7 @@ use super::place::check_size;
 use super::view::checked;
 use super::{Document, DocumentError, PastOf, Question, State};
 use crate::math::DVec2;
-use crate::volume::{BrickIndex, FieldKind, Number, SourceError};
+use crate::volume::{BrickIndex, FieldKind, Number, SourceError, Total};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -122,7 +122,7 @@ fn voxel(state: &State, world: crate::math::DVec3) -> Result<Value, DocumentErro
 struct Sums {
     /// Of integers, which lose nothing, and of all other numbers.
     whole: i128,
-    real: f64,
+    real: Total,
     nonzero: u64,
     ends: Option<[Number; 2]>,
     /// Whether any number was not an integer.
@@ -135,7 +135,7 @@ impl Sums {
         match number {
             Number::Real(x) if !x.is_finite() => return,
             Number::Real(x) => {
-                self.real += x;
+                self.real.add(x);
                 self.fractions = true;
             }
             Number::Whole(n) => self.whole += n,
@@ -151,7 +151,7 @@ impl Sums {
 
     fn join(mut self, other: Self) -> Self {
         self.whole += other.whole;
-        self.real += other.real;
+        self.real.merge(&other.real);
         self.nonzero += other.nonzero;
         self.fractions |= other.fractions;
         other.ends.into_iter().for_each(|ends| self.widen(ends));
@@ -162,7 +162,7 @@ impl Sums {
     }
 
     fn sum(&self) -> Number {
-        if self.fractions { Number::Real(self.whole as f64 + self.real) } else { Number::Whole(self.whole) }
+        if self.fractions { Number::Real(self.whole as f64 + self.real.value()) } else { Number::Whole(self.whole) }
     }
 }
 

@@ -186,7 +186,13 @@ fn meaning(field: &Field) -> Value {
             json!({ "value": "lo + code / codes_per_unit", "lo": lo, "codes_per_unit": codes_per_unit,
             "where": "edited is 1" })
         }
-        TexelFormat::R32Float => json!({ "value": "as it is", "where": "edited is 1" }),
+        TexelFormat::R32Float if *field.map() == DensityMap::FLOAT => {
+            json!({ "value": "as it is", "where": "edited is 1" })
+        }
+        TexelFormat::R32Float => {
+            json!({ "value": "lo + number / codes_per_unit", "lo": lo, "codes_per_unit": codes_per_unit,
+            "where": "edited is 1" })
+        }
         TexelFormat::Rgba8Unorm => json!({ "value": "red, green, blue, alpha over 255, display-referred" }),
         TexelFormat::R8Unorm => json!({ "value": "degree of interest over 255" }),
         TexelFormat::R16Uint => json!({ "value": "id of a segment, 0 for none" }),
