@@ -61,7 +61,7 @@ impl Brush {
     /// # Errors
     /// If the brush's number is beyond what density as it is now can keep.
     pub fn check_on(&self, density: &Field) -> Result<(), PaintError> {
-        let Target::Density(value) = self.target else { return Ok(()) };
+        let Target::Density(value) = self.effective_target() else { return Ok(()) };
         let map = density.map();
         let kept = map.format != TexelFormat::R32Float || map.decode(map.encode(value)).is_finite();
         let expected = "a value within 32-bit floats, which keep what is painted: up to 3.4e38 either way";
@@ -110,7 +110,8 @@ impl Brush {
 
     /// The range of values that density must be able to hold for this brush, if its 16-bit codes cannot yet.
     pub fn range_needed(&self, density: &Field) -> Option<[f64; 2]> {
-        let of_density = matches!(self.target, Target::Density(_)) && density.format() == TexelFormat::R16Unorm;
+        let of_density =
+            matches!(self.effective_target(), Target::Density(_)) && density.format() == TexelFormat::R16Unorm;
         if !of_density || self.effective() == Operation::Restore {
             return None;
         }
