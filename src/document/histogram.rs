@@ -93,7 +93,7 @@ impl Bins {
             _ => {
                 // One value, in the middle of its bin.
                 let half = (min.abs() * 1e-6).max(0.5);
-                Self { lo: min - half, hi: min + half, count: 1 }
+                Self { lo: (min - half).max(f64::MIN), hi: (min + half).min(f64::MAX), count: 1 }
             }
         }
     }

@@ -147,6 +147,10 @@ pub(super) fn density_map(
     if statistics.nan_count > 0 || !(min.is_finite() && max.is_finite()) {
         return Ok(DensityMap::FLOAT);
     }
+    if min == max && unit(source).is_none() {
+        // One value tells nothing of the steps that what is painted beside it will need.
+        return Ok(DensityMap::FLOAT);
+    }
     Ok(map_over(min, max, unit(source), (range.is_none()).then(|| middle(histogram))))
 }
 

@@ -41,7 +41,7 @@ impl Brush {
                 Operation::Add | Operation::Subtract => number * map.codes_per_unit,
                 _ => (number - map.lo) * map.codes_per_unit,
             };
-            let is_code = (code - code.round()).abs() <= 1e-6;
+            let is_code = (code - code.round()).abs() <= 1e-9 * (1.0 + code.abs());
             let whole = self.falloff == Falloff::Hard && self.strength >= 1.0;
             let between = unit.is_none_or(|u| whole || map.codes_per_unit * u >= CODES_BETWEEN * (1.0 - 1e-9));
             holds && (restores || (is_code && between))

@@ -86,7 +86,12 @@ fn of_ids(ids: &[f64], unit_mm: f64) -> TransferFunction {
         }
         let before = reach(if i == 0 { ids[0] } else { shown[i - 1] }, id);
         let after = reach(id, shown.get(i + 1).copied().unwrap_or(id + 1.0));
-        colour.extend([(id - before, own), (id + after, own)]);
+        if id - before < id + after {
+            colour.extend([(id - before, own), (id + after, own)]);
+        } else {
+            // So large that there is nothing about it.
+            colour.push((id, own));
+        }
     }
     let opacity = if shown.len() > 1 { 0.3 } else { 0.5 };
     let at = |share: f64| ids[0] + (first - ids[0]) * share;
