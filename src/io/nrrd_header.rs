@@ -11,8 +11,8 @@ use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
-/// No header is longer; segmentation files reach a megabyte.
-const MAX_HEADER_BYTES: u64 = 16 << 20;
+/// No header is longer; as many segments as there can be, with names and places, take 40 megabytes.
+const MAX_HEADER_BYTES: u64 = 64 << 20;
 
 /// Most axes, as the format has it.
 const MAX_AXES: usize = 16;
@@ -103,7 +103,7 @@ impl Header {
             let n = lines.read_until(b'\n', &mut line).map_err(IoError::system(path, "read the file"))?;
             header.end += n as u64;
             if header.end == MAX_HEADER_BYTES {
-                return Err(wrong("header", "no empty line in 16 MiB", "an empty line between header and voxels"));
+                return Err(wrong("header", "no empty line in 64 MiB", "an empty line between header and voxels"));
             }
             let text = String::from_utf8_lossy(&line);
             let text = text.trim_end_matches(['\n', '\r']);

@@ -302,6 +302,19 @@ fn a_seg_nrrd_has_the_fields_that_3d_slicer_reads() {
 }
 
 #[test]
+fn as_many_segments_as_there_can_be_leave_and_come_back_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let grid = Grid::aligned([1, 1, 1], DVec3::ONE, DVec3::ZERO);
+    let all: Vec<_> = (1..=u16::MAX).map(|id| (id, Some(i128::from(id) + 1_000_000_000_000))).collect();
+    let path = folder.path().join("all.seg.nrrd");
+    let field = Field::blank(FieldKind::Labels, &grid);
+    io::export(&path, &field, &grid, &segments(&all), Compression::Gzip, &|_| true).unwrap();
+    let opened = io::open(&path).unwrap();
+    assert_eq!((opened.labels.len(), opened.warnings.len()), (65_535, 0));
+    assert_eq!(opened.labels[65_534].value, 1_000_000_065_535);
+}
+
+#[test]
 fn selection_and_colour_leave_as_they_are_kept() {
     let folder = tempfile::tempdir().unwrap();
     let grid = Grid { dims: DIMS, world_from_index: oblique(2) };
