@@ -17,7 +17,7 @@ impl Scene {
             views: Views::new(grid),
             layers: FieldKind::ALL.map(Layer::new).to_vec(),
             segments: Segments::default(),
-            brush: Brush::default(),
+            brush: brush_for(grid),
             explosion: Explosion::whole(grid),
         }
     }
@@ -47,6 +47,13 @@ impl Looks {
         std::mem::swap(&mut self.window, &mut scene.window);
         std::mem::swap(&mut self.layers, &mut scene.layers);
     }
+}
+
+/// The brush to begin with: 5 mm, or five voxels where that is less than one or more than 64.
+fn brush_for(grid: &Grid) -> Brush {
+    let (brush, voxel_mm) = (Brush::default(), grid.voxel_mm());
+    let fits = (1.0..=64.0).contains(&(brush.radius_mm / voxel_mm));
+    Brush { radius_mm: if fits { brush.radius_mm } else { 5.0 * voxel_mm }, ..brush }
 }
 
 impl Layer {

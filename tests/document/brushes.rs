@@ -267,6 +267,9 @@ fn the_same_stroke_paints_the_same_voxels_whatever_the_unit() {
         if document.describe_gpu().is_err() {
             return;
         }
+        // The brush to begin with is one that can be used.
+        let first = document.state().unwrap().scene.brush.radius_mm;
+        assert!(if mm == 1.0 { first == 5.0 } else { (first / (0.8 * mm) - 5.0).abs() < 1e-9 }, "{mm}: {first}");
         let mut rng = StdRng::seed_from_u64(8);
         let mut all = Vec::new();
         for (i, radius) in [4.3, 0.21, 0.0, 6.0].into_iter().enumerate() {

@@ -202,14 +202,14 @@ fn label_mode(ui: &mut Ui, brush: &Brush) {
 /// What erasing leaves: the row is always there, so that nothing below moves.
 fn erasing(ui: &mut Ui, [least, most]: [f64; 2], new: &mut Brush) {
     if !matches!(new.target, Target::Density(_)) {
-        ui.add(Label::new(RichText::new("takes away what was painted").color(theme::TEXT_WEAK)).truncate());
+        ui.add(Label::new(RichText::new("leaves nothing").color(theme::TEXT_WEAK)).truncate());
         return;
     }
     let removes = matches!(new.erase_density, EraseDensity::To(_));
     ui.allocate_ui(vec2(ui.available_width() - 72.0, theme::ROW), |ui| {
         let options = [
             (false, "Restores", "What the file says comes back; where nothing was painted nothing changes"),
-            (true, "Removes to", "The value beside it takes the place of what is there"),
+            (true, "Sets to", "The value beside it takes the place of what is there"),
         ];
         match choice(ui, "Erasing density", Some(removes), &options) {
             Some(true) => new.erase_density = EraseDensity::To(least),
