@@ -4,6 +4,7 @@
 //! pointer reach nothing else.
 
 mod browser;
+mod browser_list;
 mod export;
 mod files;
 mod meaning;

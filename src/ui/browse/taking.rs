@@ -1,0 +1,124 @@
+//! What Enter means: a folder is gone into, a file is taken, a name that is written over is asked about.
+
+use super::{Asks, Browser, Kind, listing, resolve, shown, with_ending};
+use crate::io::in_words;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+impl Browser {
+    /// Enter: answers the path that was chosen, if there is one to be had; a folder is gone into instead.
+    pub fn enter(&mut self) -> Option<PathBuf> {
+        self.error = None;
+        if self.by_list || self.text.trim().is_empty() {
+            return self.activate();
+        }
+        match resolve(&self.text, &self.folder, self.home.as_deref()) {
+            Ok(path) => self.typed(path),
+            Err(error) => {
+                self.fail(error);
+                None
+            }
+        }
+    }
+
+    /// What a double click does.
+    pub fn activate(&mut self) -> Option<PathBuf> {
+        let entry = self.row().and_then(|row| self.entry(row))?;
+        let (path, kind) = (self.folder.join(&entry.name), entry.kind);
+        match (kind, self.purpose.asks) {
+            (Kind::Folder, _) | (Kind::Project, Asks::SaveFile) => {
+                self.go(&path);
+                None
+            }
+            (Kind::Project | Kind::File, Asks::Open) => Some(path),
+            (Kind::File, Asks::SaveFile) => self.for_writing(path),
+            (Kind::Project | Kind::File, Asks::SaveFolder) => {
+                self.fail(format!("“{}” is there already. Type another name.", shown(&entry_name(&path))));
+                None
+            }
+        }
+    }
+
+    fn typed(&mut self, path: PathBuf) -> Option<PathBuf> {
+        let about = std::fs::metadata(&path);
+        let named = shown(&entry_name(&path));
+        match (self.purpose.asks, about) {
+            (Asks::Open, Ok(about)) if about.is_dir() && !listing::is_project(&path) => {
+                self.go(&path);
+                None
+            }
+            (Asks::Open, Ok(_)) => Some(path),
+            // What was jumped to is meant where the text is no whole name.
+            (Asks::Open, Err(error)) if error.kind() == std::io::ErrorKind::NotFound => {
+                if self.row().is_some() {
+                    return self.activate();
+                }
+                if path.parent() != Some(&self.folder) {
+                    // A path of its own is taken at its word: who opens it says what is wrong.
+                    return Some(path);
+                }
+                self.fail(format!("There is no “{named}” in this folder."));
+                None
+            }
+            (Asks::SaveFile, Ok(about)) if about.is_dir() => {
+                self.go(&path);
+                self.text.clone_from(&self.suggested);
+                None
+            }
+            (Asks::SaveFile, Ok(_)) => self.for_writing(path),
+            (Asks::SaveFolder, Ok(about)) if about.is_dir() => {
+                let empty = std::fs::read_dir(&path).is_ok_and(|mut entries| entries.next().is_none());
+                if empty || listing::is_project(&path) {
+                    // Whether a project may be saved over another is the document's to say.
+                    return Some(path);
+                }
+                self.go(&path);
+                self.text.clone_from(&self.suggested);
+                None
+            }
+            (Asks::SaveFolder, Ok(_)) => {
+                self.fail(format!("“{named}” is a file there. Type another name."));
+                None
+            }
+            (Asks::SaveFile | Asks::SaveFolder, Err(error)) if error.kind() == std::io::ErrorKind::NotFound => {
+                if path.file_name().is_none() {
+                    self.fail("Type a name.".into());
+                    return None;
+                }
+                match path.parent() {
+                    Some(parent) if !parent.is_dir() => {
+                        self.fail(format!("There is no folder {}.", shown(parent.as_os_str())));
+                        None
+                    }
+                    _ if self.purpose.asks == Asks::SaveFile => self.for_writing(path),
+                    _ => Some(path),
+                }
+            }
+            (_, Err(error)) => {
+                self.fail(format!("“{named}” cannot be used: {}.", in_words(&error)));
+                None
+            }
+        }
+    }
+
+    /// A file to be written gets an ending; what is there already is asked about.
+    fn for_writing(&mut self, path: PathBuf) -> Option<PathBuf> {
+        let path = with_ending(path, self.purpose.endings);
+        match std::fs::metadata(&path) {
+            Ok(about) if about.is_file() => {
+                self.replace = Some(path);
+                None
+            }
+            Ok(_) => {
+                self.fail(format!("“{}” is no file. Type another name.", shown(&entry_name(&path))));
+                None
+            }
+            // Whatever else is wrong with it is told by who writes.
+            Err(_) => Some(path),
+        }
+    }
+}
+
+fn entry_name(path: &Path) -> OsString {
+    path.file_name().unwrap_or(path.as_os_str()).to_owned()
+}
