@@ -160,3 +160,21 @@ fn boxes_that_begin_and_end_inside_bricks_have_their_painted_values() {
         }
     }
 }
+
+#[test]
+fn the_status_line_shows_a_value_so_that_it_can_be_typed_in_again() {
+    let shown = |number: Number, ty| burin::interact::readout::value(number, ty);
+    for (number, ty, right) in [
+        (Number::Whole(i128::from(u64::MAX)), VoxelType::U64, "18446744073709551615"),
+        (Number::Whole(-3), VoxelType::I8, "-3"),
+        (Number::Real(f64::from(0.1_f32)), VoxelType::F32, "0.1"),
+        (Number::Real(f64::from(0.1_f32.next_up())), VoxelType::F32, "0.10000001"),
+        (Number::Real(0.1 + 0.2), VoxelType::F64, "0.30000000000000004"),
+        (Number::Real(7.0), VoxelType::F32, "7"),
+        (Number::Real(100.101_167_3), VoxelType::U8, "100.101"),
+        (Number::Real(f64::NAN), VoxelType::F32, "not a number"),
+        (Number::Real(f64::INFINITY), VoxelType::F64, "infinite"),
+    ] {
+        assert_eq!(shown(number, ty), right);
+    }
+}
