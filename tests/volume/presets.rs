@@ -117,6 +117,14 @@ fn a_first_surface_lies_where_matter_begins_and_its_colour_is_light() {
         );
         assert!(luminance(function.colour_at(first)) >= 0.33, "{:?}", function.colour_at(first));
     }
+    // A function that begins almost black: its first surface lies as deep as it takes to be seen, and no deeper.
+    let begins_dark = TransferFunction {
+        colour: vec![(30.0, [0.2, 0.05, 0.05]), (110.0, [0.9, 0.8, 0.7])],
+        opacity: vec![(30.0, 0.0), (110.0, 0.5)],
+        unit_mm: 1.0,
+    };
+    let seen = luminance(begins_dark.colour_at(begins_dark.first_surface(&mr())));
+    assert!((0.33..0.45).contains(&seen), "{seen}");
     let dark = TransferFunction {
         colour: vec![(0.0, [0.0; 3]), (255.0, [0.1; 3])],
         ..TransferFunction::from_histogram(&mr(), 1.0)
