@@ -390,3 +390,32 @@ fn labels_and_selection_of_an_opened_file_come_back_after_a_crash() {
         assert!(bytes(&again) == before, "{what}");
     }
 }
+
+#[test]
+fn a_seg_nrrd_brings_names_and_colours_and_of_its_layers_the_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let header = "NRRD0004\ntype: uint8\ndimension: 4\nsizes: 2 40 6 5\nkinds: list domain domain domain\nencoding: raw\n\
+                  Segment0_Name:=Liver\nSegment0_Color:=1 0.5 0\nSegment0_LabelValue:=1\nSegment0_Layer:=0\n\
+                  Segment1_Name:=Tumour\nSegment1_Color:=0 0 1\nSegment1_LabelValue:=1\nSegment1_Layer:=1\n\n";
+    // The liver everywhere; the tumour in it where x is 3.
+    let voxels = (0..1200).flat_map(|n| [1, u8::from(n % 40 == 3)]);
+    let path = folder.path().join("two.seg.nrrd");
+    std::fs::write(&path, header.bytes().chain(voxels).collect::<Vec<u8>>()).unwrap();
+    let mut document = Document::new();
+    let answer = run(&mut document, &json!({"volume":{"open":{"path":path,"as":"labels"}}}).to_string()).unwrap();
+    assert!(
+        answer["warnings"].to_string().contains("in 2 layers, which may overlap; the first is taken: Tumour left out")
+    );
+    let second = json!({"segment":{"import":{"path":path,"component":1}}}).to_string();
+    assert_eq!(run(&mut document, &second).unwrap()["labelled_voxels"], 30);
+    let table = &document.state().unwrap().scene.segments;
+    let told: Vec<_> = table.0.iter().map(|s| (s.id, s.name.as_str(), s.colour, s.file_value())).collect();
+    assert_eq!(told, [(1, "Liver", [1.0, 0.5, 0.0], 1), (2, "Tumour", [0.0, 0.0, 1.0], 1)]);
+    for v in voxels_of_x(&[2, 3, 4]) {
+        assert_eq!(label(&document, v), if v[0] == 3 { 2 } else { 1 });
+    }
+}
+
+fn voxels_of_x(xs: &[u32]) -> impl Iterator<Item = [u32; 3]> {
+    xs.iter().flat_map(|&x| (0..30).map(move |n| [x, n % 6, n / 6]))
+}
