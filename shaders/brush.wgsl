@@ -63,19 +63,13 @@ struct BrushStroke {
     // C, in the storage's own steps; colour in 0..1; a label's id in x.
     paint: vec4<f32>,
     dims: vec3<i32>,
-    operation: u32,
-    gather: u32,
-    falloff: u32,
-    // Not 0: only texels whose bit is set.
-    gate: u32,
     // Where numbers end, in the storage's own steps.
     low: f32,
     top: f32,
-    // Whether what is painted is an end that weak strokes must reach.
-    to_end: u32,
     // Of numbers in floats: the source's own step, 0 where it has none.
     step: f32,
-    unused_c: u32,
+    unused_a: u32,
+    unused_b: u32,
 }
 
 struct BrushDab {
@@ -109,8 +103,10 @@ struct BrushItem {
     dab_count: u32,
     // Of the dispatch's first item: where its jobs begin.
     first_job: u32,
-    unused_b: u32,
-    unused_c: u32,
+    // What the stroke does: bits 0 to 2 its operation, 3 and 4 how it gathers, 5 and 6 its falloff, 7 whether only texels whose
+    // bit is set are painted, 8 whether what is painted is an end that weak strokes must reach. The same in every item.
+    choices: u32,
+    unused: u32,
 }
 
 // Uniforms: from a storage buffer such loops run many times slower on software Vulkan, and read wrong.
@@ -136,6 +132,22 @@ struct BrushItem {
 // workgroups as the largest box needs would run for every item, and idle ones cost as much as busy ones on software Vulkan.
 @group(0) @binding(10) var<storage, read> jobs: array<u32>;
 
+// The item's choices. They are not among the stroke's constants: software Vulkan takes a uniform's value that a branch hangs on for
+// a constant, compiles the kernel anew for every dispatch, and keeps them all.
+var<private> operation: u32;
+var<private> gather: u32;
+var<private> falloff: u32;
+var<private> gated: bool;
+var<private> to_end: bool;
+
+fn choose(choices: u32) {
+    operation = choices & 7u;
+    gather = (choices >> 3u) & 3u;
+    falloff = (choices >> 5u) & 3u;
+    gated = (choices & 128u) != 0u;
+    to_end = (choices & 256u) != 0u;
+}
+
 fn g_of(voxel: vec3<i32>, i: u32) -> f32 {
     let offset = vec3<f32>(voxel - dabs[i].base) - dabs[i].fraction;
     var d = stroke.columns[0].xyz * offset.x + stroke.columns[1].xyz * offset.y + stroke.columns[2].xyz * offset.z;
@@ -156,9 +168,9 @@ fn g_of(voxel: vec3<i32>, i: u32) -> f32 {
     }
     let x = min(sqrt(squared), 1.0);
     var f = 1.0;
-    if stroke.falloff == LINEAR {
+    if falloff == LINEAR {
         f = 1.0 - x;
-    } else if stroke.falloff == SMOOTH {
+    } else if falloff == SMOOTH {
         f = (1.0 - x * x) * (1.0 - x * x);
     }
     return dabs[i].gain * f;
@@ -166,8 +178,8 @@ fn g_of(voxel: vec3<i32>, i: u32) -> f32 {
 
 // Lays the dabs on what a texel has gathered; answers the new state's bits.
 fn gathered(before: u32, voxel: vec3<i32>, first: u32, count: u32) -> u32 {
-    let product = stroke.gather == PRODUCT;
-    let largest = stroke.gather == LARGEST;
+    let product = gather == PRODUCT;
+    let largest = gather == LARGEST;
     let flip = select(0u, ONE, product);
     var state = bitcast<f32>(before ^ flip);
     for (var i = first; i < first + count; i += 1u) {
@@ -179,7 +191,7 @@ fn gathered(before: u32, voxel: vec3<i32>, first: u32, count: u32) -> u32 {
 }
 
 fn cover_of(state: u32) -> f32 {
-    if stroke.gather == PRODUCT {
+    if gather == PRODUCT {
         return 1.0 - bitcast<f32>(state ^ ONE);
     }
     return bitcast<f32>(state);
@@ -196,25 +208,25 @@ fn tight_code(word: u32, x: u32) -> u32 {
 
 fn is_open(place: u32, row: u32, x: u32) -> bool {
     let texel = row * SLOT + x;
-    return stroke.gate == 0u || ((gate[place * GATE_WORDS + texel / 32u] >> (texel % 32u)) & 1u) != 0u;
+    return !gated || ((gate[place * GATE_WORDS + texel / 32u] >> (texel % 32u)) & 1u) != 0u;
 }
 
 // Equation 1 for a number P and a number C; `back` is the number before any edit.
 fn number(p: f32, back: f32, cover: f32) -> f32 {
     let c = stroke.paint.x;
-    if stroke.operation == ADD {
+    if operation == ADD {
         return clamp(p + cover * c, stroke.low, stroke.top);
     }
-    if stroke.operation == SUBTRACT {
+    if operation == SUBTRACT {
         return clamp(p - cover * c, stroke.low, stroke.top);
     }
-    let end = select(c, back, stroke.operation == RESTORE);
+    let end = select(c, back, operation == RESTORE);
     return select(p + cover * (end - p), end, cover >= 1.0);
 }
 
 // A code's new value, a step nearer to an end where rounding would leave it where it was: weak strokes never stall short of it.
 fn arriving(old: u32, new_code: u32, end: u32) -> u32 {
-    if stroke.to_end == 0u || new_code != old {
+    if !to_end || new_code != old {
         return new_code;
     }
     return select(select(old, old - 1u, end < old), old + 1u, end > old);
@@ -222,18 +234,18 @@ fn arriving(old: u32, new_code: u32, end: u32) -> u32 {
 
 fn code(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
     var back = 0u;
-    if stroke.operation == RESTORE {
+    if operation == RESTORE {
         back = tight_code(base[(place * SLOT * SLOT + row) * 17u + x / 2u], x);
     }
     let new_code = u32(clamp(floor(number(f32(old), f32(back), cover) + 0.5), 0.0, TOP));
-    return arriving(old, new_code, select(u32(floor(stroke.paint.x + 0.5)), back, stroke.operation == RESTORE));
+    return arriving(old, new_code, select(u32(floor(stroke.paint.x + 0.5)), back, operation == RESTORE));
 }
 
 // Per format: the new texel.
 #ifdef SELECTION
 fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
     let new_code = u32(floor(number(f32(old), 0.0, cover) + 0.5));
-    return arriving(old, new_code, select(u32(floor(stroke.paint.x + 0.5)), 0u, stroke.operation == RESTORE));
+    return arriving(old, new_code, select(u32(floor(stroke.paint.x + 0.5)), 0u, operation == RESTORE));
 }
 #else ifdef LABELS
 fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
@@ -241,10 +253,10 @@ fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
         return old;
     }
     let label = u32(stroke.paint.x);
-    if stroke.operation == RESTORE {
+    if operation == RESTORE {
         return 0u;
     }
-    if stroke.operation == SUBTRACT {
+    if operation == SUBTRACT {
         return select(old, 0u, old == label);
     }
     return label;
@@ -262,25 +274,25 @@ fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
 #else ifdef FLOATS
 fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
     var back = old;
-    if stroke.operation == RESTORE {
+    if operation == RESTORE {
         back = base[(place * SLOT * SLOT + row) * SLOT + x];
     }
     // What is not a number has nothing to mix with: it stays until it is covered wholly.
     let whole = cover >= 1.0;
     if !finite(old) || !finite(back) {
-        let mixes = stroke.operation != ADD && stroke.operation != SUBTRACT;
+        let mixes = operation != ADD && operation != SUBTRACT;
         if !whole || !mixes {
             return old;
         }
-        return select(bitcast<u32>(stroke.paint.x), back, stroke.operation == RESTORE);
+        return select(bitcast<u32>(stroke.paint.x), back, operation == RESTORE);
     }
-    if whole && stroke.operation == RESTORE {
+    if whole && operation == RESTORE {
         return back;
     }
     let p = bitcast<f32>(old);
     let value = number(p, bitcast<f32>(back), cover);
-    let end = select(stroke.paint.x, bitcast<f32>(back), stroke.operation == RESTORE);
-    if stroke.to_end != 0u && p != end {
+    let end = select(stroke.paint.x, bitcast<f32>(back), operation == RESTORE);
+    if to_end && p != end {
         // As codes of the source's steps would: no less than one at a time, and the end from within one.
         if abs(value - p) < 0.5 * stroke.step {
             return bitcast<u32>(select(p + stroke.step * sign(end - p), end, abs(end - p) <= stroke.step));
@@ -304,27 +316,27 @@ fn beside(bits: u32, above: bool) -> u32 {
 fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
     let p = unpack4x8unorm(old);
     let c = stroke.paint;
-    if stroke.operation == SUBTRACT {
+    if operation == SUBTRACT {
         return select(packed(vec4<f32>(p.rgb - cover * c.a * c.rgb, p.a)), old, p.a == 0.0);
     }
     // Amounts of paint.
     let paint = vec4<f32>(p.rgb * p.a, p.a);
     let added = vec4<f32>(c.rgb * c.a, c.a);
     var to = added;
-    if stroke.operation == ADD {
+    if operation == ADD {
         let sum = paint + cover * added;
         return straight(vec4<f32>(sum.rgb, min(sum.a, 1.0)));
     }
-    if stroke.operation == BLEND {
+    if operation == BLEND {
         to = added + paint * (1.0 - c.a);
-    } else if stroke.operation == RESTORE {
+    } else if operation == RESTORE {
         to = vec4<f32>(0.0);
     }
     if cover >= 1.0 {
         return straight(to);
     }
     let mixed = straight(paint + cover * (to - paint));
-    if stroke.to_end != 0u && mixed == old && old != 0u {
+    if to_end && mixed == old && old != 0u {
         return select(old - 0x01000000u, 0u, (old >> 24u) <= 1u);
     }
     return mixed;
@@ -346,6 +358,7 @@ fn packed(colour: vec4<f32>) -> u32 {
 fn brush(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let job = jobs[items[0].first_job + group.x];
     let item = job >> 16u;
+    choose(items[item].choices);
     let size = items[item].size;
     // The box's words in one row of invocations: a row of a slot rarely fills a workgroup's.
     let flat = (job & 0xffffu) * 256u + local;

@@ -2,7 +2,7 @@
 //!
 //! Pure arithmetic: from footprints to a [`Plan`]. Its cost follows the dabs and the slots they meet, not the volume.
 
-use super::brush_kernel::{BrushDab, BrushItem, DABS_BYTES, GROUP, ITEMS_BYTES, MOST_DABS, PITCH, Variant};
+use super::brush_kernel::{BrushDab, BrushItem, DABS_BYTES, GROUP, ITEMS_BYTES, MOST_DABS, PITCH, Variant, choices};
 use super::brush_stroke::Stroke;
 use crate::paint::{Footprint, IndexBox};
 use crate::volume::{BrickIndex, SLOT, SLOT_VOXELS};
@@ -79,8 +79,8 @@ impl Work {
             first_dab: self.dabs[0],
             dab_count: self.dabs[1] - self.dabs[0] + 1,
             first_job: 0,
-            unused_b: 0,
-            unused_c: 0,
+            choices: 0,
+            unused: 0,
         }
     }
 }
@@ -146,6 +146,7 @@ impl Plan {
     pub(super) fn new(stroke: &Stroke, groups: &[Group<'_>], variant: Variant) -> Self {
         let mut plan = Self { uniforms: Vec::new(), dispatches: Vec::new(), jobs: Vec::new(), next_bytes: 0 };
         plan.append(bytemuck::bytes_of(&stroke.constants), ALIGNED);
+        let choices = choices(&stroke.brush);
         for (dabs, work) in groups {
             let dabs: Vec<_> = dabs.iter().map(BrushDab::new).collect();
             let dabs_at = plan.append(bytemuck::cast_slice(&dabs), DABS_BYTES as usize);
@@ -158,7 +159,7 @@ impl Plan {
                     if begun.cost > 0 && begun.cost + cost > MOST_COST {
                         plan.dispatch(chunk, dabs_at, std::mem::take(&mut begun));
                     }
-                    begun.add(BrushItem { next: begun.words, ..item }, home.slot, variant, cost);
+                    begun.add(BrushItem { next: begun.words, choices, ..item }, home.slot, variant, cost);
                 }
                 plan.dispatch(chunk, dabs_at, begun);
             }

@@ -32,15 +32,11 @@ shared_struct! {
         normals: [[f32; 4]; 3],
         paint: [f32; 4],
         dims: [i32; 3],
-        operation: u32,
-        gather: u32,
-        falloff: u32,
-        gate: u32,
         low: f32,
         top: f32,
-        to_end: u32,
         step: f32,
-        unused_c: u32,
+        unused_a: u32,
+        unused_b: u32,
     }
 }
 
@@ -77,10 +73,10 @@ shared_struct! {
         pub dab_count: u32,
         /// Of the first item: where the dispatch's jobs begin.
         pub first_job: u32,
+        /// What the stroke does: [`choices`].
+        pub choices: u32,
         /// 0.
-        pub unused_b: u32,
-        /// 0.
-        pub unused_c: u32,
+        pub unused: u32,
     }
 }
 
@@ -231,8 +227,7 @@ impl BrushStroke {
     /// The constants of a stroke on a field of this format.
     pub(super) fn new(brush: &Brush, grid: &Grid, target: &Field) -> Self {
         let map = target.map();
-        let operation = brush.effective();
-        let offset = matches!(operation, Operation::Add | Operation::Subtract);
+        let offset = matches!(brush.effective(), Operation::Add | Operation::Subtract);
         let paint = match brush.effective_target() {
             Target::Density(value) if offset => [(value * map.codes_per_unit) as f32, 0.0, 0.0, 0.0],
             Target::Density(value) if target.format() == TexelFormat::R32Float => {
@@ -263,31 +258,37 @@ impl BrushStroke {
             normals: columns(&normals),
             paint,
             dims: grid.dims.map(|d| d as i32),
-            operation: match operation {
-                Operation::Replace => 0,
-                Operation::Add => 1,
-                Operation::Subtract => 2,
-                Operation::Blend => 3,
-                Operation::Restore => 4,
-            },
-            gather: match (brush.tip, offset) {
-                (Tip::Wash, _) => 0,
-                (Tip::BuildUp, false) => 1,
-                (Tip::BuildUp, true) => 2,
-            },
-            falloff: match brush.effective_falloff() {
-                Falloff::Hard => 0,
-                Falloff::Linear => 1,
-                Falloff::Smooth => 2,
-            },
-            gate: u32::from(brush.range.is_some() || brush.visible_only),
             low,
             top,
-            to_end: u32::from(brush.ends()),
             step: target.source().and_then(|s| unit(&**s)).unwrap_or(0.0) as f32,
-            unused_c: 0,
+            unused_a: 0,
+            unused_b: 0,
         }
     }
+}
+
+/// What a stroke does, in the bits that shaders/brush.wgsl takes apart.
+pub(super) fn choices(brush: &Brush) -> u32 {
+    let offset = matches!(brush.effective(), Operation::Add | Operation::Subtract);
+    let operation = match brush.effective() {
+        Operation::Replace => 0,
+        Operation::Add => 1,
+        Operation::Subtract => 2,
+        Operation::Blend => 3,
+        Operation::Restore => 4,
+    };
+    let gather = match (brush.tip, offset) {
+        (Tip::Wash, _) => 0,
+        (Tip::BuildUp, false) => 1,
+        (Tip::BuildUp, true) => 2,
+    };
+    let falloff = match brush.effective_falloff() {
+        Falloff::Hard => 0,
+        Falloff::Linear => 1,
+        Falloff::Smooth => 2,
+    };
+    let gated = u32::from(brush.range.is_some() || brush.visible_only);
+    operation | gather << 3 | falloff << 5 | gated << 7 | u32::from(brush.ends()) << 8
 }
 
 fn columns(m: &DMat3) -> [[f32; 4]; 3] {
