@@ -2,7 +2,9 @@
 //!
 //! Answers go to stdout, what is wrong to stderr; exit code 0 is done, 2 is not.
 
-use burin::document::{Document, DocumentError, KeepError, OpenAs, Opened, Origin, ProjectCommand, Wanted, at_home};
+use burin::document::{
+    Document, DocumentError, KeepError, OpenAs, Opened, Origin, ProjectCommand, USUAL_COMPONENT, Wanted, at_home,
+};
 use burin::interact::readout;
 use burin::script::{self, json_line, plain};
 use clap::{Parser, Subcommand};
@@ -191,7 +193,7 @@ fn render(
         }
         Opened::project_to_read(path, Wanted { source: source.as_deref(), generation: None }, &|_| true)
     } else {
-        let (component, frame) = (component.unwrap_or(0), frame.unwrap_or(0));
+        let (component, frame) = (component.unwrap_or(USUAL_COMPONENT), frame.unwrap_or(0));
         Opened::volume(Origin { path: path.into(), component, frame }, None, OpenAs::Image, None, &|_| true)
     };
     tell(path, &document.take(opened.map_err(said)?));

@@ -122,7 +122,8 @@ pub enum VolumeCommand {
     /// Opens a file as a new, unsaved document.
     Open {
         path: PathBuf,
-        #[serde(default)]
+        /// Counted from 0; if left out the first, and of colour voxels their brightness, with the colours in the colour field.
+        #[serde(default = "usual_component")]
         component: u32,
         #[serde(default)]
         frame: u32,
@@ -469,6 +470,13 @@ pub enum RenderCommand {
         #[serde(default = "one_sample")]
         supersample: u32,
     },
+}
+
+/// No file has so many: whichever shows it as it is meant.
+pub const USUAL_COMPONENT: u32 = u32::MAX;
+
+fn usual_component() -> u32 {
+    USUAL_COMPONENT
 }
 
 fn three_d() -> ViewName {

@@ -6,6 +6,7 @@
 //! else is undone.
 
 mod check;
+mod colours;
 mod command;
 mod command_parts;
 mod command_paths;

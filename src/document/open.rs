@@ -4,7 +4,7 @@ use super::histogram::histogram;
 use super::trail::Resolved;
 use super::{
     Command, Document, DocumentError, KeepError, Keeper, KeptDocument, OpenAs, Origin, Recovered, Scene, State,
-    VolumeCommand, Wanted,
+    USUAL_COMPONENT, VolumeCommand, Wanted,
 };
 use crate::explode::Explosion;
 use crate::io;
@@ -74,13 +74,22 @@ impl Opened {
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> Result<Self, DocumentError> {
         let file = io::open(&origin.path)?;
+        let usual = if open_as == OpenAs::Image { file.usual_component() } else { 0 };
+        let component = if origin.component == USUAL_COMPONENT { usual } else { origin.component };
+        let origin = Origin { component, ..origin };
         let Origin { path, component, frame } = origin.clone();
         let mut warnings = file.warnings.clone();
-        let share = if open_as == OpenAs::Image { 1.0 } else { 0.6 };
+        let coloured = file.colour && component == file.components;
+        let share = if open_as == OpenAs::Image && !coloured { 1.0 } else { 0.6 };
         let mut state = State::open(origin, range, &|x| progress(x * share))?;
         let go_on: &(dyn Fn(f32) -> bool + Sync) = &|x| progress(0.6 + x * 0.4);
         let (said, filled) = match open_as {
-            OpenAs::Image => (json!({}), None),
+            OpenAs::Image => {
+                let parts = if coloured { file.colours(frame, &|x| progress(0.6 + x * 0.1))? } else { None };
+                let filled =
+                    parts.map(|parts| super::colours::changes(&state.colour, &parts, &|x| progress(0.7 + x * 0.3)));
+                (json!({}), filled.transpose()?.map(|changes| (FieldKind::Colour, changes)))
+            }
             OpenAs::Labels => {
                 let imported =
                     super::handle::labels::import(&state, &*state.source, &file.labels_of(component), go_on)?;
@@ -102,8 +111,8 @@ impl Opened {
         }
         let keep = |folder: &Path| {
             let mut keeper = Keeper::unsaved(folder, &state)?;
-            if open_as != OpenAs::Image {
-                // What a keeper of unsaved work begins with is the file; labels and selection are laid over it.
+            if open_as != OpenAs::Image || !touched.is_empty() {
+                // What a keeper of unsaved work begins with is the file; labels, selection and colours are laid over it.
                 let open = VolumeCommand::Open { path, component, frame, range, open_as };
                 keeper.record(&Command::Volume(open), &state, &touched, true)?;
             }

@@ -100,6 +100,7 @@ impl Layout {
             scaling: self.scaling,
             components,
             frames,
+            colour: false,
             warnings,
             files,
             labels: Vec::new(),

@@ -7,6 +7,7 @@
 //!
 //! [`Grid`]: crate::volume::Grid
 
+mod colour;
 mod decode;
 mod deflate;
 pub(crate) mod disk;

@@ -57,6 +57,7 @@ impl Reader for Nifti {
         let (big_endian, version) = (header.big_endian, header.version);
         let mut opened =
             Layout { data, file, grid, voxel_type, big_endian, scaling, axes, encoding, skip }.opened(warnings)?;
+        opened.colour = inner.is_some_and(|i| i.colour && u64::from(opened.components) == i.parts);
         opened.files.push(mark);
         opened.format = format!("NIfTI-{version}{}", if encoding == Encoding::Gzip { ", gzip" } else { "" });
         Ok(opened)

@@ -2,10 +2,11 @@
 
 use super::decode::Encoding;
 use super::inflate::open_file;
-use super::layout::{DataFile, Layout, Role, Skip};
+use super::layout::{Axis, DataFile, Layout, Role, Skip};
 use super::nrrd_files::data_files;
 use super::nrrd_header::Header;
 use super::{IoError, Opened, Reader, nrrd_place, nrrd_segments};
+use crate::volume::VoxelType;
 use std::io::{BufRead, BufReader, Seek, SeekFrom};
 use std::path::Path;
 
@@ -58,12 +59,28 @@ impl Reader for Nrrd {
         if axes.iter().filter(|a| a.role == Role::Component).count() > 1 {
             warnings.push("several axes are neither space nor time: they count together as components".into());
         }
+        let colour = voxel_type == VoxelType::U8 && is_colour(&header, &axes)?;
         let layout = Layout { data, file, grid, voxel_type, big_endian, scaling: (1.0, 0.0), axes, encoding, skip };
         let mut opened = layout.opened(warnings)?;
         opened.format = format!("NRRD, {}", encoding.name());
+        opened.colour = colour;
         opened.labels = nrrd_segments::segments(&header.keys, opened.components, &mut opened.warnings);
         Ok(opened)
     }
+}
+
+/// Whether components are colours: by their kind, or three or four that lie side by side and whose kind says nothing.
+fn is_colour(header: &Header, axes: &[Axis]) -> Result<bool, IoError> {
+    let mut components = axes.iter().enumerate().filter(|(_, a)| a.role == Role::Component);
+    let (Some((at, axis)), None) = (components.next(), components.next()) else { return Ok(false) };
+    let kinds = header.words_for("kinds", header.dimension)?;
+    let kind = kinds.map_or("???".into(), |kinds| kinds[at].to_ascii_lowercase());
+    let silent = at == 0 && ["???", "none"].contains(&kind.as_str());
+    Ok(match axis.len {
+        3 => silent || ["rgb-color", "3-color"].contains(&kind.as_str()),
+        4 => silent || ["rgba-color", "4-color"].contains(&kind.as_str()),
+        _ => false,
+    })
 }
 
 fn encoding(header: &Header) -> Result<Encoding, IoError> {

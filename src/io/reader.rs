@@ -73,6 +73,8 @@ pub struct Opened {
     pub components: u32,
     /// Volumes in the file (time points), at least 1.
     pub frames: u32,
+    /// Whether the components are red, green and blue, and perhaps alpha, of eight bits each.
+    pub colour: bool,
     /// What was odd about the file and how it was taken.
     pub warnings: Vec<String>,
     /// Every file that its header or its voxels are in, as it was when it was opened; the one that was named comes first.
@@ -84,12 +86,33 @@ pub struct Opened {
 }
 
 impl Opened {
-    /// One component of one frame, both counted from 0. Uncompressed voxels stay in the file and are read box by box;
+    /// The component that shows the file as it is meant: the first, or of colours their brightness.
+    pub fn usual_component(&self) -> u32 {
+        if self.colour { self.components } else { 0 }
+    }
+
+    /// Red, green and blue of a frame, and alpha where it says anything; `None` if the voxels are no colours.
+    ///
+    /// # Errors
+    /// As [`source`](Self::source).
+    pub fn colours(&self, frame: u32, progress: Progress<'_>) -> Result<Option<Vec<Arc<dyn BrickSource>>>, IoError> {
+        if !self.colour {
+            return Ok(None);
+        }
+        let sources = (0..self.components).map(|c| self.source(c, frame, progress)).collect::<Result<_, _>>()?;
+        super::colour::parts(sources, progress).map(Some)
+    }
+
+    /// One component of one frame, both counted from 0. Of colours there is one more, their brightness. Uncompressed voxels stay in the file and are read box by box;
     /// compressed ones are inflated into memory.
     ///
     /// # Errors
     /// `NoSuch`, or what the file's voxels give rise to.
     pub fn source(&self, component: u32, frame: u32, progress: Progress<'_>) -> Result<Arc<dyn BrickSource>, IoError> {
+        if self.colour && component == self.components && frame < self.frames {
+            let parts = self.colours(frame, progress)?.unwrap_or_default();
+            return Ok(Arc::new(super::colour::Luminance { parts }));
+        }
         for (what, count, asked) in [("components", self.components, component), ("frames", self.frames, frame)] {
             if asked >= count {
                 return Err(IoError::NoSuch { file: self.file.clone(), what, count, asked });

@@ -300,7 +300,13 @@ impl App {
 
     /// Opens a volume.
     pub(super) fn open_as(&mut self, path: PathBuf, open_as: OpenAs) {
-        self.send(Command::Volume(VolumeCommand::Open { path, component: 0, frame: 0, range: None, open_as }));
+        self.send(Command::Volume(VolumeCommand::Open {
+            path,
+            component: crate::document::USUAL_COMPONENT,
+            frame: 0,
+            range: None,
+            open_as,
+        }));
     }
 
     /// First thing: opens what was named, and asks for what a crash left behind.

@@ -1,6 +1,7 @@
 //! Commands, history, journal, projects.
 
 mod brushes;
+mod colours;
 mod doors;
 mod exploded;
 mod first_look;

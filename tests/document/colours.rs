@@ -1,0 +1,137 @@
+//! Files of colour voxels: brightness as density, colours in the colour field, kept like paint.
+
+use super::maker::run;
+use burin::document::{Document, Opened, ViewName, recovery};
+use burin::volume::FieldKind;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+const DIMS: [usize; 3] = [40, 20, 6];
+
+/// Red rises with x, green with y; blue is 200 in the left half; alpha, where it is, 255 but for the first slice.
+fn voxel(x: usize, y: usize, z: usize) -> [u8; 4] {
+    [(x * 6) as u8, (y * 12) as u8, if x < 20 { 200 } else { 10 }, if z == 0 { 51 } else { 255 }]
+}
+
+fn voxels(channels: usize) -> Vec<u8> {
+    let [nx, ny, nz] = DIMS;
+    let at = |i: usize| voxel(i % nx, i / nx % ny, i / (nx * ny));
+    (0..nx * ny * nz).flat_map(|i| at(i)[..channels].to_vec()).collect()
+}
+
+fn nrrd(folder: &Path, channels: usize, kind: &str) -> PathBuf {
+    let [nx, ny, nz] = DIMS;
+    let path = folder.join("c.nrrd");
+    let mut file = format!(
+        "NRRD0004\ntype: uchar\ndimension: 4\nspace: right-anterior-superior\nsizes: {channels} {nx} {ny} {nz}\n\
+         space directions: none (1,0,0) (0,1,0) (0,0,1)\nkinds: {kind} domain domain domain\nencoding: raw\n\n"
+    )
+    .into_bytes();
+    file.extend(voxels(channels));
+    std::fs::write(&path, file).unwrap();
+    path
+}
+
+fn nifti(folder: &Path, channels: usize) -> PathBuf {
+    let mut file = vec![0_u8; 352];
+    let mut put = |at: usize, bytes: &[u8]| file[at..at + bytes.len()].copy_from_slice(bytes);
+    put(0, &348_i32.to_le_bytes());
+    for (i, n) in [3, DIMS[0], DIMS[1], DIMS[2], 1, 1, 1, 1].into_iter().enumerate() {
+        put(40 + 2 * i, &(n as i16).to_le_bytes());
+        put(76 + 4 * i, &1.0_f32.to_le_bytes());
+    }
+    put(70, &if channels == 3 { 128_i16 } else { 2304 }.to_le_bytes());
+    put(72, &(8 * channels as i16).to_le_bytes());
+    put(108, &352.0_f32.to_le_bytes());
+    put(344, b"n+1\0");
+    file.extend(voxels(channels));
+    let path = folder.join("c.nii");
+    std::fs::write(&path, file).unwrap();
+    path
+}
+
+fn open(path: &Path, extra: Value) -> Document {
+    let mut document = Document::new();
+    let mut command = json!({ "path": path });
+    command.as_object_mut().unwrap().extend(extra.as_object().unwrap().clone());
+    run(&mut document, &json!({"volume":{"open":command}}).to_string()).unwrap();
+    document
+}
+
+/// Density and colour of a voxel as they are told.
+fn told(document: &mut Document, at: [usize; 3]) -> (f64, Vec<f64>) {
+    let said = run(document, &json!({"ask":{"voxel":{"at":{"index":at}}}}).to_string()).unwrap();
+    (said["density"].as_f64().unwrap(), serde_json::from_value(said["colour"].clone()).unwrap())
+}
+
+fn check(document: &mut Document, channels: usize) {
+    for at in [[0, 0, 0], [3, 4, 1], [39, 19, 5], [20, 7, 0], [31, 10, 3], [32, 10, 3]] {
+        let [r, g, b, a] = voxel(at[0], at[1], at[2]).map(f64::from);
+        let a = if channels == 4 { a / 255.0 } else { 1.0 };
+        let (density, colour) = told(document, at);
+        assert_eq!(density, ((0.2126 * r + 0.7152 * g + 0.0722 * b) * a).round(), "{at:?}");
+        let off = colour.iter().zip([r / 255.0, g / 255.0, b / 255.0, a]).map(|(x, y)| (x - y).abs());
+        assert!(off.fold(0.0, f64::max) < 1e-6, "{at:?}: {colour:?}");
+    }
+}
+
+#[test]
+fn colours_open_as_brightness_with_the_colour_field_filled() {
+    let folder = tempfile::tempdir().unwrap();
+    for channels in [3, 4] {
+        let kinds = if channels == 3 { ["RGB-color", "3-color", "none"] } else { ["RGBA-color", "4-color", "none"] };
+        for kind in kinds {
+            check(&mut open(&nrrd(folder.path(), channels, kind), json!({})), channels);
+        }
+        check(&mut open(&nifti(folder.path(), channels), json!({})), channels);
+    }
+    // A component that is asked for is that component, and a vector is no colour.
+    for (path, extra, component) in [
+        (nrrd(folder.path(), 3, "RGB-color"), json!({ "component": 1 }), 1),
+        (nrrd(folder.path(), 3, "vector"), json!({}), 0),
+        (nifti(folder.path(), 3), json!({ "component": 2 }), 2),
+    ] {
+        let mut document = open(&path, extra);
+        let (density, colour) = told(&mut document, [5, 6, 2]);
+        assert_eq!(density, f64::from(voxel(5, 6, 2)[component]));
+        assert_eq!(colour, [0.0; 4]);
+    }
+}
+
+#[test]
+fn colours_are_seen_in_slices() {
+    if Document::new().describe_gpu().is_err() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let mut document = open(&nrrd(folder.path(), 3, "RGB-color"), json!({}));
+    let rgba = document.picture(ViewName::Axial, [60, 60], None).unwrap().to_rgba8(None);
+    let leads = |p: &[u8], c: usize| (0..3).all(|o| o == c || i32::from(p[c]) > i32::from(p[o]) + 30);
+    let strong = |c: usize| rgba.chunks(4).filter(|p| p[3] > 200 && p[c] > 60 && leads(p, c)).count();
+    assert!(strong(0) > 20 && strong(2) > 20, "red {} blue {}", strong(0), strong(2));
+}
+
+#[test]
+fn colours_are_kept_by_saves_and_recovery_and_are_no_step_of_undo() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = nrrd(folder.path(), 4, "RGBA-color");
+    let mut document = open(&path, json!({}));
+    assert_eq!(document.history().undo_names().count(), 0);
+    for density in ["whole", "linked"] {
+        let project = folder.path().join(density);
+        run(&mut document, &json!({"project":{"save":{"path":project,"density":density}}}).to_string()).unwrap();
+        let mut again = Document::new();
+        again.take(Opened::project_to_read(&project, Default::default(), &|_| true).unwrap());
+        check(&mut again, 4);
+    }
+    // A crash right after opening.
+    let unsaved = folder.path().join("unsaved");
+    let origin = burin::document::Origin { path, component: burin::document::USUAL_COMPONENT, frame: 0 };
+    drop(Opened::volume(origin, None, Default::default(), Some(&unsaved), &|_| true).unwrap());
+    let lost = recovery::list(&unsaved).unwrap();
+    assert_eq!(lost.len(), 1);
+    let mut document = Document::new();
+    document.take(Opened::lost(&unsaved, &lost[0].id, &|_| true).unwrap());
+    check(&mut document, 4);
+    assert!(!document.state().unwrap().field(FieldKind::Colour).is_blank());
+}
