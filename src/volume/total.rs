@@ -7,34 +7,41 @@ pub struct Total {
     lost: f64,
     /// Of numbers so large that a few of them leave `f64`, in units of [`HUGE`].
     huge: f64,
+    huge_lost: f64,
 }
 
-/// Summed apart: fewer than 2⁶³ of all others stay within `f64`.
-const HUGE: f64 = 1e280;
+/// 2⁹³⁰. Summed apart: fewer than 2⁶³ of all others stay within `f64`.
+const HUGE: f64 = f64::from_bits((1023 + 930) << 52);
 
 impl Total {
     /// Adds a number.
     pub fn add(&mut self, x: f64) {
         if x.abs() >= HUGE {
-            self.huge += x / HUGE;
-            return;
+            compensated(&mut self.huge, &mut self.huge_lost, x / HUGE);
+        } else {
+            compensated(&mut self.sum, &mut self.lost, x);
         }
-        let total = self.sum + x;
-        self.lost += if self.sum.abs() >= x.abs() { (self.sum - total) + x } else { (x - total) + self.sum };
-        self.sum = total;
     }
 
     /// Adds what another sum has.
     pub fn merge(&mut self, other: &Self) {
         self.add(other.sum);
         self.lost += other.lost;
-        self.huge += other.huge;
+        compensated(&mut self.huge, &mut self.huge_lost, other.huge);
+        self.huge_lost += other.huge_lost;
     }
 
     /// The sum; infinite if it is beyond all numbers.
     pub fn value(&self) -> f64 {
         // Once the sum has left f64, the compensation is NaN and no help.
         let lost = if self.lost.is_nan() { 0.0 } else { self.lost };
-        self.huge * HUGE + self.sum + lost
+        (self.huge + self.huge_lost) * HUGE + self.sum + lost
     }
+}
+
+/// Adds a number to a sum, and what rounding lost of it to what was lost.
+fn compensated(sum: &mut f64, lost: &mut f64, x: f64) {
+    let total = *sum + x;
+    *lost += if sum.abs() >= x.abs() { (*sum - total) + x } else { (x - total) + *sum };
+    *sum = total;
 }
