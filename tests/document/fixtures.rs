@@ -27,7 +27,8 @@ fn ask(document: &mut Document, question: Value) -> Value {
 fn assert_is_the_ball(document: &mut Document) {
     let mut field = |kind: &str| ask(document, json!({"field": {"field": kind}}));
     assert_eq!(field("labels")["voxels_by_label"], json!({"3": 284, "5": 267}));
-    assert_eq!((&field("selection")["nonzero"], &field("selection")["sum"]), (&json!(871), &json!(209.5803921568629)));
+    assert_eq!(field("selection")["nonzero"], json!(871));
+    assert!((field("selection")["sum"].as_f64().unwrap() - 209.5803921568629).abs() < 1e-9);
     assert_eq!((&field("colour")["nonzero"], &field("colour")["max"]), (&json!(493), &json!(0.8)));
     assert_eq!(field("density")["nonzero"], json!(48834));
     let mut voxel = |index: [u32; 3]| ask(document, json!({"voxel": {"at": {"index": index}}}));
