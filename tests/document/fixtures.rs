@@ -63,3 +63,37 @@ fn a_project_of_the_first_format_opens_with_its_journal_and_is_saved_again() {
     run(&mut document, &open).unwrap();
     assert_is_the_ball(&mut document);
 }
+
+#[test]
+fn a_project_with_floats_foreign_ids_and_a_past_of_looks_opens_with_its_journal() {
+    let dir = tempfile::tempdir().unwrap();
+    let project = fixture("true_values.burin", dir.path());
+    let mut document = Document::new();
+    run(&mut document, &json!({"project": {"open": {"path": project}}}).to_string()).unwrap();
+    for saved in [false, true] {
+        if saved {
+            run(&mut document, r#"{"view":{"forward":{"of":"looks"}}}"#).unwrap();
+            run(&mut document, r#"{"project":{"save":{}}}"#).unwrap();
+            document = Document::new();
+            run(&mut document, &json!({"project": {"open": {"path": project}}}).to_string()).unwrap();
+        }
+        let labels = ask(&mut document, json!({"field": {"field": "labels"}}));
+        assert_eq!(labels["voxels_by_label"], json!({"1": 120, "3": 285, "5": 757}));
+        let voxel = ask(&mut document, json!({"voxel": {"at": {"index": [30, 10, 10]}}}));
+        let added = voxel["density"].as_f64().unwrap() - 132.1;
+        assert!(added.abs() <= voxel["half_step"].as_f64().unwrap() && added.abs() < 1e-4, "{voxel}");
+        let scene = ask(&mut document, json!({"scene": {}}))["scene"].take();
+        assert_eq!(
+            (&scene["segments"][0]["name"], &scene["segments"][0]["source_value"]),
+            (&json!("Cortex"), &json!(70000))
+        );
+        assert_eq!(
+            (&scene["brush"]["erase_density"], &scene["brush"]["target"]),
+            (&json!({"to": -5.0}), &json!({"label": 5}))
+        );
+        assert_eq!(scene["window"], json!({"level": 111.0, "width": 222.0}), "from the journal");
+        run(&mut document, r#"{"view":{"back":{"of":"looks"}}}"#).unwrap();
+        let scene = ask(&mut document, json!({"scene": {}}))["scene"].take();
+        assert_eq!(scene["window"], json!({"level": 300.0, "width": 900.0}), "as it was before");
+    }
+}
