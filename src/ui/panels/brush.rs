@@ -134,7 +134,7 @@ fn target_row(ui: &mut Ui, scene: &Scene, span: f64, new: &mut Brush) {
     match &mut new.target {
         Target::Selection(value) => {
             let mut degree = f64::from(*value);
-            row(ui, "Degree", |ui| {
+            row(ui, "Interest", |ui| {
                 let tip = "How much of interest what is painted is: at 50 % it half stays, half goes";
                 if slider(ui, ("Degree of interest", tip), &mut degree, 0.0..=1.0, Scale::PERCENT).changed() {
                     *value = degree as f32;
