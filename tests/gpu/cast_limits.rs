@@ -278,6 +278,33 @@ fn visibility_counts_as_the_definition_says() {
     assert!((counted.share() - visible as f64 / selected as f64).abs() < 0.01);
 }
 
+/// Dense below the fifth layer and selected below the eighth: 6 mm of thin matter lie before the selection, and take
+/// 1 − exp(−κ · 6 mm).
+#[test]
+fn the_selection_is_hidden_from_five_hundredths_of_opacity_on() {
+    let Some(gpu) = gpu() else { return };
+    let grid = Grid::aligned([24, 20, 10], DVec3::new(1.0, 1.0, 2.0), DVec3::ZERO);
+    let mut stage = Stage::new(gpu, grid, density_u16(grid, |v| if v[2] < 4 { 40_000 } else { 100 }));
+    stage.fields[2] = painted(FieldKind::Selection, &grid, |v| [if v[2] < 7 { 255 } else { 0 }, 0, 0, 0]);
+    for (before, is_hidden) in [(0.045_f64, false), (0.055, true)] {
+        let thin = 1.0 - (1.0 - before).powf(1.0 / 6.0);
+        let transfer = TransferFunction {
+            opacity: vec![(0.0, thin as f32), (30_000.0, thin as f32), (30_001.0, 0.9)],
+            ..flat(0.0)
+        };
+        let mut view = down(&grid, transfer, 0.25);
+        view.bodies =
+            vec![Body { mask: Mask::Background, ..Body::whole(3) }, Body { mask: Mask::Selection, ..Body::whole(9) }];
+        let [density, colour, selection, labels] = &stage.fields;
+        let fields = burin::gpu::Fields { density, colour, selection, labels };
+        let counted = stage.caster.visibility(&stage.gpu, &mut stage.pools, &fields, &view).unwrap();
+        let all = 24 * 20;
+        let (visible, hidden) = if is_hidden { (0, all) } else { (all, 0) };
+        assert_eq!((counted.selected, counted.visible), (all, visible), "{before}");
+        assert_eq!(counted.hidden_by, [(3, hidden)], "{before}");
+    }
+}
+
 #[test]
 fn nothing_and_too_much_are_answers() {
     let Some(gpu) = gpu() else { return };
