@@ -124,10 +124,16 @@ fn colours_are_kept_by_saves_and_recovery_and_are_no_step_of_undo() {
         again.take(Opened::project_to_read(&project, Default::default(), &|_| true).unwrap());
         check(&mut again, 4);
     }
-    // A crash right after opening.
+    // A crash right after opening loses nothing, one after the first step brings it back with the colours of the file.
     let unsaved = folder.path().join("unsaved");
     let origin = burin::document::Origin { path, component: burin::document::USUAL_COMPONENT, frame: 0 };
-    drop(Opened::volume(origin, None, Default::default(), Some(&unsaved), &|_| true).unwrap());
+    let opened = || Opened::volume(origin.clone(), None, Default::default(), Some(&unsaved), &|_| true).unwrap();
+    drop(opened());
+    assert_eq!(recovery::list(&unsaved).unwrap(), []);
+    let mut document = Document::new();
+    document.take(opened());
+    run(&mut document, r#"{"segment":{"set":{"id":1,"name":"bone"}}}"#).unwrap();
+    drop(document);
     let lost = recovery::list(&unsaved).unwrap();
     assert_eq!(lost.len(), 1);
     let mut document = Document::new();

@@ -399,6 +399,37 @@ fn looking_about_is_nothing_to_recover_until_something_is_done() {
 }
 
 #[test]
+fn a_stroke_that_ran_or_a_journal_that_is_damaged_may_be_work() {
+    let dir = tempfile::tempdir().unwrap();
+    let state = state(SMALL, dir.path());
+    let begun = |folder: &Path, taken_back: bool| {
+        let mut keeper = Keeper::unsaved(folder, &state).unwrap();
+        keeper.samples(&[sample(1.0)]).unwrap();
+        if taken_back {
+            keeper.no_stroke().unwrap();
+        }
+    };
+    for (taken_back, name) in [(false, "runs"), (true, "taken back")] {
+        let folder = dir.path().join(name);
+        begun(&folder, taken_back);
+        assert_eq!(recovery::list(&folder).unwrap().len(), usize::from(!taken_back), "{name}");
+    }
+    let folder = dir.path().join("damaged");
+    begun(&folder, true);
+    let of_document = std::fs::read_dir(folder.join("recovery")).unwrap().next().unwrap().unwrap().path();
+    let mut bytes = std::fs::read(of_document.join("journal")).unwrap();
+    let whole = bytes.len();
+    for (at, what) in [(28, "a length"), (60, "a body")] {
+        bytes[at] ^= 0x40;
+        std::fs::write(of_document.join("journal"), &bytes).unwrap();
+        assert_eq!(recovery::list(&folder).unwrap().len(), 1, "{what}");
+        bytes[at] ^= 0x40;
+    }
+    std::fs::write(of_document.join("journal"), &bytes[..whole - 1]).unwrap();
+    assert_eq!(recovery::list(&folder).unwrap().len(), 1, "an end that is missing");
+}
+
+#[test]
 fn looking_about_in_a_project_comes_back_and_counts_as_no_step() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());

@@ -392,6 +392,40 @@ fn labels_and_selection_of_an_opened_file_come_back_after_a_crash() {
 }
 
 #[test]
+fn what_was_only_opened_and_looked_at_is_no_unsaved_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let grid = Grid::aligned([40, 33, 5], DVec3::ONE, DVec3::ZERO);
+    let path = write(folder.path(), &grid, &Voxels::U32(each(&grid, |v| v[0] * 40_000)));
+    for what in ["image", "labels", "selection"] {
+        let state_dir = folder.path().join(what);
+        let mut document = Document::new();
+        document.keep_unsaved_in(state_dir.clone());
+        run(&mut document, &json!({"volume":{"open":{"path":path,"as":what}}}).to_string()).unwrap();
+        run(&mut document, r#"{"view":{"orbit":{"azimuth_deg":5,"elevation_deg":0}}}"#).unwrap();
+        drop(document);
+        assert_eq!(recovery::list(&state_dir).unwrap(), [], "{what}");
+        assert_eq!(std::fs::read_dir(state_dir.join("recovery")).unwrap().count(), 0, "{what}: nothing is left behind");
+    }
+    // One voxel of work after the looking about, and all of it is offered: the file's labels, the work and the view.
+    let state_dir = folder.path().join("worked");
+    let mut document = Document::new();
+    document.keep_unsaved_in(state_dir.clone());
+    run(&mut document, &json!({"volume":{"open":{"path":path,"as":"labels"}}}).to_string()).unwrap();
+    run(&mut document, r#"{"view":{"orbit":{"azimuth_deg":5,"elevation_deg":0}}}"#).unwrap();
+    run(&mut document, r#"{"segment":{"set":{"id":2,"name":"bone"}}}"#).unwrap();
+    let (before, views) = (bytes(&document), document.state().unwrap().scene.views.clone());
+    drop(document);
+    let lost = recovery::list(&state_dir).unwrap();
+    assert_eq!(lost.len(), 1);
+    let mut again = Document::new();
+    again.keep_unsaved_in(state_dir);
+    let answer = run(&mut again, &json!({"project":{"recover":{"id":lost[0].id}}}).to_string()).unwrap();
+    assert_eq!(answer["recovered"]["steps"], 1, "the opening is none of them");
+    assert!(bytes(&again) == before);
+    assert_eq!(again.state().unwrap().scene.views, views);
+}
+
+#[test]
 fn a_seg_nrrd_brings_names_and_colours_and_of_its_layers_the_first() {
     let folder = tempfile::tempdir().unwrap();
     let header = "NRRD0004\ntype: uint8\ndimension: 4\nsizes: 2 40 6 5\nkinds: list domain domain domain\nencoding: raw\n\

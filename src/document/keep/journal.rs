@@ -9,7 +9,7 @@
 
 use super::journal_record::{BrickEntry, Kind, RECORD_HEAD, SamplesHead, StepHead, decode, encode, encode_brick, runs};
 use super::store_files::sync_dir;
-use super::{Command, KeepError, Past, PastDelta, Scene, State};
+use super::{Command, KeepError, Past, PastDelta, Scene, State, VolumeCommand};
 use crate::io::disk;
 use crate::paint::Sample;
 use crate::volume::{BrickIndex, DensityMap, FieldKind, TexelFormat};
@@ -155,12 +155,14 @@ impl Journal {
         // Looking about is no step of work. In what was opened and never saved it is nothing to lose: the first step takes it along.
         let known_parts = changed.keys().all(|part| ["views", "brush"].contains(&part.as_str()));
         let looks_about = known_parts && !ends_stroke && map.is_none() && touched.is_empty();
-        if looks_about && self.generation == 0 && self.end == HEADER {
+        if looks_about && self.generation == 0 && self.now.steps == 0 && !self.stroke_runs {
             return Ok(());
         }
+        // What a file was opened as is read again from the file, and no step of work either.
+        let opens = matches!(command, Command::Volume(VolumeCommand::Open { .. }));
         let command = serde_json::to_value(command).map_err(|e| KeepError::Scene { reason: e.to_string() })?;
         let past = PastDelta::between(&self.now.past, &state.past);
-        let head = StepHead { command, steps: u64::from(!looks_about), scene: changed, map, past };
+        let head = StepHead { command, steps: u64::from(!looks_about && !opens), scene: changed, map, past };
         let bytes = head_bytes(&head)?;
         let mut places: BTreeSet<(FieldKind, BrickIndex)> = touched.iter().copied().collect();
         if map.is_some() {

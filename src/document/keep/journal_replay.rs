@@ -100,6 +100,27 @@ impl Journal {
         Ok(Some(replay))
     }
 
+    /// Whether a journal holds what somebody did: a step that counts as one, or a stroke that was running. What cannot be read may
+    /// be work too. Reads up to the first step, changes nothing.
+    pub fn holds_work(path: &Path) -> Result<bool, KeepError> {
+        let (dir, name) = place(path);
+        let reading = |e| KeepError::io("read", path)(e);
+        let file = inside::open(dir, &name).map_err(reading)?;
+        let mut left = file.metadata().map_err(reading)?.len().saturating_sub(HEADER);
+        let mut reader = BufReader::with_capacity(1 << 20, file);
+        reader.seek(SeekFrom::Start(HEADER)).map_err(reading)?;
+        let (mut body, mut stroke) = (Vec::new(), Vec::new());
+        while left > 0 {
+            let Body::Whole = next_body(&mut reader, left, &mut body).map_err(reading)? else { return Ok(true) };
+            left -= (RECORD_HEAD + body.len()) as u64;
+            let head = decode(&body).and_then(|record| read_head(&record, &mut stroke));
+            if head.is_none_or(|head| head.steps > 0) {
+                return Ok(true);
+            }
+        }
+        Ok(!stroke.is_empty())
+    }
+
     /// The journal up to its last whole step, what it brings back, and what is wrong with the record after that if it is more
     /// than unfinished.
     fn read(

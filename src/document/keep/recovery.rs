@@ -4,7 +4,7 @@
 //! removes its folder; what a crash leaves is offered at the next start. Whoever calls names the place; for programs it is
 //! [`state_dir`].
 
-use super::journal::HEADER;
+use super::journal::Journal;
 use super::store_files::{create_dir, remove_dir};
 use super::store_lock::Lock;
 use super::store_manifest::Manifest;
@@ -61,8 +61,8 @@ fn look(dir: &Path) -> Option<Lost> {
     let _lock = Lock::take(dir).ok()?;
     let about = std::fs::symlink_metadata(dir.join(JOURNAL)).ok().filter(std::fs::Metadata::is_file)?;
     let manifest = Manifest::read(dir).map_err(|e| tracing::warn!("{e}")).ok()?;
-    // A crash before the first command lost nothing.
-    if about.len() <= HEADER {
+    // A crash before the first step of work lost nothing. What cannot be looked into may be work.
+    if !Journal::holds_work(&dir.join(JOURNAL)).unwrap_or(true) {
         remove_dir(dir).map_err(|e| tracing::warn!("{e}")).ok()?;
         return None;
     }
