@@ -3,6 +3,7 @@
 //! Owns device, pools, casters and painter. What is here can be thrown away at any time but a running stroke's dabs, which the
 //! painter keeps and paints again.
 
+use super::area::Area;
 use super::step::Refreshed;
 use super::{DocumentError, State};
 use crate::gpu::tiles::Window;
@@ -132,6 +133,28 @@ impl Graphics {
         })
     }
 
+    /// The same with the voxels that the running stroke had met at its start.
+    pub(super) fn part_at_start(
+        &mut self,
+        state: &State,
+        frame: &Frame,
+        corner: [u32; 2],
+        size: [u32; 2],
+    ) -> Result<Image, DocumentError> {
+        let [origin, extent] = [corner, size].map(|[x, y]| DVec2::new(f64::from(x), f64::from(y)));
+        let area = Area { lo: origin, hi: origin + extent };
+        let window = Window { picture: frame.size, origin, size };
+        self.with(state, "a picture", |t, painter| {
+            let Tools { gpu, pools, caster, .. } = t;
+            pools.bound_uploads(None);
+            painter.at_start(
+                pools,
+                |brick| area.shows_brick(frame, state.grid(), brick),
+                |pools| caster.part(gpu, pools, &fields(state), frame, &window),
+            )
+        })
+    }
+
     pub(super) fn slice(&mut self, state: &State, frame: &SliceFrame) -> Result<Image, DocumentError> {
         let colour = self.with(state, "a slice", |t, _| {
             t.pools.bound_uploads(None);
@@ -148,7 +171,8 @@ impl Graphics {
         })
     }
 
-    /// What lies under points of the 3D view, evenly apart from one place to another, from the finest voxels.
+    /// What lies under points of the 3D view, evenly apart from one place to another, from the finest voxels; of those that the
+    /// running stroke had met from what they were at its start.
     pub(super) fn pick_along(
         &mut self,
         state: &State,
@@ -156,9 +180,15 @@ impl Graphics {
         ends: [DVec2; 2],
         count: u32,
     ) -> Result<Vec<Option<Hit>>, DocumentError> {
-        self.with(state, "pixels of the 3D view", |t, _| {
-            t.pools.bound_uploads(None);
-            t.caster.pick_along(&t.gpu, &mut t.pools, &fields(state), frame, ends, count)
+        let area = Area { lo: ends[0].min(ends[1]) - 1.0, hi: ends[0].max(ends[1]) + 1.0 };
+        self.with(state, "pixels of the 3D view", |t, painter| {
+            let Tools { gpu, pools, caster, .. } = t;
+            pools.bound_uploads(None);
+            painter.at_start(
+                pools,
+                |brick| area.shows_brick(frame, state.grid(), brick),
+                |pools| caster.pick_along(gpu, pools, &fields(state), frame, ends, count),
+            )
         })
     }
 

@@ -5,6 +5,7 @@
 //! tools: they are saved, and undo leaves both alone. Views, looks, layers and window have a past of their own (`view.back`). Everything
 //! else is undone.
 
+mod area;
 mod check;
 mod colours;
 mod command;

@@ -5,9 +5,10 @@
 //! them, and a surface seen at a grazing angle has no holes. Each body is looked at where it stands, so that parts that were
 //! moved show what they show. The cost follows the dabs.
 
+use super::area::Area;
 use super::{Document, DocumentError, State};
 use crate::gpu::Frame;
-use crate::math::{DVec2, DVec3, Projection};
+use crate::math::{DVec2, DVec3};
 use crate::paint::{Dab, VoxelSet};
 use crate::volume::Mode;
 
@@ -17,24 +18,6 @@ const RAYS_VOXELS: f64 = 1.0 / 3.0;
 const MOST_RAYS: f64 = 262_144.0;
 /// Dabs are looked at together while that takes no more than so many times the rays of one.
 const TOGETHER: f64 = 4.0;
-
-/// A rectangle of a picture.
-#[derive(Clone, Copy)]
-struct Area {
-    lo: DVec2,
-    hi: DVec2,
-}
-
-impl Area {
-    fn union(self, other: Self) -> Self {
-        Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
-    }
-
-    fn pixels(&self) -> f64 {
-        let size = (self.hi - self.lo).max(DVec2::ZERO);
-        size.x * size.y
-    }
-}
 
 impl Document {
     /// Adds the voxels of the visible surface that lie under dabs.
@@ -54,7 +37,7 @@ impl Document {
                     continue;
                 }
                 let reach = dab.radius_mm + 2.0 * state.grid().spacing().max_element();
-                let Some(area) = area_of(&frame, body.pose.apply(dab.centre), reach) else { continue };
+                let Some(area) = Area::of_ball(&frame, body.pose.apply(dab.centre), reach) else { continue };
                 open = Some(match open {
                     Some((all, one)) if all.union(area).pixels() <= TOGETHER * one.max(area.pixels()) => {
                         (all.union(area), one.max(area.pixels()))
@@ -96,7 +79,7 @@ impl Document {
             return Ok(());
         }
         let (corner, extent) = ([lo.x as u32, lo.y as u32], [(hi - lo).x as u32, (hi - lo).y as u32]);
-        let image = self.graphics.part(state, &frame, corner, extent)?;
+        let image = self.graphics.part_at_start(state, &frame, corner, extent)?;
         let index_from_world = grid.index_from_world();
         for (i, (&depth, &object)) in image.depth_mm.iter().zip(&image.object).enumerate() {
             let Some(id) = object.checked_sub(1).filter(|_| depth.is_finite()) else { continue };
@@ -130,23 +113,4 @@ fn shows(state: &State, voxel: [u32; 3]) -> Result<bool, DocumentError> {
         Mode::Iso(level) => value >= level,
         Mode::Dvr | Mode::Mip => state.scene.transfer.opacity_at(value) > 0.0,
     })
-}
-
-/// Where a ball of the world shows in a picture; all of the picture if the eye is in it or close, `None` if it lies behind.
-fn area_of(frame: &Frame, centre: DVec3, radius_mm: f64) -> Option<Area> {
-    let size = DVec2::new(f64::from(frame.size[0]), f64::from(frame.size[1]));
-    let camera = &frame.camera;
-    let depth = (centre - camera.eye).dot(camera.forward());
-    let perspective = matches!(camera.projection, Projection::Perspective { .. });
-    if depth < -radius_mm {
-        return None;
-    }
-    if perspective && depth < 2.0 * radius_mm {
-        return Some(Area { lo: DVec2::ZERO, hi: size });
-    }
-    let (px, _) = camera.project(centre, frame.size)?;
-    // A ball off the axis shows as an ellipse, longer by the angle's secant.
-    let ray = camera.ray(px, frame.size).dir.dot(camera.forward()).max(0.1);
-    let reach = radius_mm / camera.mm_per_pixel((depth - radius_mm).max(1e-300), frame.size[1]) / ray + 1.0;
-    Some(Area { lo: px - reach, hi: px + reach })
 }

@@ -92,9 +92,31 @@ impl Painter {
 
     /// The bricks that the running stroke shows in, itself or through an apron, in order.
     pub fn touched(&self) -> Vec<BrickIndex> {
-        let mut touched: Vec<_> = self.stroke.iter().flat_map(|s| s.homes.keys().copied()).collect();
-        touched.sort_unstable();
-        touched
+        self.stroke.as_ref().map_or_else(Vec::new, Stroke::touched)
+    }
+
+    /// Looks at the fields as they were at the running stroke's start, in those of the touched bricks that `under` names: what a
+    /// stroke paints must not change where it goes on. Without a stroke it only looks.
+    ///
+    /// # Errors
+    /// Those of the look; as [`finish`](Self::finish).
+    pub fn at_start<T>(
+        &mut self,
+        pools: &mut FieldPools,
+        under: impl Fn(BrickIndex) -> bool,
+        look: impl FnOnce(&mut FieldPools) -> Result<T, GpuError>,
+    ) -> Result<T, GpuError> {
+        let Some(stroke) = &mut self.stroke else { return look(pools) };
+        // What a picture shows, and where, hangs on these two alone.
+        let matters = brush_cells::matters(stroke.kind());
+        let bricks: Vec<_> = stroke.touched().into_iter().filter(|&brick| matters && under(brick)).collect();
+        if bricks.is_empty() {
+            return look(pools);
+        }
+        stroke.show_start(&self.gpu, pools, &bricks)?;
+        let seen = look(pools);
+        stroke.show_painted(&self.gpu, pools, &bricks)?;
+        seen
     }
 
     /// Starts a stroke on the fields as they are now; they must stay so until it ends. Labels of locked segments are kept.

@@ -33,6 +33,8 @@ pub(super) struct Chunk {
     pub(super) base: Option<wgpu::Buffer>,
     /// A bit for every texel that the range lets through.
     pub(super) gate: Option<wgpu::Buffer>,
+    /// Where what was painted waits while slots show the start. Made when first needed.
+    aside: Option<wgpu::Buffer>,
 }
 
 /// Bytes that a slot takes, more or less: racks of several slots are counted in parts.
@@ -70,6 +72,7 @@ impl Chunk {
                 changed: make("brush changed", count * 4, Use::COPY_SRC),
                 base: extras.base.map(|f| make("brush base", count * tight_bytes(f), Use::empty())),
                 gate: extras.gate.then(|| make("brush gate", count * GATE_BYTES, Use::empty())),
+                aside: None,
             })
         })
     }
@@ -81,6 +84,7 @@ impl Chunk {
 
     pub(super) fn bytes(&self) -> u64 {
         u64::from(self.capacity) * slot_bytes(self.variant, self.extras)
+            + self.aside.as_ref().map_or(0, wgpu::Buffer::size)
     }
 
     pub(super) fn room(&self) -> usize {
@@ -97,7 +101,7 @@ impl Chunk {
     ) -> u32 {
         let place = self.bricks.len() as u32;
         self.bricks.push(brick);
-        encoder.copy_texture_to_buffer(at(pool, slot), self.rows(place), SLOT_EXTENT);
+        encoder.copy_texture_to_buffer(at(pool, slot), self.rows(&self.start, place), SLOT_EXTENT);
         encoder.clear_buffer(&self.coverage, u64::from(place) * COVERAGE_BYTES, Some(COVERAGE_BYTES));
         encoder.clear_buffer(&self.changed, u64::from(place) * 4, Some(4));
         place
@@ -105,13 +109,53 @@ impl Chunk {
 
     /// Puts a slot's texels back as they were at the stroke's start.
     pub(super) fn restore(&self, encoder: &mut wgpu::CommandEncoder, place: u32, pool: &wgpu::Texture, slot: [u32; 3]) {
-        encoder.copy_buffer_to_texture(self.rows(place), at(pool, slot), SLOT_EXTENT);
+        encoder.copy_buffer_to_texture(self.rows(&self.start, place), at(pool, slot), SLOT_EXTENT);
     }
 
-    fn rows(&self, place: u32) -> wgpu::TexelCopyBufferInfo<'_> {
+    /// Makes room for [`put_aside`](Self::put_aside).
+    pub(super) fn make_aside(&mut self, gpu: &Gpu) -> Result<(), GpuError> {
+        use wgpu::BufferUsages as Use;
+        if self.aside.is_none() {
+            let (size, usage) = (self.start.size(), Use::COPY_SRC | Use::COPY_DST);
+            self.aside = Some(gpu.scoped("a stroke's buffers", || {
+                let label = Some("brush aside");
+                let about = wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false };
+                Ok(gpu.device.create_buffer(&about))
+            })?);
+        }
+        Ok(())
+    }
+
+    /// Keeps a slot's texels as they are now, until [`put_back`](Self::put_back).
+    pub(super) fn put_aside(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        place: u32,
+        pool: &wgpu::Texture,
+        slot: [u32; 3],
+    ) {
+        if let Some(aside) = &self.aside {
+            encoder.copy_texture_to_buffer(at(pool, slot), self.rows(aside, place), SLOT_EXTENT);
+        }
+    }
+
+    /// Gives a slot back what was put aside.
+    pub(super) fn put_back(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        place: u32,
+        pool: &wgpu::Texture,
+        slot: [u32; 3],
+    ) {
+        if let Some(aside) = &self.aside {
+            encoder.copy_buffer_to_texture(self.rows(aside, place), at(pool, slot), SLOT_EXTENT);
+        }
+    }
+
+    fn rows<'a>(&self, buffer: &'a wgpu::Buffer, place: u32) -> wgpu::TexelCopyBufferInfo<'a> {
         let (rack, lane) = (place / self.variant.lanes(), place % self.variant.lanes());
         let offset = u64::from(rack) * RACK + u64::from(lane * self.variant.row_bytes());
-        rows(&self.start, offset, SLOT)
+        rows(buffer, offset, SLOT)
     }
 }
 

@@ -154,19 +154,51 @@ impl Stroke {
 
     /// Puts all slots back.
     pub(super) fn restore(&self, gpu: &Gpu, pools: &FieldPools) -> Result<(), GpuError> {
+        self.copy(gpu, pools, "a cancelled stroke", &self.touched(), Chunk::restore)
+    }
+
+    /// Lets the slots of touched bricks show what they held at the stroke's start, until [`show_painted`](Self::show_painted).
+    pub(super) fn show_start(&mut self, gpu: &Gpu, pools: &FieldPools, bricks: &[BrickIndex]) -> Result<(), GpuError> {
+        self.chunks.iter_mut().try_for_each(|chunk| chunk.make_aside(gpu))?;
+        // All before the first is put back: slots in place share their aprons.
+        self.copy(gpu, pools, "a stroke put aside", bricks, Chunk::put_aside)?;
+        self.copy(gpu, pools, "a stroke's start", bricks, Chunk::restore)
+    }
+
+    /// Lets them show the stroke again.
+    pub(super) fn show_painted(&self, gpu: &Gpu, pools: &FieldPools, bricks: &[BrickIndex]) -> Result<(), GpuError> {
+        self.copy(gpu, pools, "a stroke put back", bricks, Chunk::put_back)
+    }
+
+    /// Copies between the slots of touched bricks and what is kept of them.
+    fn copy(
+        &self,
+        gpu: &Gpu,
+        pools: &FieldPools,
+        what: &str,
+        bricks: &[BrickIndex],
+        copy: impl Fn(&Chunk, &mut wgpu::CommandEncoder, u32, &wgpu::Texture, [u32; 3]),
+    ) -> Result<(), GpuError> {
         let Some(texture) = pools.texture(self.kind()) else { return Ok(()) };
-        let homes: Vec<_> = self.homes.values().collect();
-        gpu.scoped("a cancelled stroke", || {
+        let homes: Vec<_> = bricks.iter().filter_map(|brick| self.homes.get(brick)).collect();
+        gpu.scoped(what, || {
             for part in homes.chunks(TAKEN) {
                 let mut encoder =
-                    gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("cancel") });
+                    gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(what) });
                 for home in part {
-                    self.chunks[home.chunk].restore(&mut encoder, home.place, texture, home.slot);
+                    copy(&self.chunks[home.chunk], &mut encoder, home.place, texture, home.slot);
                 }
                 gpu.queue.submit([encoder.finish()]);
             }
             Ok(())
         })
+    }
+
+    /// The bricks whose slots it shows in, in order.
+    pub(super) fn touched(&self) -> Vec<BrickIndex> {
+        let mut touched: Vec<_> = self.homes.keys().copied().collect();
+        touched.sort_unstable();
+        touched
     }
 
     /// These bricks with their slots.

@@ -33,6 +33,7 @@ mod program;
 mod projects;
 mod rings;
 mod script;
+mod sculpt;
 mod selection;
 mod strokes;
 mod surface;

@@ -43,30 +43,39 @@ impl FieldPools {
 /// The cells of 4³ voxels of a brick of level 0, as the level that it is drawn from has them.
 struct CellsOf {
     cells: Cells,
+    /// A running stroke's, which are of level 0.
+    live: Option<Cells>,
     level: u8,
     /// First cell of the brick within the coarse brick, in cells of level 0.
     first: [u32; 3],
 }
 
 impl CellsOf {
-    /// `live`: a running stroke's, which are of level 0.
     fn new(field: &Field, live: Option<&Cells>, level: u8, brick: [u32; 3]) -> Self {
-        if let Some(cells) = live {
-            return Self { cells: cells.clone(), level: 0, first: [0; 3] };
-        }
+        // Bricks that a stroke paints are drawn from level 0, and looked at as they were at its start too.
+        let level = if live.is_some() { 0 } else { level };
         let index = BrickIndex(brick.map(|b| b >> level));
         let first = std::array::from_fn(|a| (brick[a] - (index.0[a] << level)) * 8);
-        Self { cells: field.cells(BrickKey { level, index }), level, first }
+        Self { cells: field.cells(BrickKey { level, index }), live: live.cloned(), level, first }
     }
 
     fn range(&self, cell: usize) -> [f32; 2] {
-        match &self.cells {
-            Cells::Uniform(range) => *range,
-            Cells::Dense(cells) => {
-                let at = [cell % 8, cell / 8 % 8, cell / 64];
-                let [x, y, z] = std::array::from_fn(|a| (self.first[a] as usize + at[a]) >> self.level);
-                cells[x + 8 * (y + 8 * z)]
+        let at = [cell % 8, cell / 8 % 8, cell / 64];
+        let [x, y, z] = std::array::from_fn(|a| (self.first[a] as usize + at[a]) >> self.level);
+        let [lo, hi] = in_cell(&self.cells, x + 8 * (y + 8 * z));
+        match &self.live {
+            Some(live) => {
+                let [least, most] = in_cell(live, cell);
+                [lo.min(least), hi.max(most)]
             }
+            None => [lo, hi],
         }
+    }
+}
+
+fn in_cell(cells: &Cells, cell: usize) -> [f32; 2] {
+    match cells {
+        Cells::Uniform(range) => *range,
+        Cells::Dense(cells) => cells[cell],
     }
 }

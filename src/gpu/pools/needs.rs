@@ -47,7 +47,8 @@ impl FieldPools {
 
     fn is_needed(&self, fields: &Fields<'_>, i: usize) -> bool {
         let shows = |cells: &Cells| self.look.as_ref().is_some_and(|l| any(cells, |[lo, hi]| l.shows.any(lo, hi)));
-        let visible = self.live[0].get(&i).map_or(self.visible[i], shows);
+        // A stroke's bricks are looked at as they are and as they were at its start.
+        let visible = self.visible[i] || self.live[0].get(&i).is_some_and(shows);
         self.sliced(self.key_at(i).index) || visible && self.is_drawn(fields.selection, i)
     }
 
@@ -60,7 +61,8 @@ impl FieldPools {
         let key = self.key_at(i);
         let about = selection.summary(key);
         let live = self.live[1].get(&i);
-        let holds = |of: &dyn Fn([f32; 2]) -> bool| live.map_or(of([about.min, about.max]), |cells| any(cells, of));
+        let holds =
+            |of: &dyn Fn([f32; 2]) -> bool| of([about.min, about.max]) || live.is_some_and(|cells| any(cells, of));
         let corners = sight::corners(&self.grid, key.index);
         sight.bodies.iter().any(|body| {
             let shares = match body.mask {
