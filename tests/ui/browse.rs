@@ -125,6 +125,8 @@ fn typed_paths_mean_what_they_say() {
     assert_eq!(to("\"/data/two words.nii\""), Path::new("/data/two words.nii"));
     assert_eq!(to("file:///data/two%20words%C3%A4.nii"), Path::new("/data/two wordsä.nii"));
     assert_eq!(to("file:///data/50%.nii"), Path::new("/data/50%.nii"));
+    assert_eq!(to("file://localhost/data/x.nii"), Path::new("/data/x.nii"), "this machine by its name");
+    assert_eq!(to("~//c.nii"), home.join("c.nii"), "a stroke too many does not leave home");
     assert_eq!(to("scans/../scan10.nii"), here.canonicalize().unwrap().join("scan10.nii"));
     assert!(resolve("~/x", here, None).is_err());
     assert!(resolve("   ", here, None).is_err());
@@ -185,6 +187,11 @@ fn writing_over_a_file_is_asked_and_an_ending_is_given() {
     b.type_text("none/other.png".into());
     assert_eq!(b.enter(), None);
     assert!(b.error().unwrap().contains("There is no folder"), "{:?}", b.error());
+    // With its ending the name is that of a folder, over which nothing can be written.
+    std::fs::create_dir(dir.path().join("taken.png")).unwrap();
+    b.type_text("taken".into());
+    assert_eq!((b.enter(), b.replaces()), (None, None));
+    assert!(b.error().unwrap().contains("“taken.png” is no file"), "{:?}", b.error());
     b.type_text("scans".into());
     assert_eq!(b.enter(), None);
     assert_eq!((b.folder(), b.text()), (dir.path().join("scans").as_path(), "view.png"), "a folder is gone into");

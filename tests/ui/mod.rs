@@ -2,6 +2,7 @@
 
 mod answers;
 mod browse;
+mod browser;
 mod busy;
 mod curve;
 mod driver;
@@ -13,6 +14,7 @@ mod looks;
 mod meaning;
 mod names;
 mod painted;
+mod points;
 mod preview;
 mod projection;
 mod reach;
