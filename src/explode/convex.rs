@@ -126,7 +126,8 @@ fn nearest_on_segment_2d(p: DVec2, a: DVec2, b: DVec2) -> DVec2 {
 fn flatten(plane: &Plane, points: &[DVec3]) -> Vec<DVec2> {
     let (u, v) = plane.normal.any_orthonormal_pair();
     let origin = points.first().copied().unwrap_or_default();
-    points.iter().map(|&p| DVec2::new(u.dot(p - origin), v.dot(p - origin))).collect()
+    // Without the sign of zeros: sorted by their bits, −0 comes before 0, and a side along an axis would be walked back and forth.
+    points.iter().map(|&p| DVec2::new(u.dot(p - origin), v.dot(p - origin)) + DVec2::ZERO).collect()
 }
 
 /// The corners on a plane, counter-clockwise seen from its outer side; fewer than three if the plane is no face.

@@ -2,7 +2,8 @@
 
 use super::{cube, oblique, octants, unit};
 use burin::explode::{ExplodeError, Explosion, PartId};
-use burin::math::{DQuat, DVec3, Plane, Pose};
+use burin::math::{DAffine3, DMat3, DQuat, DVec3, Plane, Pose};
+use burin::volume::Grid;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -60,6 +61,39 @@ fn octants_are_eight_boxes_that_share_their_corners_exactly() {
         assert!(part.polygons().iter().all(|p| p.len() == 4));
     }
     explosion.check().unwrap();
+}
+
+#[test]
+fn planes_of_the_worlds_axes_leave_whole_parts_of_a_turned_volume() {
+    // Sections have sides along the axes of their own plane, where zeros of both signs come up.
+    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    for n in 0..200 {
+        let axis = DVec3::AXES[n % 3];
+        let turn = DMat3::from_quat(DQuat::from_axis_angle(axis, rng.random_range(-3.2..3.2)));
+        let matrix3 = turn * DMat3::from_diagonal(DVec3::new(1.0, 1.5, 2.0));
+        let translation = DVec3::new(-30.0, -20.0, -35.0);
+        let grid = Grid { dims: [70, 40, 33], world_from_index: DAffine3 { matrix3, translation } };
+        let middle = grid.world_bounds().centre();
+        let point = if n % 2 == 0 { middle } else { middle + unit(&mut rng) * 8.0 };
+        let mut explosion = Explosion::whole(&grid);
+        let whole = total(&explosion);
+        let said = |of: &Explosion, normal: DVec3| {
+            of.check().unwrap_or_else(|e| panic!("{n}: {normal} through {point}, turned about {axis}: {e}"));
+            let sum = total(of) / whole;
+            assert!((sum - 1.0).abs() < 1e-9, "{n}: {normal} through {point}, turned about {axis}: {sum} of the whole");
+        };
+        // Each alone, and one after the other.
+        for normal in [DVec3::X, DVec3::Y, DVec3::Z, -DVec3::X, -DVec3::Y, -DVec3::Z] {
+            let plane = Plane::through(point, normal).unwrap();
+            let mut halved = Explosion::whole(&grid);
+            halved.split_at_rest(PartId(1), &plane).unwrap().unwrap();
+            said(&halved, normal);
+            for id in explosion.parts.iter().map(|p| p.id).collect::<Vec<_>>() {
+                explosion.split_at_rest(id, &plane).unwrap();
+            }
+            said(&explosion, normal);
+        }
+    }
 }
 
 #[test]
