@@ -31,7 +31,8 @@ fn a_thin_line_is_every_voxel_that_its_path_passes() {
     }
     // A click, at a corner between eight voxels.
     brush(&mut document, json!({"radius_mm":0.2,"target":{"label":9}}));
-    assert_eq!(stroke(&mut document, &[[7.49, 5.49, 3.49]])["voxels_changed"], 1);
+    let click = stroke(&mut document, &[[7.49, 5.49, 3.49]]);
+    assert_eq!((&click["voxels_changed"], &click["bricks_touched"]), (&json!(1), &json!(1)));
     assert_eq!(labelled(&document, 9), [[7, 5, 3]]);
 }
 

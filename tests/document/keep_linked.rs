@@ -1,7 +1,7 @@
 //! A project that names its source means the very bytes that were opened, header and voxels, and finds them again.
 
 use super::maker::{bytes, run};
-use burin::document::Document;
+use burin::document::{Document, DocumentError, KeepError};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -236,4 +236,33 @@ fn unsaved_work_on_a_detached_volume_comes_back_only_over_the_voxels_that_it_was
     let recover = json!({"project":{"recover":{"id":lost["lost"][0]["id"]}}}).to_string();
     let refused = run(&mut document, &recover).unwrap_err().to_string();
     assert!(refused.contains("v.raw: modified_ns: "), "{refused}");
+}
+
+#[test]
+fn a_source_that_is_another_is_told_from_one_that_is_gone() {
+    let dir = tempfile::tempdir().unwrap();
+    let volume = detached(dir.path(), "v", 1);
+    let project = dir.path().join("p");
+    let mut document = opened(&volume);
+    step(&mut document);
+    save(&mut document, &project, "linked").unwrap();
+    drop(document);
+    let refused = || {
+        let line = json!({"project":{"open":{"path":project}}}).to_string();
+        run(&mut Document::new(), &line).unwrap_err()
+    };
+    let raw = dir.path().join("v.raw");
+    std::fs::write(&raw, &voxels(1)[1..]).unwrap();
+    let error = refused();
+    assert!(
+        matches!(&error, DocumentError::Keep(KeepError::SourceChanged { path, found, .. })
+            if path.ends_with("v.nhdr") && found.contains("7999 bytes")),
+        "{error:?}"
+    );
+    std::fs::remove_file(&volume).unwrap();
+    let error = refused();
+    assert!(
+        matches!(&error, DocumentError::Keep(KeepError::SourceMissing { path, .. }) if path.ends_with("v.nhdr")),
+        "{error:?}"
+    );
 }

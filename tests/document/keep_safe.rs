@@ -223,6 +223,16 @@ fn the_newest_whole_generation_is_taken_and_a_damaged_one_left() {
     let (keeper, kept) = Keeper::open_wanted(&project, Wanted { generation: Some(1), source: None }).unwrap();
     assert_kept(&first, &kept, "asked for");
     drop(keeper);
+    // The same by a command, as the message says it.
+    let open = |more: serde_json::Value| {
+        let mut open = serde_json::json!({ "path": project });
+        open.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+        let mut document = burin::document::Document::new();
+        let done = document.apply(serde_json::from_value(serde_json::json!({ "project": { "open": open } })).unwrap());
+        done.map(|_| difference(&first, document.state().unwrap()))
+    };
+    assert!(open(serde_json::json!({})).is_err());
+    assert_eq!(open(serde_json::json!({ "generation": 1 })).unwrap(), None);
     let journal = std::fs::read(project.join("journal-000002")).unwrap();
     std::fs::remove_file(project.join("project.json")).unwrap();
     let (mut keeper, kept) = Keeper::open(&project).unwrap();
