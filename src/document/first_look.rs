@@ -106,7 +106,8 @@ impl Window {
     pub fn from_histogram(histogram: &Histogram) -> Self {
         let bins = histogram.bins.len();
         let value = |at: f64| histogram.value_at(at);
-        let ends = match (&histogram.ids[..], histogram.constant(), histogram.classes()) {
+        let kind = (&histogram.ids[..], histogram.constant(), histogram.classes());
+        let ends = match kind {
             ([first, .., last], ..) => [*first, *last],
             (_, Some(only), _) => {
                 let half = only.abs().clamp(1.0, 1e300);
@@ -127,6 +128,18 @@ impl Window {
         let least = histogram.bin_width().max(black.abs() * 1e-6);
         let width = if width.is_finite() { width } else { f64::MAX * 0.5 };
         let width = if width > 0.0 { width.max(least) } else { least.max(1.0) };
-        Self { level: black * 0.5 + white * 0.5, width }
+        let level = black * 0.5 + white * 0.5;
+        // What was measured is as good as its sample: no more digits than tell a hundredth of the window.
+        match kind {
+            ([], None, Some(_)) => Self { level: to_digits(level, width), width: to_digits(width, width) },
+            _ => Self { level, width },
+        }
     }
+}
+
+/// A number to the digits that tell a hundredth of `span`; whole numbers have all of theirs.
+fn to_digits(number: f64, span: f64) -> f64 {
+    let decimals = (2.0 - span.log10().floor()).max(0.0);
+    // Doubles end before 330 decimals: spans smaller than that are not rounded.
+    if decimals > 300.0 { number } else { format!("{number:.0$}", decimals as usize).parse().unwrap_or(number) }
 }

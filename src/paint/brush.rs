@@ -106,6 +106,9 @@ pub struct Brush {
     pub radius_mm: f64,
     /// Falloff.
     pub falloff: Falloff,
+    /// The falloff from before it painted labels, which are hard; it comes back with what is painted next.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub falloff_before_labels: Option<Falloff>,
     /// 0..1.
     pub strength: f32,
     /// Operation.
@@ -135,6 +138,7 @@ impl Default for Brush {
             shape: Shape::Sphere,
             radius_mm: 5.0,
             falloff: Falloff::Smooth,
+            falloff_before_labels: None,
             strength: 1.0,
             operation: Operation::Replace,
             tip: Tip::Wash,

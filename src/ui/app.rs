@@ -7,7 +7,6 @@ use super::echo::echo;
 use super::layout::Layout;
 use super::lesson::Lesson;
 use super::notes::Note;
-use super::overlay::paint_colour;
 use super::panels::messages::{Message, Toast};
 use super::panels::transfer::TransferEditor;
 use super::recent::Recent;
@@ -16,23 +15,15 @@ use super::session::{Gravity, Opened, Request, Session, Snapshot};
 use super::trail::Trail;
 use super::viewport::{Canvas, Grounds, Viewports};
 use super::{pictures::Pictures, theme};
-use crate::document::{
-    Command, HistoryCommand, OpenAs, ProjectCommand, Scene, StrokeCommand, ViewCommand, ViewName, VolumeCommand,
-};
+use crate::document::{Command, OpenAs, ProjectCommand, Scene, ViewCommand, ViewName, VolumeCommand};
 use crate::explode::PartId;
-use crate::interact::{Context, Event, Interaction, PointerEvent, reach};
+use crate::interact::{Context, Event, Interaction};
 use crate::volume::FieldKind;
-use egui::{Id, Response, Ui};
+use egui::{Id, Ui};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
-
-/// Pixels of the 3D view between two looks along the way of a stroke, and most looks from one sample of the pointer to the next.
-const LOOK_PX: f64 = 2.0;
-const MOST_LOOKS: f64 = 400.0;
-/// Seconds after which the wheel is at rest.
-const WHEEL_RESTS_S: f64 = 0.6;
 
 /// See the module's head.
 pub struct App {
@@ -90,7 +81,7 @@ pub struct App {
     pub(super) pointed_part: Option<PartId>,
     pub(super) last_paint: BTreeMap<&'static str, crate::paint::Target>,
     /// The control whose drag is one step of history.
-    group: Option<Id>,
+    pub(super) group: Option<Id>,
     pub(super) chosen: (Sender<Chosen>, Receiver<Chosen>),
     /// What a save was asked for on the way to; forgotten when a save is asked for its own sake.
     pub(super) after_save: Option<AfterSave>,
@@ -204,54 +195,6 @@ impl App {
         }
     }
 
-    /// Sends what a control changed. All that happens while its button is held is one step of history.
-    pub(super) fn edit(&mut self, response: &Response, command: Command) {
-        let held = response.ctx.input(|i| i.pointer.any_down());
-        if held && self.group != Some(response.id) {
-            self.end_wheel();
-            self.end_group();
-            self.group = Some(response.id);
-            self.send(Command::History(HistoryCommand::Begin {}));
-        }
-        self.send(command);
-    }
-
-    fn end_group(&mut self) {
-        if self.group.take().is_some() {
-            self.send(Command::History(HistoryCommand::End {}));
-        }
-    }
-
-    /// The wheel turns a view: until it rests that is one change of view.
-    pub(super) fn begin_wheel(&mut self, now: f64) {
-        if self.group.is_none() && self.interaction.gesture().is_none() && self.wheeled.replace(now).is_none() {
-            self.send(Command::History(HistoryCommand::Begin {}));
-        }
-    }
-
-    /// The wheel rests.
-    pub(super) fn end_wheel(&mut self) {
-        if self.wheeled.take().is_some() {
-            self.send(Command::History(HistoryCommand::End {}));
-        }
-    }
-
-    /// Ends the wheel's change once it rests, or something else is done.
-    fn rest_wheel(&mut self, ctx: &egui::Context) {
-        let Some(since) = self.wheeled else { return };
-        let (now, other) = ctx.input(|i| {
-            let press = |e: &egui::Event| {
-                matches!(e, egui::Event::PointerButton { pressed: true, .. } | egui::Event::Key { pressed: true, .. })
-            };
-            (i.time, i.events.iter().any(press))
-        });
-        if other || now - since > WHEEL_RESTS_S {
-            self.end_wheel();
-        } else {
-            ctx.request_repaint_after(std::time::Duration::from_millis(100));
-        }
-    }
-
     /// Gives a tool what the hand did.
     pub(super) fn interact(&mut self, event: Event) {
         let (Some(scene), Some(open)) = (&self.scene, &self.snapshot.open) else { return };
@@ -330,13 +273,6 @@ impl App {
         }
     }
 
-    /// Undo or redo, unless a drag is under way.
-    pub(super) fn travel(&mut self, command: HistoryCommand) {
-        if self.group.is_none() && self.interaction.gesture().is_none() {
-            self.send(Command::History(command));
-        }
-    }
-
     fn show_title(&mut self, ctx: &egui::Context) {
         let title = format!("{} – Burin", self.document_title());
         if title != self.title {
@@ -393,9 +329,7 @@ impl App {
         if let Err(error) = self.grounds.end(ui) {
             self.say(Gravity::Error, error.to_string());
         }
-        if self.group.is_some() && !ctx.input(|i| i.pointer.any_down()) {
-            self.end_group();
-        }
+        self.rest_control(&ctx);
         // A window that loses the focus never hears the button go up.
         let left = ctx.input(|i| i.events.contains(&egui::Event::WindowFocused(false)));
         if left && self.interaction.gesture().is_some() {
@@ -410,33 +344,6 @@ impl App {
         }
         if self.busy.is_some() {
             ctx.request_repaint_after(std::time::Duration::from_millis(100));
-        }
-    }
-
-    /// Lets the trail in the 3D view follow a stroke's command, where the pointer is there.
-    fn follow_stroke(&mut self, stroke: &StrokeCommand, at: Option<PointerEvent>) {
-        let (Some(scene), Some(open)) = (&self.scene, &self.snapshot.open) else { return };
-        let serial = self.session.serial();
-        match (stroke, at) {
-            (StrokeCommand::Begin { .. }, Some(e)) => {
-                let brush = &scene.brush;
-                let colour = if brush.erase { theme::ERROR } else { paint_colour(brush.target, scene) };
-                self.trail.begin(brush.radius_mm * reach(brush), open.grid.voxel_mm(), colour);
-                self.trail.add(e.px, e.hit, serial);
-            }
-            (StrokeCommand::Extend { .. }, Some(e)) if self.trail.is_running() => {
-                // The surface is followed all along the pointer's way, as the stroke will.
-                let from = self.trail.px();
-                let looks = (from.distance(e.px) / LOOK_PX).ceil().clamp(1.0, MOST_LOOKS);
-                for i in 1..=looks as u32 {
-                    let px = from.lerp(e.px, f64::from(i) / looks);
-                    let hit = self.pictures.hit(px, e.size, scene);
-                    self.trail.add(px, hit, serial);
-                }
-            }
-            (StrokeCommand::End {}, _) => self.trail.end(),
-            (StrokeCommand::Cancel {}, _) => self.trail.clear(),
-            _ => {}
         }
     }
 

@@ -6,6 +6,7 @@
 mod app;
 mod borders;
 pub mod browse;
+mod changes;
 mod colour;
 mod dialogs;
 mod echo;

@@ -120,6 +120,25 @@ fn labels_fill_the_radius_whatever_the_falloff_and_start_hard() {
     assert_eq!(brush(&mut document, json!({"target":{"label":2}}))["falloff"], "linear");
 }
 
+#[test]
+fn the_edge_from_before_labels_comes_back_with_what_is_painted_next() {
+    let Some(mut document) = of(Voxels::U8(vec![0; 16 * 16 * 16]), [16; 3], DVec3::ONE) else { return };
+    for (next, kept) in [("selection", json!(1.0)), ("density", json!(3.0)), ("colour", json!([1.0, 0.0, 0.0, 1.0]))] {
+        for falloff in ["smooth", "linear", "hard"] {
+            brush(&mut document, json!({"falloff":falloff,"target":{"selection":1}}));
+            brush(&mut document, json!({"target":{"label":1}}));
+            brush(&mut document, json!({"target":{"label":7},"radius_mm":3}));
+            assert_eq!(brush(&mut document, json!({"target":{next:kept}}))["falloff"], falloff, "label, then {next}");
+            assert_eq!(brush(&mut document, json!({"radius_mm":4}))["falloff"], falloff);
+        }
+    }
+    // What is said while a label is painted stays.
+    brush(&mut document, json!({"falloff":"smooth","target":{"selection":1}}));
+    brush(&mut document, json!({"target":{"label":1}}));
+    brush(&mut document, json!({"falloff":"linear"}));
+    assert_eq!(brush(&mut document, json!({"target":{"selection":0.5}}))["falloff"], "linear");
+}
+
 fn each(dims: [u32; 3]) -> impl Iterator<Item = [u32; 3]> {
     (0..dims[2]).flat_map(move |z| (0..dims[1]).flat_map(move |y| (0..dims[0]).map(move |x| [x, y, z])))
 }

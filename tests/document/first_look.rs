@@ -435,3 +435,25 @@ fn slabs_and_rods_are_first_seen_from_their_side() {
         assert!((forward + side).length() < 1e-9, "{dims:?} {spacing:?}: {forward}");
     }
 }
+
+#[test]
+fn an_automatic_window_has_no_more_digits_than_mean_something() {
+    let folder = Folder::new();
+    let bytes: Vec<u8> = mr().iter().map(|v| (v / 3.0).round() as u8).collect();
+    let of = |name: &str, bytes: &[u8]| {
+        let window = open(&folder.cube(name, N, bytes)).state().unwrap().scene.window;
+        [window.level, window.width]
+    };
+    for (name, bytes) in [("uchar", bytes), ("short", i16s(&ct())), ("ushort", u16s(&mr()))] {
+        assert!(of(name, &bytes).iter().all(|n| n.fract() == 0.0), "{name}: {:?}", of(name, &bytes));
+    }
+    // Of fractions three digits of the width, and as many decimals of the level.
+    let coarse = of("float", &f32s(&mr().iter().map(|v| v * 1e-4).collect::<Vec<_>>()));
+    assert!((0.01..0.1).contains(&coarse[1]), "{coarse:?}");
+    for n in coarse {
+        assert!((n * 1e4 - (n * 1e4).round()).abs() < 1e-6, "{coarse:?}");
+        assert!(format!("{n}").len() <= 6, "{coarse:?}");
+    }
+    let tiny = of("double", &mr().iter().flat_map(|v| (v * 1e-30).to_le_bytes()).collect::<Vec<_>>());
+    assert!(tiny[1] > 1e-29 && tiny[1] < 1e-27 && tiny[0] > 1e-29, "{tiny:?}");
+}

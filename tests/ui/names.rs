@@ -93,7 +93,7 @@ pub(super) fn states() -> Vec<(&'static str, Window, &'static str)> {
     };
     let press = |key| move |window: &mut Window| drop(window.key(Modifiers::NONE, key));
     let click = |name| move |window: &mut Window| drop(window.click(name));
-    add("a selection to paint", "Degree of interest", &target(Target::Selection(1.0)));
+    add("a selection to paint", "Interest", &target(Target::Selection(1.0)));
     add("a label to paint", "Label to paint", &target(Target::Label(1)));
     add("a colour to paint", "Colour opacity", &target(Target::Colour([1.0, 0.0, 0.0, 1.0])));
     add("a density to paint", "Density to paint", &target(Target::Density(3.0)));

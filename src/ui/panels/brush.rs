@@ -6,7 +6,7 @@ use crate::interact::{Tool, brush_change};
 use crate::paint::{Brush, EraseDensity, Falloff, Operation, Shape, Target, Tip};
 use crate::ui::app::App;
 use crate::ui::colour::colour_button;
-use crate::ui::theme;
+use crate::ui::theme::{self, GAP, LABEL, ROW};
 use crate::ui::widgets::{Scale, choice, number, pick, row, slider, tick, tipped};
 use crate::volume::Number;
 use egui::{ComboBox, DragValue, Label, Response, RichText, Ui, vec2};
@@ -90,14 +90,7 @@ impl App {
             ];
             new.shape = choice(ui, "Shape", Some(new.shape), &options).unwrap_or(new.shape);
         });
-        row(ui, "Edge", |ui| {
-            let options = [
-                (Falloff::Hard, "Hard", "Full strength up to the rim"),
-                (Falloff::Linear, "Linear", "Evenly weaker from the middle to the rim"),
-                (Falloff::Smooth, "Smooth", "Strong in the middle, fading softly to the rim"),
-            ];
-            new.falloff = choice(ui, "Edge", Some(new.falloff), &options).unwrap_or(new.falloff);
-        });
+        row(ui, "Edge", |ui| edge(ui, &mut new));
         row(ui, "Overlap", |ui| {
             let options = [
                 (Tip::Wash, "Even", "Going over a place again in the same stroke changes nothing more"),
@@ -109,11 +102,8 @@ impl App {
             Target::Label(_) => label_mode(ui, &new),
             _ => operation_box(ui, &mut new),
         });
-        row(ui, "Erase", |ui| {
-            tick(ui, &mut new.erase, "Erase, not paint", "Strokes take away what was painted; also while E is held");
-        });
         let span = self.opened().map_or([0.0, 1.0], |o| [o.statistics.min, o.statistics.max]);
-        row(ui, "Erasing", |ui| erasing(ui, span, &mut new));
+        erase_row(ui, span, &mut new);
         row(ui, "In 3D", |ui| {
             let tip = "Strokes in the 3D view keep to the surface that is seen: nothing behind it is painted";
             tick(ui, &mut new.visible_only, "Only what is visible", tip);
@@ -133,11 +123,11 @@ impl App {
 fn target_row(ui: &mut Ui, scene: &Scene, span: f64, new: &mut Brush) {
     match &mut new.target {
         Target::Selection(value) => {
-            let mut degree = f64::from(*value);
+            let mut interest = f64::from(*value);
             row(ui, "Interest", |ui| {
                 let tip = "How much of interest what is painted is: at 50 % it half stays, half goes";
-                if slider(ui, ("Degree of interest", tip), &mut degree, 0.0..=1.0, Scale::PERCENT).changed() {
-                    *value = degree as f32;
+                if slider(ui, ("Interest", tip), &mut interest, 0.0..=1.0, Scale::PERCENT).changed() {
+                    *value = interest as f32;
                 }
             });
         }
@@ -199,28 +189,61 @@ fn label_mode(ui: &mut Ui, brush: &Brush) {
     ui.add(Label::new(RichText::new(text).color(colour)).truncate());
 }
 
-/// What erasing leaves: the row is always there, so that nothing below moves.
-fn erasing(ui: &mut Ui, [least, most]: [f64; 2], new: &mut Brush) {
-    if !matches!(new.target, Target::Density(_)) {
-        ui.add(Label::new(RichText::new("leaves nothing").color(theme::TEXT_WEAK)).truncate());
-        return;
+/// How the brush ends at its rim: for labels there is nothing to choose.
+fn edge(ui: &mut Ui, new: &mut Brush) {
+    let label = matches!(new.target, Target::Label(_));
+    let mut options = [
+        (Falloff::Hard, "Hard", "Full strength up to the rim"),
+        (Falloff::Linear, "Linear", "Evenly weaker from the middle to the rim"),
+        (Falloff::Smooth, "Smooth", "Strong in the middle, fading softly to the rim"),
+    ];
+    if label {
+        let why = "A voxel is of a segment or is not: labels fill the whole radius up to a hard rim";
+        options = options.map(|(falloff, name, _)| (falloff, name, why));
     }
-    let removes = matches!(new.erase_density, EraseDensity::To(_));
-    ui.allocate_ui(vec2(ui.available_width() - 72.0, theme::ROW), |ui| {
+    ui.add_enabled_ui(!label, |ui| {
+        new.falloff = choice(ui, "Edge", Some(new.effective_falloff()), &options).unwrap_or(new.falloff);
+    });
+}
+
+/// Whether strokes erase, and what that leaves.
+fn erase_row(ui: &mut Ui, [least, most]: [f64; 2], new: &mut Brush) {
+    ui.horizontal(|ui| {
+        ui.set_min_height(ROW);
+        let left = ui.cursor().left();
+        tick(ui, &mut new.erase, "Erase", "Strokes take away instead of painting; also while E is held");
+        ui.add_space((left + LABEL + GAP - ui.cursor().left()).max(0.0));
+        if !matches!(new.target, Target::Density(_)) {
+            ui.add(Label::new(RichText::new("leaves nothing").color(theme::TEXT_WEAK)).truncate());
+            return;
+        }
+        const FIELD: f32 = 72.0;
+        let removes = matches!(new.erase_density, EraseDensity::To(_));
+        let (name, width) = match removes {
+            true => ("sets to", ui.available_width() - FIELD - GAP),
+            false => ("restores the original", ui.available_width()),
+        };
+        let held = if removes { new.erase_density } else { EraseDensity::To(least) };
         let options = [
-            (false, "Restores", "What the file says comes back; where nothing was painted nothing changes"),
-            (true, "Sets to", "The value beside it takes the place of what is there"),
+            (
+                EraseDensity::Restore,
+                "restores the original",
+                "What the file says comes back; elsewhere nothing changes",
+            ),
+            (held, "sets to a value", "The value beside it takes the place of what is there"),
         ];
-        match choice(ui, "Erasing density", Some(removes), &options) {
-            Some(true) => new.erase_density = EraseDensity::To(least),
-            Some(false) => new.erase_density = EraseDensity::Restore,
-            None => {}
+        let shown = ComboBox::from_id_salt("erase density").width(width).truncate().selected_text(name);
+        let shown = shown.show_ui(ui, |ui| {
+            for (erase, name, tip) in options {
+                ui.selectable_value(&mut new.erase_density, erase, name).on_hover_text(tip);
+            }
+        });
+        tipped(shown.response.accessible_name("What erasing density leaves"), "What is there after density was erased");
+        if let EraseDensity::To(value) = &mut new.erase_density {
+            let tip = "What erased density becomes: the value of air, say";
+            value_field(ui, FIELD, ("Value after erasing", tip), value, most - least);
         }
     });
-    if let EraseDensity::To(value) = &mut new.erase_density {
-        let tip = "What erased density becomes: the value of air, say";
-        value_field(ui, 68.0, ("Value after erasing", tip), value, most - least);
-    }
 }
 
 fn operation_box(ui: &mut Ui, new: &mut Brush) {

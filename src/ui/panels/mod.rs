@@ -44,7 +44,7 @@ impl App {
             self.border(Edge { border: Border::Left, place, now: [width, 0.0], extent: [window, 1.0] });
             let column = all.with_max_x(all.right() - BORDER);
             let open = u8::from(is_unfolded(ui.ctx(), "Segments"));
-            let (upper, lower) = self.column(ui, column, (Border::Segments, self.layout.segments, 0.16), [open, 1]);
+            let (upper, lower) = self.column(ui, column, (Border::Segments, self.layout.segments, 0.0), [open, 1]);
             sections(ui, Border::Segments, upper, |ui| {
                 section(ui, "Brush", true, |ui| self.brush_panel(ui));
                 section(ui, "Layers", true, |ui| self.layer_panel(ui));
