@@ -131,13 +131,18 @@ impl Window {
         let level = black * 0.5 + white * 0.5;
         // What was measured is as good as its sample: no more digits than tell a hundredth of the window.
         match kind {
-            ([], None, Some(_)) => Self { level: to_digits(level, width), width: to_digits(width, width) },
+            ([], None, Some(_)) => Self { level, width }.rounded(),
             _ => Self { level, width },
         }
     }
+
+    /// The same with no more digits than tell a hundredth of its width; whole numbers keep all of theirs.
+    pub fn rounded(self) -> Self {
+        Self { level: to_digits(self.level, self.width), width: to_digits(self.width, self.width) }
+    }
 }
 
-/// A number to the digits that tell a hundredth of `span`; whole numbers have all of theirs.
+/// A number to the digits that tell a hundredth of `span`.
 fn to_digits(number: f64, span: f64) -> f64 {
     let decimals = (2.0 - span.log10().floor()).max(0.0);
     // Doubles end before 330 decimals: spans smaller than that are not rounded.

@@ -69,7 +69,17 @@ pub fn decimals(span: f64) -> usize {
 
 /// A value of data that span so much, for a field of `chars` characters: with the decimals that it has, as far as they matter.
 pub fn field(value: f64, span: f64, chars: usize) -> String {
-    let text = fixed(value, decimals(span) + 3, chars);
+    trimmed(value, decimals(span) + 3, chars)
+}
+
+/// Level or width of a grey window so wide: a thousandth of it is seen by nobody.
+pub fn grey(value: f64, width: f64, chars: usize) -> String {
+    trimmed(value, decimals(width) + 1, chars)
+}
+
+/// With so many decimals at most, and none that are 0 at its end.
+fn trimmed(value: f64, decimals: usize, chars: usize) -> String {
+    let text = fixed(value, decimals, chars);
     if text.contains('.') && !text.contains('e') {
         text.trim_end_matches('0').trim_end_matches('.').to_owned()
     } else {

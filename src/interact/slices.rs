@@ -102,11 +102,11 @@ pub(super) fn crosshair(view: ViewName, px: DVec2, size: [u32; 2]) -> Command {
 }
 
 /// The grey window after a drag: right widens, down darkens. The picture's height is worth twice the width at the start, so that
-/// the hand's measure follows the data's.
+/// the hand's measure follows the data's; digits that mean nothing are left out.
 pub(super) fn windowed(start: Window, moved_px: DVec2, height_px: u32) -> Window {
     let share = moved_px / f64::from(height_px.max(1));
     let width = (start.width * (share.x * 2.0).exp2()).max(f64::MIN_POSITIVE);
-    Window { level: start.level + share.y * start.width * 2.0, width }
+    Window { level: start.level + share.y * start.width * 2.0, width }.rounded()
 }
 
 /// As a command.

@@ -59,10 +59,10 @@ pub(super) struct Leaving<'a> {
 
 /// A format that fields can leave in.
 struct Format {
-    /// How its files' names end, lower case.
-    ending: &'static str,
-    /// `None`: as it is asked for.
-    compression: Option<Compression>,
+    /// How its files' names end, lower case, the usual one first.
+    endings: &'static [&'static str],
+    /// What an ending says of it; `None`: as it is asked for.
+    compression: fn(&str) -> Option<Compression>,
     /// Whether it is for labels only.
     labels_only: bool,
     /// Whether it can say a slope and an intercept of these sizes.
@@ -71,32 +71,35 @@ struct Format {
     header: fn(&Leaving<'_>, Compression) -> Vec<u8>,
 }
 
-/// In the order in which names are compared.
-const FORMATS: [Format; 4] = [
-    Format { ending: ".seg.nrrd", compression: None, labels_only: true, keeps: |_| false, header: nrrd_write::header },
-    Format { ending: ".nrrd", compression: None, labels_only: false, keeps: |_| false, header: nrrd_write::header },
+/// In the order in which names are compared; those for labels alone keep most of them.
+const FORMATS: [Format; 3] = [
     Format {
-        ending: ".nii.gz",
-        compression: Some(Compression::Gzip),
-        labels_only: false,
-        keeps: nifti_write::keeps,
-        header: nifti_write::header,
+        endings: &[".seg.nrrd"],
+        compression: |_| None,
+        labels_only: true,
+        keeps: |_| false,
+        header: nrrd_write::header,
     },
     Format {
-        ending: ".nii",
-        compression: Some(Compression::Raw),
+        endings: &[".nrrd"],
+        compression: |_| None,
+        labels_only: false,
+        keeps: |_| false,
+        header: nrrd_write::header,
+    },
+    Format {
+        endings: &[".nii.gz", ".nii"],
+        compression: |ending| Some(if ending == ".nii" { Compression::Raw } else { Compression::Gzip }),
         labels_only: false,
         keeps: nifti_write::keeps,
         header: nifti_write::header,
     },
 ];
 
-/// How the names of files end that a field can leave in, the usual one first.
-pub fn export_endings(kind: FieldKind) -> Vec<&'static str> {
-    let mut endings: Vec<_> =
-        FORMATS.iter().filter(|f| !f.labels_only || kind == FieldKind::Labels).map(|f| f.ending).collect();
-    endings.sort_by_key(|&ending| ending != ".nrrd");
-    endings
+/// How the names of files end that a field can leave in, format by format; the one that keeps most of the field first, and of each
+/// format the usual ending.
+pub fn export_endings(kind: FieldKind) -> Vec<&'static [&'static str]> {
+    FORMATS.iter().filter(|f| !f.labels_only || kind == FieldKind::Labels).map(|f| f.endings).collect()
 }
 
 /// Voxels handled at once.
@@ -117,8 +120,8 @@ pub fn export(
 ) -> Result<Exported, IoError> {
     let path = path.as_ref();
     let file = path.display().to_string();
-    let format = format(path, &file, field.kind())?;
-    let compression = format.compression.unwrap_or(compression);
+    let (format, by_name) = format(path, &file, field.kind())?;
+    let compression = by_name.unwrap_or(compression);
     let mut leaving = Leaving {
         field,
         grid,
@@ -167,7 +170,7 @@ pub fn export(
         let mut write = write;
         match compression {
             // A NIfTI is compressed as a whole, a NRRD behind its header.
-            Compression::Gzip if format.compression.is_some() => {
+            Compression::Gzip if by_name.is_some() => {
                 let mut gzip = Gzip::new(out).map_err(IoError::system(path, "write the file"))?;
                 gzip.write_all(&header).map_err(IoError::system(path, "write the file"))?;
                 write(&mut gzip)?;
@@ -188,16 +191,17 @@ pub fn export(
     Ok(Exported { voxel_type: leaving.voxel_type, bytes, voxels_changed, warnings })
 }
 
-/// The format that a name asks for: another program would take the name's word for it.
-fn format(path: &Path, file: &str, kind: FieldKind) -> Result<&'static Format, IoError> {
+/// The format that a name asks for, and the compression that it says: another program would take the name's word for it.
+fn format(path: &Path, file: &str, kind: FieldKind) -> Result<(&'static Format, Option<Compression>), IoError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-    let endings = export_endings(kind).iter().map(|e| &e[1..]).collect::<Vec<_>>().join(", ");
-    match FORMATS.iter().find(|f| name.ends_with(f.ending)) {
-        Some(format) if format.labels_only && kind != FieldKind::Labels => {
+    let endings = export_endings(kind).concat().iter().map(|e| &e[1..]).collect::<Vec<_>>().join(", ");
+    let mut all = FORMATS.iter().flat_map(|f| f.endings.iter().map(move |&ending| (f, ending)));
+    match all.find(|(_, ending)| name.ends_with(ending)) {
+        Some((format, ending)) if format.labels_only && kind != FieldKind::Labels => {
             let expected = format!("one of {endings}: only labels are segments");
-            Err(IoError::field(file, "extension", &format.ending[1..], expected))
+            Err(IoError::field(file, "extension", &ending[1..], expected))
         }
-        Some(format) => Ok(format),
+        Some((format, ending)) => Ok((format, (format.compression)(ending))),
         None => {
             let found = path.extension().unwrap_or_default().to_string_lossy();
             Err(IoError::field(file, "extension", found, format!("one of {endings}")))

@@ -35,7 +35,7 @@ pub struct App {
     pub(super) viewports: Viewports,
     pub(super) pictures: Pictures,
     pub(super) grounds: Grounds,
-    /// How the window is divided; changed by [`drag_borders`](Self::drag_borders) alone.
+    /// How the window is divided; changed by borders and headings alone.
     pub(super) layout: Layout,
     pub(super) borders: Borders,
     pub(super) messages: Vec<Message>,
@@ -83,6 +83,8 @@ pub struct App {
     /// The control whose drag is one step of history.
     pub(super) group: Option<Id>,
     pub(super) chosen: (Sender<Chosen>, Receiver<Chosen>),
+    /// What came from there and waits until a question is answered.
+    pub(super) later: Vec<Chosen>,
     /// What a save was asked for on the way to; forgotten when a save is asked for its own sake.
     pub(super) after_save: Option<AfterSave>,
     pub(super) closing: bool,
@@ -147,6 +149,7 @@ impl App {
             last_paint: BTreeMap::new(),
             group: None,
             chosen: channel(),
+            later: Vec::new(),
             after_save: None,
             closing: false,
             held_back: Vec::new(),
@@ -258,7 +261,7 @@ impl App {
             self.warn_until("project.save", warning);
         }
         if let Some(path) = open {
-            self.open(path);
+            self.open_asked(path.into());
         }
         self.send(Command::Project(ProjectCommand::Lost {}));
     }
@@ -293,6 +296,7 @@ impl App {
     fn scale(&mut self, ctx: &egui::Context) {
         if self.zoom == 0.0 {
             theme::apply(ctx);
+            self.fold_as_kept(ctx);
         }
         let native = ctx.native_pixels_per_point().unwrap_or(1.0);
         let zoom = theme::zoom_for(ctx.viewport_rect().height() * ctx.pixels_per_point(), native);
@@ -322,6 +326,7 @@ impl App {
         self.right_panel(ui);
         self.central(ui);
         self.drag_borders(ui);
+        self.keep_folds(&ctx);
         self.key_page(&ctx);
         self.show_note(&ctx);
         self.dialogs(&ctx);

@@ -142,7 +142,7 @@ impl App {
                 && held == border
             {
                 border.drag(&mut self.layout, start, moved, extent);
-                self.layout = self.layout.checked();
+                self.layout = std::mem::take(&mut self.layout).checked();
             }
             if response.double_clicked() {
                 border.reset(&mut self.layout);
@@ -155,11 +155,16 @@ impl App {
         if done {
             self.borders.held = None;
             ui.ctx().request_repaint();
-            if let Some(path) = &self.borders.kept_in
-                && let Err(error) = self.layout.write(path)
-            {
-                tracing::warn!("{}: the window's layout was not kept: {error}", path.display());
-            }
+            self.keep_layout();
+        }
+    }
+
+    /// Writes the layout where it is kept, if it is.
+    pub(super) fn keep_layout(&self) {
+        if let Some(path) = &self.borders.kept_in
+            && let Err(error) = self.layout.write(path)
+        {
+            tracing::warn!("{}: the window's layout was not kept: {error}", path.display());
         }
     }
 }

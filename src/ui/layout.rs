@@ -1,10 +1,11 @@
-//! How the window is divided: widths of the side panels, where the four views meet, heights of the lists.
+//! How the window is divided: widths of the side panels, where the four views meet, heights of the lists, what is folded.
 //!
 //! A preference of the person and not of the document: in no project and in no history, kept in a file beside the program's
 //! other state and read at its next start. Owns the bounds within which everything can still be used; knows no controls.
 
 use crate::io::replace_file;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::io::Error;
 use std::path::Path;
 
@@ -20,11 +21,13 @@ const VIEW: f32 = 0.15;
 pub(super) const HEAD: f32 = 30.0;
 /// Least height of a list: three rows and a half say that there are more.
 pub(super) const LIST: f32 = 77.0;
+/// Sections that are remembered: more than there are.
+const MOST_FOLDS: usize = 32;
 /// A file longer than this is none of ours.
 const MOST_BYTES: u64 = 4096;
 
 /// Sizes as the person chose them; what a window is too small for is taken back only as long as it is.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Layout {
     /// Width of the panel on the left, points.
@@ -39,11 +42,21 @@ pub struct Layout {
     pub lists: Option<f32>,
     /// The steps' share of that, 0..1.
     pub steps: f32,
+    /// Sections by title that were folded or unfolded by hand, and whether they are open.
+    pub folds: BTreeMap<String, bool>,
 }
 
 impl Default for Layout {
     fn default() -> Self {
-        Self { left: 288.0, right: 288.0, views: [0.5; 2], segments: None, lists: None, steps: 0.34 }
+        Self {
+            left: 288.0,
+            right: 288.0,
+            views: [0.5; 2],
+            segments: None,
+            lists: None,
+            steps: 0.34,
+            folds: BTreeMap::new(),
+        }
     }
 }
 
@@ -81,6 +94,7 @@ impl Layout {
             segments: list(self.segments),
             lists: list(self.lists),
             steps: within(self.steps, [0.0, 1.0], usual.steps),
+            folds: self.folds.into_iter().take(MOST_FOLDS).collect(),
         }
     }
 

@@ -11,6 +11,7 @@ mod colour;
 mod dialogs;
 mod echo;
 mod errand;
+mod folds;
 mod glance;
 mod icons;
 mod layout;

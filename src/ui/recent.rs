@@ -4,6 +4,7 @@
 //! private, written whole or not at all, and read again before it is written, so that two windows do not undo each other.
 
 use super::browse::Wake;
+use crate::document::OpenAs;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -27,6 +28,8 @@ pub struct Seen {
     pub path: PathBuf,
     /// Whether it is a project.
     pub project: bool,
+    /// What the values of a volume were opened as.
+    pub open_as: Option<OpenAs>,
     /// When it was opened or saved last.
     pub when: SystemTime,
 }
@@ -86,8 +89,17 @@ impl Recent {
         folders
     }
 
-    /// Notes what was opened or saved now.
-    pub fn note(&mut self, path: &Path, project: bool) {
+    /// Notes a project that was opened or saved now.
+    pub fn note_project(&mut self, path: &Path) {
+        self.note(path, true, None);
+    }
+
+    /// Notes a volume that was opened now, and as what.
+    pub fn note_volume(&mut self, path: &Path, open_as: OpenAs) {
+        self.note(path, false, Some(open_as));
+    }
+
+    fn note(&mut self, path: &Path, project: bool, open_as: Option<OpenAs>) {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
         if self.owns(&path) {
             return;
@@ -95,7 +107,7 @@ impl Recent {
         self.there.insert(path.clone(), true);
         self.change(|entries| {
             entries.retain(|seen| seen.path != path);
-            entries.insert(0, Seen { path, project, when: SystemTime::now() });
+            entries.insert(0, Seen { path, project, open_as, when: SystemTime::now() });
             entries.truncate(MOST);
         });
     }
@@ -202,7 +214,8 @@ fn entry_of(entry: &Value) -> Option<Seen> {
     };
     let seconds = entry["when"].as_u64().unwrap_or(0);
     let when = UNIX_EPOCH.checked_add(Duration::from_secs(seconds)).unwrap_or(UNIX_EPOCH);
-    path.is_absolute().then_some(Seen { path, project: entry["project"] == true, when })
+    let open_as = serde_json::from_value(entry["as"].clone()).ok();
+    path.is_absolute().then_some(Seen { path, project: entry["project"] == true, open_as, when })
 }
 
 fn write(folder: &Path, entries: &[Seen]) -> Result<(), Error> {
@@ -215,7 +228,7 @@ fn write(folder: &Path, entries: &[Seen]) -> Result<(), Error> {
                 None => json!(seen.path.as_os_str().as_encoded_bytes()),
             };
             let when = seen.when.duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
-            json!({ "path": path, "project": seen.project, "when": when })
+            json!({ "path": path, "project": seen.project, "as": seen.open_as, "when": when })
         })
         .collect();
     let text = serde_json::to_vec_pretty(&json!({ "version": 1, "entries": entries }))?;

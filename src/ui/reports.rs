@@ -113,12 +113,12 @@ impl App {
     fn tell_of_file(&mut self, command: &Command, answer: &serde_json::Value) {
         let named = |path: &Path| shown(path.file_name().unwrap_or(path.as_os_str()));
         match command {
-            Command::Volume(VolumeCommand::Open { path, .. }) => {
-                self.recent.note(path, false);
+            Command::Volume(VolumeCommand::Open { path, open_as, .. }) => {
+                self.recent.note_volume(path, *open_as);
                 self.begin_lesson(path);
             }
             Command::Project(ProjectCommand::Open { path, .. }) => {
-                self.recent.note(path, true);
+                self.recent.note_project(path);
                 self.begin_lesson(path);
             }
             Command::Project(ProjectCommand::Save { path, .. }) => {
@@ -126,7 +126,7 @@ impl App {
                 let path = answer["path"].as_str().map(PathBuf::from).or_else(|| path.clone()).or(known);
                 self.mended("project.save");
                 if let Some(path) = path {
-                    self.recent.note(&path, true);
+                    self.recent.note_project(&path);
                     self.confirm(format!("Saved project {}", named(&path)), Some(path));
                 }
             }

@@ -4,10 +4,12 @@ use super::app::App;
 use super::browse::{date, shown};
 use super::dialogs::{What, primary};
 use super::icons::{self, Icon};
+use super::recent::Seen;
 use super::sample::Sample;
 use super::saving::Coming;
 use super::theme::{self, GAP, ROW};
 use super::widgets::{Face, cut_text, from_right_row, icon_button, spinner};
+use crate::document::OpenAs;
 use egui::{
     Align, Color32, Layout, Rect, RichText, Role, ScrollArea, Sense, TextStyle, Ui, UiBuilder, WidgetInfo, vec2,
 };
@@ -136,9 +138,12 @@ impl App {
             ui.spacing_mut().item_spacing.y = 2.0;
             for (i, seen) in entries.iter().enumerate() {
                 let gone = self.recent.is_gone(&seen.path);
-                let when = date(seen.when, now);
+                let mut when = date(seen.when, now);
+                if let Some(meaning) = seen.open_as.and_then(meant) {
+                    when = format!("{when} · {meaning}");
+                }
                 match recent_row(ui, i + 1, &seen.path, seen.project, gone, &when) {
-                    Some(Row::Open) => open = Some(seen.path.clone()),
+                    Some(Row::Open) => open = Some(seen.clone()),
                     Some(Row::Forget) => forget = Some(seen.path.clone()),
                     None => {}
                 }
@@ -147,9 +152,23 @@ impl App {
         if let Some(path) = forget {
             self.recent.forget(&path);
         }
-        if let Some(path) = open {
-            self.open_asked(path);
+        match open {
+            // What it means was said when it was opened first.
+            Some(Seen { path, project: false, open_as: Some(open_as), .. }) => {
+                self.open_guarded(Coming::Volume(path, open_as));
+            }
+            Some(seen) => self.open_asked(seen.path),
+            None => {}
         }
+    }
+}
+
+/// What a volume was opened as, where that is not what it is usually.
+fn meant(open_as: OpenAs) -> Option<&'static str> {
+    match open_as {
+        OpenAs::Image => None,
+        OpenAs::Labels => Some("as labels"),
+        OpenAs::Selection => Some("as selection"),
     }
 }
 

@@ -134,7 +134,7 @@ impl App {
     fn one_view(&mut self, ui: &mut Ui, view: ViewName, tile: Rect, body: Rect) {
         let header = Rect::from_min_max(tile.min, pos2(tile.max.x, body.min.y));
         self.grounds.fill(header, theme::BAR);
-        let inner = header.shrink2(vec2(8.0, 0.0));
+        let inner = header.shrink2(vec2(6.0, 0.0));
         let mut head =
             ui.new_child(UiBuilder::new().max_rect(inner).layout(egui::Layout::left_to_right(egui::Align::Center)));
         self.view_header(&mut head, view, inner);
@@ -304,7 +304,10 @@ impl App {
             }
         }
         if let Some(text) = texts.into_iter().find(|text| text.size().x <= room) {
-            let (rect, _) = ui.allocate_exact_size(vec2(right - ui.cursor().left(), 20.0), Sense::hover());
+            let (rect, number) = ui.allocate_exact_size(vec2(right - ui.cursor().left(), 20.0), Sense::hover());
+            number.widget_info(|| {
+                WidgetInfo::labeled(Role::Label, true, format!("{} slice {}", view_title(view), text.text()))
+            });
             ui.painter().galley(rect.right_center() - vec2(text.size().x, text.size().y * 0.5), text, theme::TEXT_WEAK);
         }
     }

@@ -4,7 +4,6 @@
 use super::icons::{self, Icon};
 use super::theme::{self, GAP, LABEL, ROW};
 use crate::interact::readout;
-use egui::collapsing_header::CollapsingState;
 use egui::{
     Align, Align2, Color32, CornerRadius, DragValue, Layout, Response, RichText, Role, ScrollArea, Sense, Slider,
 };
@@ -14,64 +13,6 @@ use std::ops::RangeInclusive;
 /// A tooltip that stays while the control cannot be used.
 pub(super) fn tipped(response: Response, tip: &str) -> Response {
     response.on_hover_text(tip).on_disabled_hover_text(tip)
-}
-
-/// A heading that folds what is under it.
-pub(super) fn section(ui: &mut Ui, title: &str, open: bool, body: impl FnOnce(&mut Ui)) {
-    fold(ui, title, open, BOLD, body);
-    let at = ui.cursor().min;
-    ui.painter().hline(at.x..=at.x + ui.available_width(), at.y, Stroke::new(1.0, theme::LINE));
-    ui.add_space(2.0);
-}
-
-/// The same within a section.
-pub(super) fn subsection(ui: &mut Ui, title: &str, open: bool, body: impl FnOnce(&mut Ui)) {
-    fold(ui, title, open, &[0.0], body);
-}
-
-/// Twice, half a pixel apart: the one weight of the font serves as bold.
-const BOLD: &[f32] = &[0.0, 0.45];
-
-fn fold(ui: &mut Ui, title: &str, open: bool, weight: &[f32], body: impl FnOnce(&mut Ui)) {
-    let mut state = heading(ui, title, open, weight);
-    state.show_body_unindented(ui, |ui| {
-        body(ui);
-        ui.add_space(2.0);
-    });
-}
-
-fn fold_state(ctx: &egui::Context, title: &str, open: bool) -> CollapsingState {
-    CollapsingState::load_with_default_open(ctx, egui::Id::unique(("section", title)), open)
-}
-
-/// Whether the list under this heading is unfolded.
-pub(super) fn is_unfolded(ctx: &egui::Context, title: &str) -> bool {
-    fold_state(ctx, title, true).is_open()
-}
-
-/// A heading over a list that has a place of its own; says whether the list is unfolded.
-pub(super) fn list_heading(ui: &mut Ui, title: &str) -> bool {
-    heading(ui, title, true, BOLD).is_open()
-}
-
-fn heading(ui: &mut Ui, title: &str, open: bool, weight: &[f32]) -> CollapsingState {
-    let mut state = fold_state(ui.ctx(), title, open);
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 24.0), Sense::click());
-    response.widget_info(|| WidgetInfo::selected(Role::Button, true, state.is_open(), title));
-    let response = response.accessible_name(format!("Section {title}")).on_hover_text("Click to fold or unfold");
-    if response.clicked() {
-        state.toggle(ui);
-        state.store(ui.ctx());
-    }
-    let colour = if response.hovered() || response.has_focus() { Color32::WHITE } else { theme::TEXT };
-    let chevron = egui::Rect::from_center_size(rect.left_center() + vec2(6.0, 0.0), vec2(12.0, 12.0));
-    icons::paint(ui.painter(), chevron, if state.is_open() { Icon::Down } else { Icon::Right }, theme::TEXT_WEAK);
-    let font = egui::FontId::new(13.5, egui::FontFamily::Proportional);
-    let at = rect.left_center() + vec2(18.0, 0.0);
-    for shift in weight {
-        ui.painter().text(at + vec2(*shift, 0.0), Align2::LEFT_CENTER, title, font.clone(), colour);
-    }
-    state
 }
 
 /// The rows of a list in sight, scrolled within `height` whatever their number: what comes to it moves nothing else.

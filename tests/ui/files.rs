@@ -1,7 +1,7 @@
 //! Opening, saving and what is said of it, in a window whose document is the test.
 
 use super::driver::{SMALL, Window};
-use burin::document::{Command, ProjectCommand, VolumeCommand};
+use burin::document::{Command, OpenAs, ProjectCommand, VolumeCommand};
 use burin::ui::{Gravity, Offer, Recent, Report, Then};
 use burin::volume::FieldKind;
 use egui::{Modifiers, OutputCommand};
@@ -46,8 +46,8 @@ fn the_start_page_opens_what_was_open_lately() {
     std::fs::write(&volume, "x").unwrap();
     let state = dir.path().join("state");
     let mut recent = Recent::kept_in(state.clone());
-    recent.note(&dir.path().join("gone.nrrd"), false);
-    recent.note(&volume, false);
+    recent.note_volume(&dir.path().join("gone.nrrd"), OpenAs::Image);
+    recent.note_volume(&volume, OpenAs::Image);
     let mut window = started(&state);
     let begun = std::time::Instant::now();
     while window.harness.query_by_label("Recent 2: gone.nrrd, not found").is_none() {
@@ -61,6 +61,27 @@ fn the_start_page_opens_what_was_open_lately() {
     window.click("Forget all recent files");
     assert!(Recent::kept_in(state).entries().is_empty());
     assert!(window.harness.query_by_label("What you open and save will be listed here.").is_some());
+}
+
+#[test]
+fn what_a_volume_was_opened_as_is_not_asked_again() {
+    let dir = tempfile::tempdir().unwrap();
+    let volume = dir.path().join("atlas.nrrd");
+    std::fs::write(&volume, "x").unwrap();
+    let state = dir.path().join("state");
+    for (open_as, name) in [(OpenAs::Labels, "labels"), (OpenAs::Selection, "selection"), (OpenAs::Image, "image")] {
+        // What was opened in one window is known to the next.
+        let mut window = started(&state);
+        let open = serde_json::json!({ "volume": { "open": { "path": volume, "as": name } } });
+        let open: Command = serde_json::from_value(open).unwrap();
+        window.report(Report::Done(open.clone(), serde_json::json!({})));
+        assert_eq!(Recent::kept_in(state.clone()).entries()[0].open_as, Some(open_as));
+        assert_eq!(started(&state).click("Recent 1: atlas.nrrd"), [open], "as {name}, at once");
+    }
+    // A list that was written before anybody was asked.
+    let list = serde_json::json!({ "version": 1, "entries": [{ "path": volume, "project": false, "when": 7 }] });
+    std::fs::write(state.join("recent.json"), list.to_string()).unwrap();
+    assert_eq!(Recent::kept_in(state).entries()[0].open_as, None);
 }
 
 #[test]

@@ -225,6 +225,11 @@ fn right_drag_windows_a_slice_as_one_step_and_zooms_in_3d() {
         "down darkens: {end:?}"
     );
     hand.press(Button::Secondary, 50.0, 50.0);
+    let odd = hand.drag(50.0 + 37.0, 50.0 + 11.0);
+    assert!(
+        matches!(odd[..], [Command::View(ViewCommand::Window { level, width })] if level.fract() == 0.0 && width.fract() == 0.0),
+        "hundreds have no decimals: {odd:?}"
+    );
     assert_eq!(hand.send(Event::Abort), [Command::History(HistoryCommand::Cancel {})]);
 
     let mut hand = Hand::new(Tool::Navigate, ViewName::ThreeD);

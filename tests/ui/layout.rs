@@ -275,12 +275,46 @@ fn a_layout_is_there_again_at_the_next_start() {
 }
 
 #[test]
+fn what_is_folded_is_folded_at_the_next_start() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("window.json");
+    let mut window = Window::keeping(SMALL, &path);
+    let there = |w: &Window, name: &str| w.harness.query_by_label(name).is_some();
+    for section in ["Section Layers", "Section History", "Section Forces"] {
+        assert_eq!(window.click(section), [], "folding is no command");
+    }
+    let mut again = Window::keeping(SMALL, &path);
+    again.harness.run_steps(4);
+    assert!(!there(&again, "Window level") && !there(&again, "Step 1: Stroke"));
+    assert!(there(&again, "Viewing force") && there(&again, "Brush radius"), "the others as they were");
+    again.click("Section Layers");
+    let mut third = Window::keeping(SMALL, &path);
+    third.harness.run_steps(4);
+    assert!(there(&third, "Window level") && !there(&third, "Step 1: Stroke"));
+}
+
+#[test]
+fn the_number_of_a_slice_ends_before_the_buttons_beside_it() {
+    for size in [SMALLEST, SMALL, LARGE] {
+        let window = Window::open(size);
+        for view in ["Axial", "Coronal", "Sagittal"] {
+            let name = format!("{view} slice ");
+            let number = window.harness.get_by_label_contains(&name).rect();
+            let fit = window.rect(&format!("Fit the {view} view"));
+            assert!(number.right() <= fit.left() && number.width() >= 7.0, "{view} {number:?} {fit:?} in {size:?}");
+        }
+    }
+}
+
+#[test]
 fn a_damaged_or_hostile_layout_is_the_usual_one() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("window.json");
     assert_eq!(Layout::read(&path), Layout::default(), "no file");
     let long = format!("{{\"left\": 300{}}}", " ".repeat(1 << 20));
-    for text in ["", "{", "null", "[]", "{\"left\": \"wide\"}", "{\"views\": [0.5]}", "\u{0}\u{0}", &long] {
+    for text in
+        ["", "{", "null", "[]", "{\"left\": \"wide\"}", "{\"views\": [0.5]}", "{\"folds\": 3}", "\u{0}\u{0}", &long]
+    {
         std::fs::write(&path, text).unwrap();
         assert_eq!(Layout::read(&path), Layout::default(), "{:?}", &text[..text.len().min(40)]);
     }

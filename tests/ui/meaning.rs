@@ -81,6 +81,31 @@ fn a_label_map_is_asked_about_once() {
 }
 
 #[test]
+fn what_was_chosen_waits_for_a_question_that_comes_first() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = write_mask(dir.path());
+    let mut window = Window::empty(SMALL);
+    window.harness.input_mut().dropped_files.push(Arc::new(Dropped(path)));
+    window.harness.step();
+    window.harness.input_mut().dropped_files.clear();
+    let lost = command(json!({ "project": { "lost": {} } }));
+    let answer = json!({ "lost": [{ "id": "1", "origin": "/data/a.nii" }] });
+    window.far.reports.send(Report::Done(lost, answer)).unwrap();
+    window.harness.step();
+    std::thread::sleep(Duration::from_millis(300));
+    window.harness.run_steps(3);
+    assert!(window.harness.query_by_label("Recover a.nii").is_some());
+    assert!(window.harness.query_by_label("Open as: Labels").is_none());
+    window.key(Modifiers::NONE, egui::Key::Escape);
+    let begun = Instant::now();
+    while window.harness.query_by_label("Open as: Labels").is_none() {
+        assert!(begun.elapsed() < Duration::from_secs(20), "it is forgotten");
+        window.harness.run_steps(1);
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+#[test]
 fn a_label_map_over_unsaved_work_is_opened_after_the_save() {
     let dir = tempfile::tempdir().unwrap();
     let path = write_mask(dir.path());

@@ -3,6 +3,7 @@
 mod answers;
 mod browse;
 mod browser;
+mod brush_panel;
 mod busy;
 mod curve;
 mod driver;

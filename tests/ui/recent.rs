@@ -1,5 +1,6 @@
 //! What was open lately, and the sample: files below a folder that the test names, never the user's own.
 
+use burin::document::OpenAs;
 use burin::ui::{Recent, Sample};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -17,7 +18,10 @@ fn the_last_one_comes_first_and_each_once() {
     for (path, project) in
         [("/data/one.nii", false), ("/data/two.burin", true), ("/other/one.nii", false), ("/data/one.nii", false)]
     {
-        recent.note(Path::new(path), project);
+        match project {
+            true => recent.note_project(Path::new(path)),
+            false => recent.note_volume(Path::new(path), OpenAs::Image),
+        }
     }
     let known = ["/data/one.nii", "/other/one.nii", "/data/two.burin"].map(PathBuf::from);
     assert_eq!(paths(&recent), known);
@@ -26,7 +30,7 @@ fn the_last_one_comes_first_and_each_once() {
     assert_eq!(paths(&again), known, "it is kept");
     assert!(again.entries()[2].project && !again.entries()[0].project);
     for i in 0..40 {
-        recent.note(Path::new(&format!("/many/{i}.nii")), false);
+        recent.note_volume(Path::new(&format!("/many/{i}.nii")), OpenAs::Image);
     }
     assert_eq!(recent.entries().len(), 24);
     recent.forget(Path::new("/many/39.nii"));
@@ -39,8 +43,8 @@ fn the_last_one_comes_first_and_each_once() {
 fn two_windows_keep_each_others_files() {
     let dir = tempfile::tempdir().unwrap();
     let (mut a, mut b) = (Recent::kept_in(dir.path().into()), Recent::kept_in(dir.path().into()));
-    a.note(Path::new("/data/a.nii"), false);
-    b.note(Path::new("/data/b.nii"), false);
+    a.note_volume(Path::new("/data/a.nii"), OpenAs::Image);
+    b.note_volume(Path::new("/data/b.nii"), OpenAs::Image);
     assert_eq!(paths(&Recent::kept_in(dir.path().into())), ["/data/b.nii", "/data/a.nii"].map(PathBuf::from));
 }
 
@@ -64,7 +68,7 @@ fn a_damaged_list_costs_what_is_damaged() {
     std::fs::write(&file, list).unwrap();
     let mut recent = Recent::kept_in(dir.path().into());
     assert_eq!(paths(&recent), ["/data/a.nii", "/data/b.burin"].map(PathBuf::from));
-    recent.note(Path::new("/data/c.nii"), false);
+    recent.note_volume(Path::new("/data/c.nii"), OpenAs::Image);
     assert_eq!(Recent::kept_in(dir.path().into()).entries().len(), 3);
     std::fs::write(&file, vec![b' '; 2 << 20]).unwrap();
     assert!(Recent::kept_in(dir.path().into()).entries().is_empty(), "an endless list is none");
@@ -76,10 +80,10 @@ fn a_folder_that_cannot_be_written_costs_nothing_else() {
     let taken = dir.path().join("file");
     std::fs::write(&taken, "x").unwrap();
     let mut recent = Recent::kept_in(taken.join("below"));
-    recent.note(Path::new("/data/a.nii"), false);
+    recent.note_volume(Path::new("/data/a.nii"), OpenAs::Image);
     assert_eq!(recent.entries().len(), 1, "for this window it is known");
     let mut nowhere = Recent::default();
-    nowhere.note(Path::new("/data/a.nii"), false);
+    nowhere.note_volume(Path::new("/data/a.nii"), OpenAs::Image);
     assert_eq!(nowhere.entries().len(), 1);
 }
 
@@ -90,7 +94,7 @@ fn the_list_is_for_its_owner_and_is_no_link() {
     let dir = tempfile::tempdir().unwrap();
     let state = dir.path().join("state");
     let mut recent = Recent::kept_in(state.clone());
-    recent.note(Path::new("/data/a.nii"), false);
+    recent.note_volume(Path::new("/data/a.nii"), OpenAs::Image);
     let mode = |path: &Path| std::fs::metadata(path).unwrap().permissions().mode() & 0o777;
     assert_eq!((mode(&state), mode(&state.join("recent.json"))), (0o700, 0o600));
     assert_eq!(std::fs::read_dir(&state).unwrap().count(), 1, "nothing is left beside it");
@@ -102,7 +106,7 @@ fn the_list_is_for_its_owner_and_is_no_link() {
     let before = std::fs::read(&other).unwrap();
     let mut linked = Recent::kept_in(state);
     assert!(linked.entries().is_empty());
-    linked.note(Path::new("/data/b.nii"), false);
+    linked.note_volume(Path::new("/data/b.nii"), OpenAs::Image);
     assert_eq!(std::fs::read(&other).unwrap(), before, "what the link leads to is not written");
 }
 
@@ -112,7 +116,7 @@ fn a_name_that_is_no_text_is_kept_as_it_is() {
     use std::os::unix::ffi::OsStrExt;
     let dir = tempfile::tempdir().unwrap();
     let path = PathBuf::from(std::ffi::OsStr::from_bytes(b"/data/h\xffad \n.nii"));
-    Recent::kept_in(dir.path().into()).note(&path, false);
+    Recent::kept_in(dir.path().into()).note_volume(&path, OpenAs::Image);
     assert_eq!(paths(&Recent::kept_in(dir.path().into())), [path]);
 }
 
@@ -125,7 +129,10 @@ fn what_is_gone_is_known_after_a_look() {
     for (path, project) in
         [(here.clone(), false), (dir.path().join("gone.nii"), false), (here.clone().with_extension("burin"), true)]
     {
-        recent.note(&path, project);
+        match project {
+            true => recent.note_project(&path),
+            false => recent.note_volume(&path, OpenAs::Image),
+        }
     }
     let mut recent = Recent::kept_in(dir.path().join("state"));
     recent.look(Arc::new(|| {}));
@@ -152,7 +159,7 @@ fn the_sample_is_laid_whole_and_opens() {
     sample.lay().unwrap();
     assert!(std::fs::metadata(&sample.head).unwrap().len() > 3_000_000);
     let mut recent = Recent::kept_in(dir.path().into());
-    recent.note(&sample.head, false);
+    recent.note_volume(&sample.head, OpenAs::Image);
     assert!(recent.entries().is_empty(), "the start page offers it already");
     let taken = dir.path().join("file");
     std::fs::write(&taken, "x").unwrap();

@@ -1,44 +1,21 @@
 //! What is exported, and to which format; the path is asked next.
 
 use super::{Dialog, What, cancel, primary};
+use crate::io::export_endings;
 use crate::ui::app::App;
 use crate::ui::theme;
 use crate::ui::widgets::{choice, from_right_row, row};
 use crate::volume::FieldKind;
 use egui::{RichText, Ui};
 
-/// A format that volumes are written in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::ui) enum Format {
-    Nrrd,
-    SegNrrd,
-    Nifti,
-}
-
-impl Format {
-    /// Those that hold a field.
-    const fn of(field: FieldKind) -> &'static [Self] {
-        match field {
-            FieldKind::Labels => &[Self::SegNrrd, Self::Nrrd, Self::Nifti],
-            FieldKind::Density | FieldKind::Selection | FieldKind::Colour => &[Self::Nrrd, Self::Nifti],
-        }
-    }
-
-    /// The ending of its files, and others that serve.
-    pub(super) const fn endings(self) -> &'static [&'static str] {
-        match self {
-            Self::Nrrd => &[".nrrd"],
-            Self::SegNrrd => &[".seg.nrrd"],
-            Self::Nifti => &[".nii.gz", ".nii"],
-        }
-    }
-
-    const fn name(self) -> (&'static str, &'static str) {
-        match self {
-            Self::Nrrd => ("NRRD", "One file with its place in space; 3D Slicer, ITK and Python read it"),
-            Self::SegNrrd => ("Segments (.seg.nrrd)", "With names and colours, as 3D Slicer has segmentations"),
-            Self::Nifti => ("NIfTI (.nii.gz)", "FSL, FreeSurfer, ITK-SNAP, nibabel read it"),
-        }
+/// What people know a format by: its name, and who reads it.
+fn about(endings: &'static [&'static str]) -> (&'static str, &'static str) {
+    match endings {
+        [".seg.nrrd", ..] => ("Segments (.seg.nrrd)", "With names and colours, as 3D Slicer has segmentations"),
+        [".nrrd", ..] => ("NRRD", "One file with its place in space; 3D Slicer, ITK and Python read it"),
+        [".nii.gz", ..] => ("NIfTI (.nii.gz)", "FSL, FreeSurfer, ITK-SNAP, nibabel read it"),
+        [ending, ..] => (ending, "A file of this ending"),
+        [] => ("", ""),
     }
 }
 
@@ -46,13 +23,14 @@ impl Format {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::ui) struct Export {
     pub(super) field: FieldKind,
-    pub(super) format: Format,
+    /// The endings of the format, the usual one first.
+    pub(super) endings: &'static [&'static str],
 }
 
 impl Export {
     /// Of a field, in the format that keeps most of it.
-    pub(in crate::ui) const fn of(field: FieldKind) -> Self {
-        Self { field, format: Format::of(field)[0] }
+    pub(in crate::ui) fn of(field: FieldKind) -> Self {
+        Self { field, endings: export_endings(field).first().copied().unwrap_or_default() }
     }
 }
 
@@ -78,15 +56,19 @@ impl App {
                 export = Export::of(field);
             }
         });
-        let formats: Vec<_> = Format::of(export.field).iter().map(|f| (*f, f.name().0, f.name().1)).collect();
+        let formats = export_endings(export.field).into_iter().map(|endings| {
+            let (name, readers) = about(endings);
+            (endings, name, readers)
+        });
+        let formats: Vec<_> = formats.collect();
         row(ui, "Format", |ui| {
-            if let Some(format) = choice(ui, "Format", Some(export.format), &formats) {
-                export.format = format;
+            if let Some(endings) = choice(ui, "Format", Some(export.endings), &formats) {
+                export.endings = endings;
             }
         });
         ui.add_space(4.0);
-        let about = fields.iter().find(|f| f.0 == export.field).map_or("", |f| f.2);
-        ui.label(RichText::new(format!("{about}. {}.", export.format.name().1)).color(theme::TEXT_WEAK));
+        let what = fields.iter().find(|f| f.0 == export.field).map_or("", |f| f.2);
+        ui.label(RichText::new(format!("{what}. {}.", about(export.endings).1)).color(theme::TEXT_WEAK));
         ui.add_space(14.0);
         let (yes, no) = from_right_row(ui, |ui| {
             let yes = ui.add(primary("Choose where…")).on_hover_text("Name and folder come next");

@@ -75,7 +75,8 @@ impl App {
     }
 
     fn take_choices(&mut self) {
-        let choices: Vec<_> = self.chosen.1.try_iter().collect();
+        let later = std::mem::take(&mut self.later);
+        let choices: Vec<_> = later.into_iter().chain(self.chosen.1.try_iter()).collect();
         for choice in choices {
             match choice {
                 Chosen::Path(what, path) => self.choose(what, path),

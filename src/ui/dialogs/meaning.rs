@@ -63,9 +63,16 @@ impl App {
 
     pub(super) fn glanced(&mut self, path: PathBuf, found: Glance, number: u64) {
         self.busy.take_if(|busy| busy.what.starts_with("Looking at"));
-        // Something else was asked for meanwhile, by the user or of him.
-        if number != self.glances || self.dialog.is_some() {
-            return;
+        match &self.dialog {
+            _ if number != self.glances => return,
+            None => {}
+            // The user looks for something else meanwhile.
+            Some(Dialog::Browse(_) | Dialog::Meaning(_) | Dialog::Export(_) | Dialog::Picture(_)) => return,
+            // What is asked of him is answered first.
+            Some(_) => {
+                self.later.push(Chosen::Glanced { path, found, number });
+                return;
+            }
         }
         match found {
             Glance::Image => self.open_guarded(Coming::Path(path)),

@@ -1,6 +1,6 @@
 //! What a path is asked for: its words, its endings, the name that is offered first.
 
-use super::export::{Export, Format};
+use super::export::Export;
 use super::picture::Wish;
 use crate::document::ViewName;
 use crate::ui::app::App;
@@ -69,7 +69,7 @@ impl What {
                 Purpose { asks: Asks::Open, endings: VOLUMES }
             }
             Self::SaveAs => Purpose { asks: Asks::SaveFolder, endings: &[] },
-            Self::Export(export) => Purpose { asks: Asks::SaveFile, endings: export.format.endings() },
+            Self::Export(export) => Purpose { asks: Asks::SaveFile, endings: export.endings },
             Self::Image(Wish { exr: true, .. }) => Purpose { asks: Asks::SaveFile, endings: &[".exr"] },
             Self::Image(_) => Purpose { asks: Asks::SaveFile, endings: &[".png"] },
         }
@@ -81,10 +81,11 @@ impl What {
         match self {
             Self::Open | Self::Selection | Self::Labels | Self::Source(_) => return OsString::new(),
             Self::SaveAs => name.push(".burin"),
-            Self::Export(Export { field, format }) => {
-                // The ending says it already.
-                let what = if *format == Format::SegNrrd { String::new() } else { format!("-{}", field.name()) };
-                name.push(format!("{what}{}", format.endings()[0]));
+            Self::Export(Export { field, endings }) => {
+                let ending = endings.first().copied().unwrap_or_default();
+                // Segments are named by their ending already.
+                let what = if ending == ".seg.nrrd" { String::new() } else { format!("-{}", field.name()) };
+                name.push(format!("{what}{ending}"));
             }
             Self::Image(wish) => {
                 if wish.view != ViewName::ThreeD {

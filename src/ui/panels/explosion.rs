@@ -3,8 +3,9 @@
 use crate::document::{Command, ExplosionCommand, PartCommand};
 use crate::explode::Forces;
 use crate::ui::app::App;
+use crate::ui::folds::subsection;
 use crate::ui::theme::{GAP, ROW};
-use crate::ui::widgets::{Scale, button, empty, row, slider, subsection, tick};
+use crate::ui::widgets::{Scale, button, empty, row, slider, tick};
 use egui::{Ui, vec2};
 
 impl App {

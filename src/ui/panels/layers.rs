@@ -81,7 +81,7 @@ impl App {
             ("Window width", "W", &mut width, "Window width: from black to white. Also right drag across a slice"),
         ] {
             let field = DragValue::new(value).speed(speed).prefix(format!("{letter} "));
-            let show = move |x, chars| readout::field(x, window.width, chars);
+            let show = move |x, chars| readout::grey(x, window.width, chars);
             let response = number(ui, each, (name, tip), letter, field, show);
             if response.changed() {
                 let (level, width) = if letter == "L" { (*value, window.width) } else { (window.level, *value) };

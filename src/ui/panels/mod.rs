@@ -18,9 +18,9 @@ pub(super) mod transfer;
 
 use super::app::App;
 use super::borders::{Border, Edge};
+use super::folds::{is_unfolded, list_heading, section};
 use super::layout::{BORDER, HEAD, LIST, Layout};
 use super::theme;
-use super::widgets::{is_unfolded, list_heading, section};
 use egui::{Frame, Id, Panel, Rect, ScrollArea, Ui, UiBuilder, pos2, vec2};
 
 /// Between a column's side and its contents, points.
