@@ -117,3 +117,14 @@ pub fn recovered(answer: &Value) -> Option<String> {
     };
     Some([Some(format!("{text}. Save to keep it.")), torn].into_iter().flatten().collect::<Vec<_>>().join(" "))
 }
+
+/// What stands behind a colon elsewhere as a sentence of its own; a name keeps its letters.
+pub fn sentence(text: &str) -> String {
+    let word = text.split(' ').next().unwrap_or_default();
+    match word.chars().next() {
+        Some(first) if word.chars().all(|c| c.is_ascii_lowercase()) => {
+            first.to_uppercase().chain(text.chars().skip(1)).collect()
+        }
+        _ => text.to_owned(),
+    }
+}

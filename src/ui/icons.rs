@@ -29,7 +29,9 @@ pub(super) enum Icon {
     Forward,
     Keys,
     Close,
-    Message,
+    Add,
+    Note,
+    Warning,
     Down,
     Right,
     Up,
@@ -139,7 +141,16 @@ pub(super) fn paint(painter: &Painter, rect: Rect, icon: Icon, colour: Color32) 
             pen.line(&[(4.0, 4.0), (12.0, 12.0)]);
             pen.line(&[(12.0, 4.0), (4.0, 12.0)]);
         }
-        Icon::Message => {
+        Icon::Add => {
+            pen.line(&[(8.0, 3.0), (8.0, 13.0)]);
+            pen.line(&[(3.0, 8.0), (13.0, 8.0)]);
+        }
+        Icon::Note => {
+            pen.closed(&[(1.5, 2.5), (14.5, 2.5), (14.5, 11.0), (8.0, 11.0), (5.0, 14.0), (5.0, 11.0), (1.5, 11.0)]);
+            pen.line(&[(4.0, 5.5), (12.0, 5.5)]);
+            pen.line(&[(4.0, 8.0), (9.5, 8.0)]);
+        }
+        Icon::Warning => {
             pen.closed(&[(8.0, 1.8), (15.0, 14.0), (1.0, 14.0)]);
             pen.line(&[(8.0, 6.0), (8.0, 10.0)]);
             pen.line(&[(8.0, 11.6), (8.0, 12.4)]);

@@ -13,6 +13,9 @@ use crate::interact::readout;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+/// What is said of work that a crash left; gone once it is saved, or something else is open.
+const RECOVERED: &str = "project.recover";
+
 impl App {
     pub(super) fn take_reports(&mut self, ctx: &egui::Context) {
         for report in self.session.reports() {
@@ -88,8 +91,15 @@ impl App {
         {
             self.dialog = Some(Dialog::Lost(lost.iter().map(Lost::from).collect()));
         }
+        if let Command::Volume(VolumeCommand::Open { .. })
+        | Command::Project(
+            ProjectCommand::Open { .. } | ProjectCommand::Recover { .. } | ProjectCommand::Save { .. },
+        ) = command
+        {
+            self.mended(RECOVERED);
+        }
         if let Some(text) = readout::recovered(&answer["recovered"]) {
-            self.say(Gravity::Warning, text);
+            self.warn_until(RECOVERED, text);
             self.messages_open = true;
         }
         self.file_done(command);

@@ -13,6 +13,7 @@ use crate::document::{
     Command, Document, DocumentError, ExplosionCommand, HistoryCommand, KeepError, Place, Question, RenderCommand,
     ViewName,
 };
+use crate::interact::readout;
 use crate::io::in_words;
 use crate::math::DVec2;
 use crate::volume::Histogram;
@@ -309,7 +310,7 @@ impl Worker {
         let one = answer["warning"].as_str().into_iter();
         let many = answer["warnings"].as_array().into_iter().flatten().filter_map(Value::as_str);
         for warning in one.chain(many) {
-            self.report(Report::Message(Gravity::Warning, warning.to_owned()));
+            self.report(Report::Message(Gravity::Warning, readout::sentence(warning)));
         }
     }
 

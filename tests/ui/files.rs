@@ -319,3 +319,41 @@ fn a_path_and_enter_within_one_slow_frame_are_taken_in_their_order() {
     window.harness.run_steps(3);
     assert_eq!(window.sent(), [open(Path::new(path))]);
 }
+
+#[test]
+fn a_list_that_was_emptied_stays_closed_until_something_goes_wrong() {
+    for empty in ["Dismiss all", "Dismiss message 1"] {
+        let mut window = Window::open(SMALL);
+        window.report(Report::Message(Gravity::Error, "one".into()));
+        let open = |w: &Window| w.harness.query_by_label_contains("Messages (").is_some();
+        assert!(open(&window));
+        window.click(empty);
+        assert!(!open(&window));
+        window.report(Report::Done(image("/data/a.png"), serde_json::json!({})));
+        assert!(!open(&window), "a word is enough for what went well");
+        window.report(Report::Message(Gravity::Error, "two".into()));
+        assert!(open(&window));
+    }
+}
+
+#[test]
+fn a_warning_begins_as_a_sentence_does() {
+    for (said, shown) in [
+        ("the file covers 13 % of the volume", "The file covers 13 % of the volume"),
+        ("head.nii: it is not there", "head.nii: it is not there"),
+        ("76 labels got no voxel", "76 labels got no voxel"),
+        ("ölpest is a name", "ölpest is a name"),
+        ("", ""),
+    ] {
+        assert_eq!(burin::interact::readout::sentence(said), shown);
+    }
+}
+
+#[test]
+fn ways_to_a_file_stand_behind_what_is_said_of_it() {
+    let mut window = Window::open(SMALL);
+    window.report(Report::Message(Gravity::Error, "one".into()));
+    window.report(Report::Done(image("/data/a.png"), serde_json::json!({})));
+    let (text, way) = (window.rect("Saved picture a.png"), window.rect("Show message 2 in its folder"));
+    assert!(text.right() <= way.left() && (text.center().y - way.center().y).abs() < 2.0, "{text:?} {way:?}");
+}

@@ -114,6 +114,17 @@ fn what_a_crash_left_is_said() {
     let said = "What was not saved when the program ended was brought back, \
         and the stroke that was running as far as it had come. Save to keep it.";
     assert!(window.harness.query_by_label(said).is_some());
+    // Until it is saved, or something else is open.
+    let other: Command = serde_json::from_value(serde_json::json!({"volume":{"open":{"path":"/data/b.nii"}}})).unwrap();
+    for then in [save(None), other] {
+        let open =
+            Command::Project(ProjectCommand::Open { path: "/data/head.burin".into(), source: None, generation: None });
+        let answer = serde_json::json!({ "recovered": { "steps": 2, "last": null, "stroke": "painted" } });
+        window.report(Report::Done(open, answer));
+        assert!(window.harness.query_by_label(said).is_some());
+        window.report(Report::Done(then, serde_json::json!({})));
+        assert!(window.harness.query_by_label(said).is_none());
+    }
 
     let mut window = Window::empty(SMALL);
     let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap().as_secs();

@@ -11,7 +11,7 @@ use egui::{RichText, Ui};
 /// What people know a format by: its name, and who reads it.
 fn about(endings: &'static [&'static str]) -> (&'static str, &'static str) {
     match endings {
-        [".seg.nrrd", ..] => ("Segments (.seg.nrrd)", "With names and colours, as 3D Slicer has segmentations"),
+        [".seg.nrrd", ..] => ("Segments (.seg.nrrd)", "With names and colours; 3D Slicer reads it"),
         [".nrrd", ..] => ("NRRD", "One file with its place in space; 3D Slicer, ITK and Python read it"),
         [".nii.gz", ..] => ("NIfTI (.nii.gz)", "FSL, FreeSurfer, ITK-SNAP, nibabel read it"),
         [ending, ..] => (ending, "A file of this ending"),

@@ -122,7 +122,8 @@ impl App {
                 Gravity::Warning => theme::WARNING,
                 Gravity::Error => theme::ERROR,
             };
-            let face = Face::tool(Icon::Message, "Messages", &tip, false).on(self.messages_open).tint(tint);
+            let icon = if gravest == Gravity::Note { Icon::Note } else { Icon::Warning };
+            let face = Face::tool(icon, "Messages", &tip, false).on(self.messages_open).tint(tint);
             if icon_button(ui, face).clicked() {
                 self.messages_open = !self.messages_open;
             }

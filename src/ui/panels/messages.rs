@@ -15,6 +15,8 @@ use std::path::{Path, PathBuf};
 /// Seconds that a word over the views stays; a warning takes longer to read.
 const STAYS: f64 = 8.0;
 const WARNING_STAYS: f64 = 15.0;
+/// Width of the ways to what was written, points.
+const WAYS: f32 = 190.0;
 /// Words at once.
 const WORDS: usize = 3;
 /// Messages that are kept: a program that fails in a loop must not fill the memory with its complaints.
@@ -137,10 +139,18 @@ impl App {
                             dismissed = Some(Some(i));
                         }
                         let about = format!("message {}", i + 1);
-                        if let Some(way) = message.path.as_deref().and_then(|path| ways(ui, path, &about)) {
-                            show = Some(way);
+                        let text = RichText::new(&message.text).color(colour(message.gravity));
+                        match message.path.as_deref() {
+                            Some(path) => {
+                                let room = (ui.available_width() - WAYS).max(120.0);
+                                ui.scope(|ui| {
+                                    ui.set_max_width(room);
+                                    ui.add(egui::Label::new(text).wrap());
+                                });
+                                show = ways(ui, path, &about).or(show.take());
+                            }
+                            None => drop(ui.add(egui::Label::new(text).wrap())),
                         }
-                        ui.add(egui::Label::new(RichText::new(&message.text).color(colour(message.gravity))).wrap());
                     });
                 }
             });
@@ -153,6 +163,8 @@ impl App {
             Some(None) => self.messages.clear(),
             None => {}
         }
+        // What comes next opens the list itself if it is grave enough.
+        self.messages_open &= !self.messages.is_empty();
         if let Some(way) = show {
             self.go_way(ui.ctx(), way);
         }
@@ -227,7 +239,7 @@ impl App {
 fn word(ui: &mut Ui, message: &Message, number: usize) -> (Option<Way>, bool) {
     ui.horizontal(|ui| {
         let text_colour = if message.gravity == Gravity::Note { theme::TEXT } else { colour(message.gravity) };
-        let room = ui.available_width() - if message.path.is_some() { 220.0 } else { 40.0 };
+        let room = ui.available_width() - if message.path.is_some() { WAYS + 30.0 } else { 40.0 };
         ui.scope(|ui| {
             ui.set_max_width(room.max(120.0));
             ui.add(egui::Label::new(RichText::new(&message.text).color(text_colour)).wrap());

@@ -20,7 +20,7 @@ use super::app::App;
 use super::borders::{Border, Edge};
 use super::folds::{is_unfolded, list_heading, section};
 use super::layout::{BORDER, HEAD, LIST, Layout};
-use super::theme;
+use super::theme::{self, ROW};
 use egui::{Frame, Id, Panel, Rect, ScrollArea, Ui, UiBuilder, pos2, vec2};
 
 /// Between a column's side and its contents, points.
@@ -29,6 +29,8 @@ const MARGIN: f32 = 10.0;
 const BAR: f32 = 12.0;
 /// Above a column's contents.
 const TOP: f32 = 4.0;
+/// Above a list's heading.
+const HEAD_TOP: f32 = 3.0;
 
 impl App {
     pub(super) fn left_panel(&mut self, ui: &mut Ui) {
@@ -50,7 +52,9 @@ impl App {
                 section(ui, "Layers", true, |ui| self.layer_panel(ui));
                 section(ui, "3D look", true, |ui| self.look_panel(ui));
             });
-            listed(ui, lower, "Segments", |ui, height| self.segment_panel(ui, height));
+            let add = Rect::from_min_size(pos2(lower.right() - BAR - ROW, lower.top() + HEAD_TOP), vec2(ROW, ROW));
+            self.add_segment(ui, add);
+            listed(ui, lower, "Segments", ROW, |ui, height| self.segment_panel(ui, height));
         });
     }
 
@@ -74,8 +78,8 @@ impl App {
                 section(ui, "Explosion", true, |ui| self.explosion_panel(ui));
             });
             let (parts, steps) = self.divided(lower, open);
-            listed(ui, parts, "Parts", |ui, height| self.part_panel(ui, height));
-            listed(ui, steps, "History", |ui, height| self.history_panel(ui, height));
+            listed(ui, parts, "Parts", 0.0, |ui, height| self.part_panel(ui, height));
+            listed(ui, steps, "History", 0.0, |ui, height| self.history_panel(ui, height));
         });
     }
 
@@ -147,12 +151,16 @@ fn sections(ui: &mut Ui, border: Border, place: Rect, body: impl FnOnce(&mut Ui)
     }
 }
 
-/// A list with its heading, in a place of its own; `body` gets the height of the list.
-fn listed(ui: &mut Ui, place: Rect, title: &str, body: impl FnOnce(&mut Ui, f32)) {
-    let inner = Rect::from_min_max(place.min + vec2(MARGIN, 3.0), place.max - vec2(BAR, 6.0));
+/// A list with its heading, which leaves `beside` free at its end, in a place of its own; `body` gets the height of the list.
+fn listed(ui: &mut Ui, place: Rect, title: &str, beside: f32, body: impl FnOnce(&mut Ui, f32)) {
+    let inner = Rect::from_min_max(place.min + vec2(MARGIN, HEAD_TOP), place.max - vec2(BAR, 6.0));
     let mut lower = ui.new_child(UiBuilder::new().id_salt(title).max_rect(inner));
     lower.shrink_clip_rect(place);
-    if list_heading(&mut lower, title) {
+    let mut head = lower.new_child(UiBuilder::new().id_salt("heading").max_rect(inner));
+    head.set_max_width(inner.width() - beside);
+    let open = list_heading(&mut head, title);
+    lower.advance_cursor_after_rect(head.min_rect());
+    if open {
         let height = (inner.bottom() - lower.cursor().top()).max(0.0);
         body(&mut lower, height);
     }

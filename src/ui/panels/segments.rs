@@ -6,7 +6,7 @@ use crate::ui::app::App;
 use crate::ui::colour::colour_button;
 use crate::ui::icons::Icon;
 use crate::ui::theme::{self, ROW};
-use crate::ui::widgets::{Face, button, empty, from_right, icon_button, list, name_field};
+use crate::ui::widgets::{Face, empty, from_right, icon_button, list, name_field};
 use crate::volume::Segment;
 use egui::{Rect, Sense, Ui, vec2};
 
@@ -18,7 +18,6 @@ impl App {
             Target::Label(id) => Some(id),
             _ => None,
         };
-        let height = height - ROW - theme::GAP;
         let place = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), height));
         self.grounds.detail(ui, place, theme::DEEP);
         // Hundreds of segments are normal: only the rows in sight are laid out.
@@ -29,11 +28,17 @@ impl App {
         });
         if segments.is_empty() {
             let mut hint = ui.new_child(egui::UiBuilder::new().max_rect(place.shrink(theme::GAP)));
-            empty(&mut hint, "None yet. Paint a label (1 … 9), or add one.");
+            empty(&mut hint, "None yet. Paint a label (1 … 9), or add one with +.");
         }
-        let next = segments.last().map_or(1, |s| s.id.saturating_add(1));
-        let tip = "A new, empty segment; the brush paints it from now on";
-        if button(ui, vec2(ui.available_width(), ROW), "Add segment", tip) {
+    }
+
+    /// At the end of the list's heading.
+    pub(super) fn add_segment(&mut self, ui: &mut Ui, place: Rect) {
+        let Some(scene) = &self.scene else { return };
+        let next = scene.segments.0.last().map_or(1, |s| s.id.saturating_add(1));
+        let mut corner = ui.new_child(egui::UiBuilder::new().id_salt("add segment").max_rect(place));
+        let face = Face::small(Icon::Add, "Add segment", "A new, empty segment; the brush paints it from now on");
+        if icon_button(&mut corner, face).clicked() {
             let add = SegmentCommand::Set { id: next, name: None, colour: None, visible: None, locked: None };
             self.send(Command::Segment(add));
             self.paint_with(Target::Label(next));
