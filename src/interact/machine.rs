@@ -10,8 +10,9 @@ use crate::volume::Grid;
 
 /// One step of the brush's size.
 pub(super) const SIZE_STEP: f64 = 1.15;
-/// Largest brush in mm.
+/// Largest brush in mm, and in voxels where these are large.
 const LARGEST_MM: f64 = 500.0;
+const LARGEST_VOXELS: f64 = 20.0;
 /// One notch of zoom.
 const ZOOM_STEP: f64 = 1.15;
 
@@ -78,8 +79,9 @@ impl Interaction {
 
     /// Another size for the brush.
     pub fn sized(factor: f64, context: &Context<'_>) -> Command {
-        let old = context.scene.brush.radius_mm.max(context.voxel_mm * 0.5);
-        let radius = (old * factor).clamp(context.voxel_mm * 0.5, LARGEST_MM);
+        let least = context.voxel_mm * 0.5;
+        let largest = LARGEST_MM.max(LARGEST_VOXELS * context.voxel_mm);
+        let radius = (context.scene.brush.radius_mm.max(least) * factor).clamp(least, largest);
         // Three digits are what a person reads; the rest would only show as noise in the field.
         let digits = 10.0_f64.powi(2 - radius.log10().floor() as i32);
         set_radius((radius * digits).round() / digits)

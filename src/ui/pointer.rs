@@ -164,6 +164,7 @@ impl App {
                 .collect()
         });
         for (key, repeat, modifiers) in pressed {
+            let is_letter = key == egui::Key::Questionmark;
             let Some(key) = key_of(key) else { continue };
             let modifiers = held(modifiers, false, false);
             let Some(action) = action_of(key, modifiers) else { continue };
@@ -172,7 +173,7 @@ impl App {
             let moves = matches!(action, Action::Slice(_) | Action::Fit | Action::Front);
             // A key hit by mistake must not take back the stroke under the hand.
             let busy = self.dialog.is_some() || self.interaction.gesture().is_some();
-            let kept = (typing && !global) || (focused && moves) || (repeat && !repeats);
+            let kept = (typing && (!global || is_letter)) || (focused && moves) || (repeat && !repeats);
             if kept || (busy && action != Action::Abort) {
                 continue;
             }

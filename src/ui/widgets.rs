@@ -7,7 +7,7 @@ use crate::interact::readout;
 use egui::{
     Align, Align2, Color32, CornerRadius, DragValue, Layout, Response, RichText, Role, ScrollArea, Sense, Slider,
 };
-use egui::{Stroke, TextStyle, Ui, WidgetInfo, vec2};
+use egui::{SliderClamping, Stroke, TextStyle, Ui, WidgetInfo, vec2};
 use std::ops::RangeInclusive;
 
 /// A tooltip that stays while the control cannot be used.
@@ -62,7 +62,7 @@ impl Scale {
 /// Width of a number beside its slider: no value of any unit makes it wider.
 const NUMBER: f32 = 72.0;
 
-/// A slider with its number; changed if either was.
+/// A slider with its number; changed if either was. A value beyond its ends stays until a hand moves it.
 pub(super) fn slider(
     ui: &mut Ui,
     (name, tip): (&str, &str),
@@ -73,13 +73,20 @@ pub(super) fn slider(
     ui.spacing_mut().slider_width = (ui.available_width() - NUMBER - GAP).max(24.0);
     let (lo, hi) = (*range.start(), *range.end());
     let rail = ui
-        .add(Slider::new(value, range).show_value(false).logarithmic(scale.logarithmic).smart_aim(false))
+        .add(
+            Slider::new(value, range)
+                .show_value(false)
+                .logarithmic(scale.logarithmic)
+                .smart_aim(false)
+                .clamping(SliderClamping::Edits),
+        )
         .accessible_name(name);
     let rail = tipped(rail, tip);
     let factor = if scale.percent { 100.0 } else { 1.0 };
     let mut shown = *value * factor;
     let speed = if scale.logarithmic { shown.abs().max(0.01) * 0.01 } else { (hi - lo) * factor / 400.0 };
-    let field = DragValue::new(&mut shown).range(lo * factor..=hi * factor).speed(speed).suffix(scale.unit);
+    let field = DragValue::new(&mut shown).range(lo * factor..=hi * factor).clamp_existing_to_range(false);
+    let field = field.speed(speed).suffix(scale.unit);
     let about = (&*format!("{name}, value"), &*format!("{tip}. Drag, or click to type"));
     let text = number(ui, NUMBER, about, scale.unit, field, |x, chars| readout::fixed(x, scale.decimals, chars));
     if text.changed() {
@@ -280,7 +287,7 @@ pub(super) fn spinner(ui: &mut Ui, size: f32) {
     ui.ctx().request_repaint_after(std::time::Duration::from_millis(125));
 }
 
-/// A name that is edited in place; answers the new one when it was entered.
+/// A name that is edited in place; answers the new one when it was entered. Escape leaves the old one.
 pub(super) fn name_field(ui: &mut Ui, name: &str, text: &str, width: f32) -> Option<String> {
     let id = ui.make_persistent_id(("name", name));
     let mut draft = ui.data(|d| d.get_temp::<String>(id)).unwrap_or_else(|| text.to_owned());
@@ -296,7 +303,8 @@ pub(super) fn name_field(ui: &mut Ui, name: &str, text: &str, width: f32) -> Opt
     }
     ui.data_mut(|d| d.remove::<String>(id));
     let draft = draft.trim().to_owned();
-    (response.lost_focus() && draft != text && !draft.is_empty()).then_some(draft)
+    let entered = response.lost_focus() && !ui.input(|i| i.key_pressed(egui::Key::Escape));
+    (entered && draft != text && !draft.is_empty()).then_some(draft)
 }
 
 /// A line of text that says what is missing.

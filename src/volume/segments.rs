@@ -92,6 +92,13 @@ impl Segments {
         }
     }
 
+    /// An id for another segment: the one after the last, or where that is the greatest there is the lowest that is free. `None`
+    /// if all are taken.
+    pub fn free(&self) -> Option<u16> {
+        let after = self.0.last().map_or(Some(1), |last| last.id.checked_add(1));
+        after.or_else(|| (1..=u16::MAX).zip(&self.0).find(|(id, segment)| *id != segment.id).map(|(id, _)| id))
+    }
+
     /// The colour of a label: its segment's, or the one that [`ensure`](Self::ensure) would give it.
     pub fn colour_of(&self, id: u16) -> [f32; 3] {
         self.get(id).map_or_else(|| Segment::new(id).colour, |segment| segment.colour)

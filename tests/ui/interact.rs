@@ -272,6 +272,25 @@ fn a_brush_never_shrinks_below_half_a_voxel_and_can_grow_from_nothing() {
 }
 
 #[test]
+fn a_brush_for_voxels_of_metres_and_of_nanometres_grows_and_shrinks() {
+    let (grid, mut scene) = scene();
+    for voxel_mm in [1e-6, 1.0, 1000.0, 1001.0, 30_000.0, 1e9] {
+        for radius in [0.0, voxel_mm * 0.5, voxel_mm * 3.0] {
+            scene.brush.radius_mm = radius;
+            for factor in [1.15, 1.0 / 1.15] {
+                let Command::Brush(BrushCommand::Set { radius_mm: Some(new), .. }) =
+                    Interaction::sized(factor, &Context { scene: &scene, grid: &grid, voxel_mm })
+                else {
+                    panic!("no radius")
+                };
+                let wanted = (radius.max(voxel_mm * 0.5) * factor).max(voxel_mm * 0.5);
+                assert!((new / wanted - 1.0).abs() < 0.006, "{voxel_mm} {radius} {factor}: {new}");
+            }
+        }
+    }
+}
+
+#[test]
 fn splitters_commit_on_release_and_a_drag_is_no_click() {
     let split = |by| vec![Command::Part(PartCommand::Split { by, size: Some(SIZE) })];
     let mut hand = Hand::new(Tool::DepthSplit, ViewName::ThreeD);

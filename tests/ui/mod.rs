@@ -27,6 +27,7 @@ mod slices;
 mod surface;
 mod swatches;
 mod tooltips;
+mod untouched;
 mod window;
 mod worker;
 

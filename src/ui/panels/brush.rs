@@ -172,8 +172,7 @@ fn label_box(ui: &mut Ui, scene: &Scene, id: &mut u16) {
     let width = ui.available_width();
     let response =
         ComboBox::from_id_salt("label").width(width).truncate().selected_text(named(*id)).show_ui(ui, |ui| {
-            let next = scene.segments.0.last().map_or(1, |s| s.id.saturating_add(1));
-            for option in scene.segments.0.iter().map(|s| s.id).chain([next]) {
+            for option in scene.segments.0.iter().map(|s| s.id).chain(scene.segments.free()) {
                 ui.selectable_value(id, option, named(option)).on_hover_text("Paint this segment");
             }
         });

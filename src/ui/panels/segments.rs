@@ -35,10 +35,12 @@ impl App {
     /// At the end of the list's heading.
     pub(super) fn add_segment(&mut self, ui: &mut Ui, place: Rect) {
         let Some(scene) = &self.scene else { return };
-        let next = scene.segments.0.last().map_or(1, |s| s.id.saturating_add(1));
+        let free = scene.segments.free();
         let mut corner = ui.new_child(egui::UiBuilder::new().id_salt("add segment").max_rect(place));
         let face = Face::small(Icon::Add, "Add segment", "A new, empty segment; the brush paints it from now on");
-        if icon_button(&mut corner, face).clicked() {
+        if icon_button(&mut corner, face).clicked()
+            && let Some(next) = free
+        {
             let add = SegmentCommand::Set { id: next, name: None, colour: None, visible: None, locked: None };
             self.send(Command::Segment(add));
             self.paint_with(Target::Label(next));

@@ -1,0 +1,81 @@
+//! What nobody touches stays as it is: a window that shows a document changes nothing of it.
+
+use super::driver::{SMALL, Window};
+use burin::document::{BrushCommand, Command, SegmentCommand, ViewCommand};
+use burin::explode::Forces;
+use burin::paint::Target;
+use burin::volume::Mode;
+use egui::{Key, Modifiers, vec2};
+use egui_kittest::kittest::Queryable;
+
+#[test]
+fn what_lies_beyond_a_sliders_ends_is_shown_and_left_alone() {
+    let mut window = Window::open(SMALL);
+    window.click("Section Forces");
+    window.scene.brush.radius_mm = 0.0;
+    window.scene.look.step_voxels = 0.05;
+    window.scene.look.mode = Mode::Iso(150.0);
+    window.scene.explosion.forces = Forces { delta_viewing: 2.5, ..Forces::default() };
+    window.tell(|_| {});
+    assert_eq!(window.sent(), [], "a document was shown and nobody did anything");
+    // From the end, where it stands, a hand takes it.
+    let moved = window.drag("Brush radius", vec2(5.0, 0.0));
+    let radius = moved.iter().find_map(|c| match c {
+        Command::Brush(BrushCommand::Set { radius_mm, .. }) => *radius_mm,
+        _ => None,
+    });
+    assert!(radius.is_some_and(|r| r >= 0.5), "{moved:?}");
+    let moved = window.drag("Surface value", vec2(-9.0, 0.0));
+    let last = moved.iter().rev().find_map(|c| match c {
+        Command::View(ViewCommand::Look { mode: Some(Mode::Iso(value)), .. }) => Some(*value),
+        _ => None,
+    });
+    assert!(last.is_some_and(|v| v <= 100.0), "{moved:?}");
+}
+
+#[test]
+fn a_question_mark_that_is_typed_is_a_letter_and_f1_is_no_letter() {
+    let mut window = Window::open(SMALL);
+    window.harness.get_by_label("Name of part 1").focus();
+    window.harness.run_steps(2);
+    let open = |window: &Window| window.harness.query_by_label("Close the page of keys").is_some();
+    window.key(Modifiers::SHIFT, Key::Questionmark);
+    assert!(!open(&window), "typed into a name");
+    window.key(Modifiers::NONE, Key::F1);
+    assert!(open(&window), "F1 while a name has the keyboard");
+    window.key(Modifiers::NONE, Key::F1);
+    let mut window = Window::open(SMALL);
+    window.key(Modifiers::SHIFT, Key::Questionmark);
+    assert!(open(&window), "with nothing that takes text");
+}
+
+#[test]
+fn a_name_that_is_left_by_escape_is_the_old_one() {
+    let mut window = Window::open(SMALL);
+    for (key, renamed) in [(Key::Escape, false), (Key::Enter, true)] {
+        window.harness.get_by_label("Name of segment 1").focus();
+        window.harness.run_steps(2);
+        window.harness.get_by_label("Name of segment 1").type_text("lobe");
+        window.harness.run_steps(2);
+        let sent = window.key(Modifiers::NONE, key);
+        assert_eq!(!sent.is_empty(), renamed, "{key:?}: {sent:?}");
+    }
+}
+
+#[test]
+fn a_segment_is_added_beside_the_last_label_there_can_be() {
+    let mut window = Window::open(SMALL);
+    window.scene.segments.ensure(u16::MAX);
+    window.snapshot(|_| {});
+    let sent = window.click("Add segment");
+    assert!(
+        matches!(
+            sent[..],
+            [
+                Command::Segment(SegmentCommand::Set { id: 3, .. }),
+                Command::Brush(BrushCommand::Set { target: Some(Target::Label(3)), .. }),
+            ]
+        ),
+        "{sent:?}"
+    );
+}
