@@ -198,6 +198,28 @@ fn writing_over_a_file_is_asked_and_an_ending_is_given() {
 }
 
 #[test]
+fn an_ending_that_is_typed_before_the_offered_one_counts_once() {
+    const VOLUME: Purpose = Purpose { asks: Asks::SaveFile, endings: &[".nii.gz", ".nii"] };
+    let dir = tree();
+    for (purpose, offered, typed, taken) in [
+        (PICTURE, "view.png", "head.png.png", "head.png"),
+        (PICTURE, "view.png", "head.exr.png", "head.exr"),
+        (PICTURE, "view.png", "head.v2.png", "head.v2.png"),
+        (PICTURE, "view.png", ".png.png", ".png.png"),
+        (VOLUME, "ct-labels.nii.gz", "mine.nii.gz.nii.gz", "mine.nii.gz"),
+        (VOLUME, "ct-labels.nii.gz", "mine.nii.nii.gz", "mine.nii"),
+        (VOLUME, "ct-labels.nii.gz", "mine.nii.gz", "mine.nii.gz"),
+        (PROJECT, "ct.burin", "mine.burin.burin", "mine.burin"),
+        (PROJECT, "ct.burin", "mine.burin", "mine.burin"),
+        (PROJECT, "ct.burin", "mine.nii.burin", "mine.nii.burin"),
+    ] {
+        let mut b = browser(purpose, dir.path(), offered);
+        b.type_text(typed.into());
+        assert_eq!(b.enter(), Some(dir.path().join(taken)), "{typed} for {offered}");
+    }
+}
+
+#[test]
 fn a_project_gets_a_folder_of_its_own() {
     let dir = tree();
     let mut b = browser(PROJECT, dir.path(), "new.burin");

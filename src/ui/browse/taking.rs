@@ -1,9 +1,12 @@
 //! What Enter means: a folder is gone into, a file is taken, a name that is written over is asked about.
 
-use super::{Asks, Browser, Kind, listing, resolve, shown, with_ending};
+use super::{Asks, Browser, Kind, ends_with, listing, resolve, shown, with_ending};
 use crate::io::in_words;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+
+/// The ending of a project's folder.
+const PROJECT: &str = ".burin";
 
 impl Browser {
     /// Enter: answers the path that was chosen, if there is one to be had; a folder is gone into instead.
@@ -12,12 +15,29 @@ impl Browser {
         if self.by_list || self.text.trim().is_empty() {
             return self.activate();
         }
-        match resolve(&self.text, &self.folder, self.home.as_deref()) {
+        match resolve(self.name_typed(), &self.folder, self.home.as_deref()) {
             Ok(path) => self.typed(path),
             Err(error) => {
                 self.fail(error);
                 None
             }
+        }
+    }
+
+    /// The ending of the name that is offered, which stays while the rest is typed over; empty if it has none.
+    pub(in crate::ui) fn ending_offered(&self) -> &'static str {
+        let known = self.purpose.endings.iter().copied().chain([PROJECT]);
+        known.filter(|e| ends_with(self.suggested.as_ref(), &[e])).max_by_key(|e| e.len()).unwrap_or_default()
+    }
+
+    /// What was typed, where an ending of one's own stands before the offered one without that one.
+    fn name_typed(&self) -> &str {
+        let ending = self.ending_offered();
+        let cut = self.text.len().saturating_sub(ending.len());
+        let own = [self.purpose.endings, &[ending]].concat();
+        match self.text.get(..cut) {
+            Some(left) if !ending.is_empty() && self.text.ends_with(ending) && ends_with(left.as_ref(), &own) => left,
+            _ => &self.text,
         }
     }
 

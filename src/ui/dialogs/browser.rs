@@ -263,7 +263,7 @@ fn path_field(ui: &mut Ui, browser: &mut Browser, field: Id) {
             // The cursor is seen a frame later.
             ui.ctx().request_repaint();
             if browser.take_fresh() {
-                mark_stem(ui, field, browser.text());
+                mark_stem(ui, field, browser);
             }
         }
         if response.changed() {
@@ -273,8 +273,9 @@ fn path_field(ui: &mut Ui, browser: &mut Browser, field: Id) {
 }
 
 /// What is typed first takes the place of the name, and leaves its ending.
-fn mark_stem(ui: &Ui, field: Id, name: &str) {
-    let stem = name.find('.').filter(|at| *at > 0).map_or(name, |at| &name[..at]).chars().count();
+fn mark_stem(ui: &Ui, field: Id, browser: &Browser) {
+    let (name, ending) = (browser.text(), browser.ending_offered());
+    let stem = name.strip_suffix(ending).filter(|stem| !stem.is_empty()).unwrap_or(name).chars().count();
     let mut state = TextEditState::load(ui.ctx(), field).unwrap_or_default();
     let range = CCursorRange::two(CCursor::new(0), CCursor::new(stem));
     state.cursor.set_char_range(Some(range));
