@@ -111,8 +111,10 @@ impl App {
 
     fn right_part(&mut self, ui: &mut Ui) {
         ui.spacing_mut().item_spacing.x = 2.0;
-        if icon_button(ui, Face::tool(Icon::Keys, "Keys", "Keys and pointer (F1)", false).on(self.keys_open)).clicked()
-        {
+        // Whoever looks for help looks for the word.
+        let wide = ui.ctx().viewport_rect().width() >= 1200.0;
+        let tip = "What keys and pointer do (F1)";
+        if icon_button(ui, Face::tool(Icon::Keys, "Help", tip, wide).on(self.keys_open)).clicked() {
             self.act(Action::Keys);
         }
         if let Some(gravest) = self.gravest() {

@@ -27,7 +27,7 @@ impl App {
         page.fixed_size(vec2(width, window.y - 80.0)).anchor(Align2::CENTER_CENTER, [0.0, 0.0]).show(ctx, |ui| {
             ui.set_width(width);
             ui.horizontal(|ui| {
-                ui.label(RichText::new("Keys and pointer").color(Color32::WHITE).size(16.0));
+                ui.label(RichText::new("Help: keys and pointer").color(Color32::WHITE).size(16.0));
                 from_right(ui, |ui| {
                     let tip = "Closes this page (F1 or Escape)";
                     if icon_button(ui, Face::small(Icon::Close, "Close the page of keys", tip)).clicked() {

@@ -50,7 +50,8 @@ impl App {
     fn place_text(&self, ui: &mut Ui) {
         let mono = |text: String| RichText::new(text).monospace().color(theme::TEXT);
         let Some(open) = self.opened() else {
-            ui.label(RichText::new("Open a file to begin").color(theme::TEXT_WEAK));
+            let hint = if self.busy.is_none() { "Open a file to begin" } else { "" };
+            ui.label(RichText::new(hint).color(theme::TEXT_WEAK));
             return;
         };
         let Some(world) = self.place_under_pointer() else {

@@ -228,7 +228,8 @@ impl App {
             }
         });
         ui.horizontal(|ui| {
-            let width = ((ui.available_width() - GAP) * 0.36).round();
+            // What is left is as wide as the words beside it need.
+            let width = ((ui.available_width() - GAP) * 0.36).min(ui.available_width() - GAP - 160.0).max(72.0).round();
             let about = ("Ready looks", "Looks", "Ready colours and opacities for what you want to see");
             menu(ui, vec2(width, ROW), about, |ui| self.looks_menu(ui));
             let tip = "Start again: colours and opacities from how often each value occurs";
