@@ -6,14 +6,22 @@
 use crate::document::{Command, ExplosionCommand, HistoryCommand, ProjectCommand, SegmentCommand, VolumeCommand};
 use serde_json::Value;
 
-/// Whether parts stand where they stood once, so that a motion under way is over.
-pub(super) fn replaces(command: &Command) -> bool {
+/// Whether another document is open afterwards.
+pub(super) fn opens(command: &Command) -> bool {
     matches!(
         command,
-        Command::History(HistoryCommand::Undo { .. } | HistoryCommand::Redo { .. } | HistoryCommand::Cancel {})
-            | Command::Volume(VolumeCommand::Open { .. })
+        Command::Volume(VolumeCommand::Open { .. })
             | Command::Project(ProjectCommand::Open { .. } | ProjectCommand::Recover { .. })
     )
+}
+
+/// Whether parts stand where they stood once, so that a motion under way is over.
+pub(super) fn replaces(command: &Command) -> bool {
+    let back = matches!(
+        command,
+        Command::History(HistoryCommand::Undo { .. } | HistoryCommand::Redo { .. } | HistoryCommand::Cancel {})
+    );
+    back || opens(command)
 }
 
 /// A command's noun and verb, as `noun.verb`.

@@ -74,7 +74,7 @@ pub struct Opened {
     pub voxel_type: VoxelType,
     /// Of the source's values.
     pub statistics: Statistics,
-    /// Of the source's values.
+    /// Of the source's values; the same as long as the same document is open, and no longer.
     pub histogram: Arc<Histogram>,
 }
 

@@ -3,7 +3,7 @@
 //! Commands come first; pictures are drawn when none waits, one view at a time, so that a stroke's samples never queue behind a
 //! picture for longer than one takes. Knows egui only to wake the window.
 
-use super::errand::{lasts, replaces, topic};
+use super::errand::{lasts, opens, replaces, topic};
 use super::progress::Progress;
 use super::rescue::{after_failure, way_out};
 use super::session::{Far, Gravity, Opened, Picture, Report, Request, Session, Snapshot};
@@ -85,6 +85,7 @@ struct Worker {
     probe: Option<(ViewName, DVec2, [u32; 2])>,
     gpu: Option<Result<String, String>>,
     moving: bool,
+    /// The open document's: another one for another document, also where the volume is the same.
     histogram: Option<Arc<Histogram>>,
     /// What was refused and has not worked since, as `noun.verb`.
     refused: BTreeSet<String>,
@@ -267,6 +268,9 @@ impl Worker {
             Ok(answer) => {
                 // What was taken back or opened stands where it stood.
                 self.moving &= !replaces(&command);
+                if opens(&command) {
+                    self.histogram = None;
+                }
                 self.moving |= Cause::stirred(before.as_ref(), &command, Cause::of(&self.document).as_ref());
                 self.say_warnings(&answer);
                 if let Some(nothing) = answer["nothing"].as_str() {

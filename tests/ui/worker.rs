@@ -1,10 +1,11 @@
 //! The thread that owns the document: parts follow what is done in the window.
 
-use crate::document::maker::run;
+use crate::document::maker::{run, write_nrrd};
 use crate::document::maker_gpu::{block, cut, select};
 use burin::document::{Command, Document, ViewName};
-use burin::math::Pose;
+use burin::math::{DVec3, Pose};
 use burin::ui::{Gravity, Report, Request, Session, Snapshot, spawn};
+use burin::volume::Grid;
 use serde_json::json;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -328,4 +329,32 @@ fn what_was_refused_is_said_with_its_command_and_taken_back_once_it_works() {
     assert_eq!(**command, open(&none));
     assert!(why.contains("none.nii") && why.contains("it is not there") && !why.contains("os error"), "{why}");
     assert!(all.iter().any(|r| matches!(r, Report::Mended(topic) if topic == "volume.open")), "{all:?}");
+}
+
+#[test]
+fn the_same_volume_opened_again_is_another_document() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("slope.nrrd");
+    let grid = Grid::aligned([6, 5, 4], DVec3::ONE, DVec3::ZERO);
+    write_nrrd(&file, &grid, |[x, ..]| x as f32);
+    let project = folder.path().join("slope.burin");
+    let mut desk = Desk::new(Document::new());
+    let mut known = Vec::new();
+    for (serial, command) in [
+        json!({ "volume": { "open": { "path": file } } }),
+        json!({ "project": { "save": { "path": project } } }),
+        json!({ "volume": { "open": { "path": file } } }),
+        json!({ "project": { "open": { "path": project } } }),
+    ]
+    .iter()
+    .enumerate()
+    {
+        desk.apply(&command.to_string());
+        desk.until("it is done", |d| d.now.open.is_some() && d.now.serial == serial as u64 + 1);
+        // By it a window knows that what it remembers of the last document means nothing any more.
+        known.push(desk.now.open.as_ref().unwrap().histogram.clone());
+    }
+    let same: Vec<bool> = known.windows(2).map(|w| Arc::ptr_eq(&w[0], &w[1])).collect();
+    assert_eq!(same, [true, false, false], "a save keeps the document, an opening does not");
+    desk.close();
 }
