@@ -193,25 +193,10 @@ impl Painter {
         };
         let variant = Variant::of(target.format(), format);
         let pipeline = self.kernels.pipeline(&self.gpu, variant)?;
-        if brush_cells::matters(kind) {
-            self.cells.prepare(&self.gpu, variant)?;
-            stroke.live.begin(target, new.iter().copied().zip(slots.iter().copied()))?;
-        }
-        stroke.reserve(&self.gpu, variant, fields.density, new.len(), &mut self.spare, self.budget_bytes)?;
-
-        let mut encoder =
-            self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("dabs") });
         let begins = stroke.homes.is_empty();
-        for (i, (new, slots)) in new.chunks(TAKEN).zip(slots.chunks(TAKEN)).enumerate() {
-            if i > 0 {
-                let other =
-                    self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("dabs") });
-                self.gpu.queue.submit([std::mem::replace(&mut encoder, other).finish()]);
-            }
-            stroke.take(&self.gpu, fields, new, slots, &mut encoder, texture)?;
-        }
-        stroke.renew_gates(&self.gpu, fields)?;
-        let submitted = self.submit(encoder, texture, &pipeline, variant, dabs, begins);
+        let submitted = self
+            .take(fields, variant, texture, &new, &slots)
+            .and_then(|encoder| self.submit(encoder, texture, &pipeline, variant, dabs, begins));
         let Some(stroke) = &mut self.stroke else { return Err(NOT_RUNNING) };
         if let Err(error) = submitted {
             stroke.forget(&new);
@@ -222,6 +207,36 @@ impl Painter {
         }
         stroke.dabs.extend_from_slice(dabs);
         Ok(bricks)
+    }
+
+    /// Places for new slots, with all that the kernel reads of them. What copies their texels there is encoded last, and not
+    /// submitted.
+    fn take(
+        &mut self,
+        fields: &Fields<'_>,
+        variant: Variant,
+        texture: &wgpu::Texture,
+        new: &[BrickIndex],
+        slots: &[[u32; 3]],
+    ) -> Result<wgpu::CommandEncoder, GpuError> {
+        let Self { gpu, stroke, cells, spare, budget_bytes, .. } = self;
+        let Some(stroke) = stroke else { return Err(NOT_RUNNING) };
+        if brush_cells::matters(stroke.kind()) {
+            cells.prepare(gpu, variant)?;
+            let target = fields.get(stroke.kind());
+            stroke.live.begin(target, new.iter().copied().zip(slots.iter().copied()))?;
+        }
+        stroke.reserve(gpu, variant, fields.density, new.len(), spare, *budget_bytes)?;
+        let begun = || gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("dabs") });
+        let mut encoder = begun();
+        for (i, (new, slots)) in new.chunks(TAKEN).zip(slots.chunks(TAKEN)).enumerate() {
+            if i > 0 {
+                gpu.queue.submit([std::mem::replace(&mut encoder, begun()).finish()]);
+            }
+            stroke.take(gpu, fields, new, slots, &mut encoder, texture)?;
+        }
+        stroke.renew_gates(gpu, fields)?;
+        Ok(encoder)
     }
 
     /// Takes what has come of the minima and maxima of the running stroke's cells, and asks for those of what was painted since:

@@ -260,7 +260,7 @@ impl BrushStroke {
             dims: grid.dims.map(|d| d as i32),
             low,
             top,
-            step: target.source().and_then(|s| unit(&**s)).unwrap_or(0.0) as f32,
+            step: target.source().and_then(|s| unit(&**s)).map_or(0.0, |unit| (unit * map.codes_per_unit) as f32),
             unused_a: 0,
             unused_b: 0,
         }

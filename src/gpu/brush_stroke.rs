@@ -127,8 +127,11 @@ impl Stroke {
 
     /// Writes the gates of slots anew in which more may be painted by now.
     pub(super) fn renew_gates(&mut self, gpu: &Gpu, fields: &Fields<'_>) -> Result<(), GpuError> {
-        for brick in std::mem::take(&mut self.stale) {
-            let Some(home) = self.homes.get(&brick) else { continue };
+        while let Some(&brick) = self.stale.first() {
+            let Some(home) = self.homes.get(&brick) else {
+                self.stale.pop_first();
+                continue;
+            };
             let bits = self.gate_of(fields.density, brick)?;
             if let Some(gate) = &self.chunks[home.chunk].gate {
                 gpu.queue.write_buffer(
@@ -137,6 +140,7 @@ impl Stroke {
                     bytemuck::cast_slice(&bits),
                 );
             }
+            self.stale.pop_first();
         }
         Ok(())
     }

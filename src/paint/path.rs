@@ -107,7 +107,7 @@ impl StrokePath {
     }
 
     /// Ends the piece: the dab at its last sample, if none lies there yet. Where dabs add up it counts by the share of a step that
-    /// lies behind it. A further sample begins another piece.
+    /// lies behind it, but wholly if the path passes its voxel and has no other dab in it. A further sample begins another piece.
     pub fn end(&mut self) -> Option<Dab> {
         let last = self.last.take()?;
         let share = self.arc_mm / self.step_mm - (self.next - 1) as f64;
@@ -115,7 +115,7 @@ impl StrokePath {
         self.arc_mm = 0.0;
         let uncovered = self.thin.is_some() && !self.cell.1;
         (share > SAME || uncovered).then(|| {
-            let share = if self.builds_up { share.clamp(0.0, 1.0) as f32 } else { 1.0 };
+            let share = if self.builds_up && !uncovered { share.clamp(0.0, 1.0) as f32 } else { 1.0 };
             self.dab(last.position, last.pressure * share, last.normal)
         })
     }

@@ -227,6 +227,26 @@ fn a_thin_stroke_has_a_dab_in_every_voxel_that_it_passes_and_in_no_other() {
 }
 
 #[test]
+fn a_thin_stroke_that_builds_up_gives_its_last_voxel_all_of_the_strength() {
+    let grid = Grid::aligned([12; 3], DVec3::ONE, DVec3::ZERO);
+    for radius_mm in [0.0, 0.4] {
+        let brush = Brush { tip: Tip::BuildUp, spacing: 0.25, ..hard(Shape::Sphere, radius_mm) };
+        let mut path = StrokePath::new(&brush, &grid).unwrap();
+        // It ends a hair beyond the border of a voxel, and a hair behind its last dab.
+        let step = path.step_mm();
+        let ends = [3.5 - 5.0 * step - 0.4 * step, 3.5 + 0.01 * step].map(|x| sample(DVec3::new(x, 4.0, 4.0)));
+        let mut dabs = path.extend(&ends).unwrap();
+        let of = |dabs: &[Dab]| -> f64 {
+            let footprints = dabs.iter().filter_map(|d| d.footprint(&brush, &grid));
+            footprints.map(|f| f.coverage([4; 3])).fold(0.0, f64::max)
+        };
+        assert_eq!(of(&dabs), 0.0, "radius {radius_mm}: no dab of the row reaches it");
+        dabs.extend(path.end());
+        assert_eq!(of(&dabs), 1.0, "radius {radius_mm}");
+    }
+}
+
+#[test]
 fn a_thin_stroke_exactly_through_corners_paints_no_voxel_beside_it() {
     let grid = Grid::aligned([12; 3], DVec3::ONE, DVec3::ZERO);
     let brush = hard(Shape::Sphere, 0.3);

@@ -1,6 +1,8 @@
 //! What slots, aprons and the host's bricks hold during and after strokes.
 
 use super::*;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// All texels of a field's pool, x fastest.
 fn pool(gpu: &Gpu, canvas: &Canvas, kind: FieldKind) -> (Vec<u8>, [u32; 3], usize) {
@@ -395,4 +397,79 @@ fn a_device_without_16_bit_textures_paints_the_same_codes() {
         });
         assert!(!a.is_empty() && a == b);
     }
+}
+
+/// Density whose first bricks along x cannot be read while it fails.
+#[derive(Debug)]
+struct Failing(MemorySource, AtomicBool);
+
+impl BrickSource for Failing {
+    fn grid(&self) -> &Grid {
+        self.0.grid()
+    }
+    fn voxel_type(&self) -> VoxelType {
+        self.0.voxel_type()
+    }
+    fn scaling(&self) -> (f64, f64) {
+        self.0.scaling()
+    }
+    fn name(&self) -> &str {
+        "failing"
+    }
+    fn read(&self, lo: [u32; 3], size: [u32; 3]) -> Result<Voxels, SourceError> {
+        if lo[0] < 32 && self.1.load(Ordering::Relaxed) {
+            return Err(SourceError::Unreadable { name: "failing".into(), reason: "made to fail".into() });
+        }
+        self.0.read(lo, size)
+    }
+}
+
+#[test]
+fn a_stroke_whose_source_fails_goes_on_once_it_answers_again() {
+    let Some(gpu) = gpu() else { return };
+    let grid = unit_grid([160, 24, 24]);
+    let voxels = Voxels::U16(each(grid.dims, |v| noise(v, 0) as u16));
+    let memory = MemorySource::new("failing", grid, voxels, (1.0, 0.0)).unwrap();
+    let source = Arc::new(Failing(memory, AtomicBool::new(false)));
+    let map = DensityMap::codes(0.0, 65_535.0, Some(1.0));
+    let density = Field::from_source(source.clone(), map, &|_| true).unwrap().unwrap();
+    let brush = Brush {
+        target: Target::Selection(0.7),
+        range: Some([0.0, 40_000.0].map(Number::from)),
+        visible_only: true,
+        radius_mm: 6.0,
+        strength: 0.4,
+        ..Brush::default()
+    };
+    let dab = |x: f64| dab_at(&grid, DVec3::new(x, 12.0, 12.0), 6.0);
+    let column = |from: u32, to: u32| {
+        let mut set = VoxelSet::default();
+        each([to - from, 24, 24], |[x, y, z]| set.insert([from + x, y, z]));
+        set
+    };
+    let mut results = Vec::new();
+    for fails in [false, true] {
+        let mut canvas = Canvas::new(&gpu, grid, density.clone());
+        canvas.begin(&brush);
+        canvas.painter.open(&column(0, 16));
+        canvas.extend(&[dab(14.0)]);
+        let before = canvas.painter.touched();
+        // What was seen since lies in a brick whose gate is made already, and in one that is new.
+        canvas.painter.open(&column(16, 20));
+        canvas.painter.open(&column(128, 150));
+        source.1.store(fails, Ordering::Relaxed);
+        if fails {
+            let Canvas { density, colour, selection, labels, painter, pools, .. } = &mut canvas;
+            let fields = Fields { density, colour, selection, labels };
+            let error = painter.extend(pools, &fields, &[dab(140.0)]).unwrap_err().to_string();
+            assert!(error.contains("made to fail"), "{error}");
+            assert_eq!(painter.touched(), before, "as it was");
+            source.1.store(false, Ordering::Relaxed);
+        }
+        canvas.extend(&[dab(140.0)]);
+        canvas.extend(&[dab(17.0)]);
+        results.push(canvas.finish());
+    }
+    assert_eq!(results[0].len(), 2, "both ends are painted");
+    assert!(results[0] == results[1]);
 }

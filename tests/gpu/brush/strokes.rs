@@ -254,3 +254,28 @@ fn a_weak_sum_adds_every_dab() {
     let bound = 1.0 + n as f64 * 2.4e-7 * 10_000.0;
     assert!((f64::from(code) - 31_000.0).abs() <= bound, "{code}");
 }
+
+#[test]
+fn a_weak_stroke_on_integers_beyond_all_32_bit_floats_takes_its_share_and_no_more() {
+    let Some(gpu) = gpu() else { return };
+    let grid = unit_grid([12; 3]);
+    let slope = 1e36;
+    let source = MemorySource::new("large", grid, Voxels::U16(each(grid.dims, |_| 60_000)), (slope, 0.0)).unwrap();
+    let map = DensityMap::floats(60_000.0 * slope);
+    assert!(map.codes_per_unit < 1.0, "smaller by a power of two");
+    let density = Field::from_source(std::sync::Arc::new(source), map, &|_| true).unwrap().unwrap();
+    let brush = Brush {
+        radius_mm: 2.0,
+        falloff: Falloff::Hard,
+        strength: 0.1,
+        target: Target::Density(0.0),
+        ..Brush::default()
+    };
+    let mut canvas = Canvas::new(&gpu, grid, density);
+    let found = canvas.paint(&brush, &[dab_at(&grid, DVec3::splat(5.0), 2.0)]);
+    let i = 5 + 12 * (5 + 12 * 5);
+    let value = map.decode(std::array::from_fn(|b| found[4 * i + b]));
+    // P + G·(C − P)
+    let expected = 60_000.0 * slope * 0.9;
+    assert!((value / expected - 1.0).abs() < 1e-6, "{value:e} for {expected:e}");
+}
