@@ -101,7 +101,10 @@ fn picker(ui: &mut Ui, id: egui::Id, colour: &mut [f32; 3]) -> bool {
         let draft = id.with("hex");
         let now = hex(*colour);
         let mut text = ui.data(|d| d.get_temp::<String>(draft)).unwrap_or_else(|| now.clone());
-        let field = egui::TextEdit::singleline(&mut text).id(draft.with("field")).desired_width(80.0);
+        let field = egui::TextEdit::singleline(&mut text)
+            .id(draft.with("field"))
+            .desired_width(80.0)
+            .align(egui::Align2::LEFT_CENTER);
         let field = ui.add(field).accessible_name("Colour in hex");
         let field = field.on_hover_text("Red, green and blue as six digits, such as #e34a40");
         // While it is typed the colour follows whatever is a colour.

@@ -66,8 +66,9 @@ impl App {
         });
         self.grounds.fill(strip.response.rect, theme::BAR);
         if let Some(step) = clicked {
-            self.do_step(step);
-            self.lesson = Some(Lesson(step + 1));
+            // A step needs those before it: whoever begins with the last one sees what it is for all the same.
+            (next.min(step)..=step).for_each(|step| self.do_step(step));
+            self.lesson = Some(Lesson(next.max(step + 1)));
         }
         if closed {
             self.lesson = None;

@@ -179,6 +179,8 @@ fn orientation_mark(painter: &Painter, body: Rect, right: DVec3, up: DVec3) {
             painter.circle_filled(tip, 8.5, colour);
             painter.text(tip, Align2::CENTER_CENTER, letter, FontId::proportional(13.0), theme::DEEP);
         } else {
+            // A letter alone must be read on whatever lies behind it.
+            let colour = view_colour(view).lerp_to_gamma(Color32::WHITE, 0.25);
             shaded_text(painter, tip, Align2::CENTER_CENTER, letter, FontId::proportional(13.5), colour);
         }
     }

@@ -122,6 +122,30 @@ fn the_first_steps_are_there_on_the_sample_and_done_by_a_click() {
 }
 
 #[test]
+fn a_step_that_is_clicked_early_does_those_before_it() {
+    let dir = tempfile::tempdir().unwrap();
+    for (click, wanted) in [
+        ("Slide the parts apart", &["selection", "part", "part", "part", "view", "explosion"][..]),
+        ("Split the head", &["selection", "part", "part", "part", "view"]),
+    ] {
+        let mut window = started(dir.path());
+        let [open] = &window.click("Open the sample head")[..] else { panic!("nothing is opened") };
+        let open = open.clone();
+        window.snapshot(|_| {});
+        window.report(Report::Done(open, serde_json::json!({})));
+        let nouns = |sent: Vec<Command>| -> Vec<String> {
+            let nouns =
+                sent.iter().map(|c| serde_json::to_value(c).unwrap().as_object().unwrap().keys().next().cloned());
+            nouns.map(Option::unwrap).collect()
+        };
+        let first = window.click(click);
+        assert_eq!(nouns(first), wanted, "{click}");
+        assert_eq!(nouns(window.click("Select the brain")), ["selection"], "again, for itself");
+        assert_eq!(nouns(window.click("Slide the parts apart")), ["explosion"], "and those before it no more");
+    }
+}
+
+#[test]
 fn a_wrong_volume_of_a_project_leaves_what_was_typed() {
     let dir = tempfile::tempdir().unwrap();
     let mut window = started(dir.path());
