@@ -16,6 +16,7 @@ mod glance;
 mod icons;
 mod layout;
 mod lesson;
+mod naming;
 mod notes;
 mod outlines;
 mod overlay;

@@ -287,26 +287,6 @@ pub(super) fn spinner(ui: &mut Ui, size: f32) {
     ui.ctx().request_repaint_after(std::time::Duration::from_millis(125));
 }
 
-/// A name that is edited in place; answers the new one when it was entered. Escape leaves the old one.
-pub(super) fn name_field(ui: &mut Ui, name: &str, text: &str, width: f32) -> Option<String> {
-    let id = ui.make_persistent_id(("name", name));
-    let mut draft = ui.data(|d| d.get_temp::<String>(id)).unwrap_or_else(|| text.to_owned());
-    let field = egui::TextEdit::singleline(&mut draft)
-        .id(id.with("field"))
-        .desired_width(width - 8.0)
-        .align(egui::Align2::LEFT_CENTER)
-        .frame(egui::Frame::NONE);
-    let response = ui.add_sized(vec2(width, ROW), field).accessible_name(name).on_hover_text("Click to rename");
-    if response.has_focus() {
-        ui.data_mut(|d| d.insert_temp(id, draft));
-        return None;
-    }
-    ui.data_mut(|d| d.remove::<String>(id));
-    let draft = draft.trim().to_owned();
-    let entered = response.lost_focus() && !ui.input(|i| i.key_pressed(egui::Key::Escape));
-    (entered && draft != text && !draft.is_empty()).then_some(draft)
-}
-
 /// A line of text that says what is missing.
 pub(super) fn empty(ui: &mut Ui, text: &str) {
     ui.label(RichText::new(text).color(theme::TEXT_WEAK));

@@ -55,6 +55,42 @@ fn keys_become_commands() {
 }
 
 #[test]
+fn a_name_is_chosen_by_a_click_and_edited_by_two() {
+    let mut window = Window::open(SMALL);
+    let chosen = window.click("Name of segment 2");
+    assert!(
+        matches!(chosen[..], [Command::Brush(BrushCommand::Set { target: Some(Target::Label(2)), .. })]),
+        "{chosen:?}"
+    );
+    // Keys stay the tools' until the name is edited.
+    assert!(matches!(
+        window.key(Modifiers::NONE, egui::Key::Num1)[..],
+        [Command::Brush(BrushCommand::Set { target: Some(Target::Label(1)), .. })]
+    ));
+    assert_eq!(window.click("Name of part 1"), [], "parts have nothing to choose");
+    for (name, entered) in [("Name of segment 2", "liver"), ("Name of part 1", "lid")] {
+        let pos = window.rect(name).left_center() + egui::vec2(10.0, 0.0);
+        let click = |pressed| egui::Event::PointerButton {
+            pos,
+            button: egui::PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        window.harness.hover_at(pos);
+        window.harness.run_steps(1);
+        window.harness.input_mut().events.extend([true, false, true, false].map(click));
+        window.harness.run_steps(4);
+        window.sent();
+        // All of it is marked: what is typed takes its place.
+        window.harness.event(egui::Event::Text(entered.into()));
+        window.harness.run_steps(2);
+        let sent = serde_json::to_value(window.key(Modifiers::NONE, egui::Key::Enter)).unwrap();
+        let set = if name.contains("part") { &sent[0]["part"]["set"] } else { &sent[0]["segment"]["set"] };
+        assert_eq!(set["name"], entered, "{sent}");
+    }
+}
+
+#[test]
 fn a_key_typed_into_a_name_is_no_shortcut() {
     let mut window = Window::open(SMALL);
     window.harness.get_by_label("Name of part 1").focus();

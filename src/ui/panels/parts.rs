@@ -5,8 +5,9 @@ use crate::explode::Part;
 use crate::ui::app::App;
 use crate::ui::colour::{colour_button_with, strike_out};
 use crate::ui::icons::Icon;
+use crate::ui::naming::{Named, name_field};
 use crate::ui::theme::{self, ROW};
-use crate::ui::widgets::{Face, from_right, icon_button, list, name_field, tipped};
+use crate::ui::widgets::{Face, from_right, icon_button, list, tipped};
 use egui::{Button, Rect, Ui, vec2};
 
 impl App {
@@ -57,7 +58,8 @@ impl App {
                     self.edit(&response, set(None, Some(colour), false, None, None));
                 }
                 let width = ui.available_width() - 2.0 * 26.0;
-                if let Some(name) = name_field(ui, &format!("Name of part {}", id.0), &part.name, width) {
+                let about = (&*format!("Name of part {}", id.0), "Double-click to rename this part");
+                if let Some(Named::Anew(name)) = name_field(ui, about, &part.name, width) {
                     self.send(set(Some(name), None, false, None, None));
                 }
                 from_right(ui, |ui| {

@@ -5,8 +5,9 @@ use crate::paint::Target;
 use crate::ui::app::App;
 use crate::ui::colour::colour_button;
 use crate::ui::icons::Icon;
+use crate::ui::naming::{Named, name_field};
 use crate::ui::theme::{self, ROW};
-use crate::ui::widgets::{Face, empty, from_right, icon_button, list, name_field};
+use crate::ui::widgets::{Face, empty, from_right, icon_button, list};
 use crate::volume::Segment;
 use egui::{Rect, Sense, Ui, vec2};
 
@@ -77,8 +78,12 @@ impl App {
                     self.edit(&response, same(None, Some(colour), None, None));
                 }
                 let width = ui.available_width() - 3.0 * 26.0;
-                if let Some(name) = name_field(ui, &format!("Name of segment {id}"), &segment.name, width) {
-                    self.send(same(Some(name), None, None, None));
+                let about =
+                    (&*format!("Name of segment {id}"), "Click to paint this segment, double-click to rename it");
+                match name_field(ui, about, &segment.name, width) {
+                    Some(Named::Chosen) => self.paint_with(Target::Label(id)),
+                    Some(Named::Anew(name)) => self.send(same(Some(name), None, None, None)),
+                    None => {}
                 }
                 from_right(ui, |ui| {
                     let remove = format!("Remove {}", segment.name);
