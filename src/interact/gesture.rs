@@ -27,8 +27,8 @@ pub enum Gesture {
     Zoom { view: ViewName, start: DVec2, last: DVec2 },
     /// Grey window of the slices; one step of history.
     Window { start: Window, from: DVec2 },
-    /// Crosshair follows.
-    Crosshair { view: ViewName },
+    /// Crosshair follows; `start` comes back on abort.
+    Crosshair { view: ViewName, start: DVec3 },
     /// A stroke. `erase`: the brush is set to take away for as long as the key is held; `fixed`: it takes away anyway.
     Stroke { view: ViewName, last: PointerEvent, erase: bool, fixed: bool },
     /// A splitter that waits for its click to end; on a slice with where that lies.
@@ -43,7 +43,7 @@ impl Gesture {
     /// Commands of its start.
     pub(super) fn start(&self, e: &PointerEvent) -> Vec<Command> {
         match self {
-            Self::Crosshair { view } => {
+            Self::Crosshair { view, .. } => {
                 vec![Command::History(HistoryCommand::Begin {}), crosshair(*view, e.px, e.size)]
             }
             Self::Stroke { erase, .. } => {
@@ -77,7 +77,7 @@ impl Gesture {
                 vec![Command::View(ViewCommand::Zoom { view: *view, factor })]
             }
             Self::Window { start, from } => vec![set_window(windowed(*start, e.px - *from, height))],
-            Self::Crosshair { view } => vec![crosshair(*view, e.px, e.size)],
+            Self::Crosshair { view, .. } => vec![crosshair(*view, e.px, e.size)],
             Self::Stroke { last, erase, fixed, .. } => {
                 let switch = !*fixed && e.modifiers.erase != *erase;
                 if e.px == last.px || switch && e.px.distance(last.px) <= CLICK_PX {
@@ -149,7 +149,9 @@ impl Gesture {
             Self::Zoom { view, start, last } => {
                 vec![Command::View(ViewCommand::Zoom { view, factor: zoom_factor(last, start, height.max(1)) }), end]
             }
-            Self::Crosshair { .. } => vec![end],
+            Self::Crosshair { start, .. } => {
+                vec![Command::View(ViewCommand::Crosshair { at: Place::Mm(start.to_array()) }), end]
+            }
             Self::Stroke { erase, .. } => {
                 let cancel = Command::Stroke(StrokeCommand::Cancel {});
                 if erase { vec![cancel, set_erase(false)] } else { vec![cancel] }

@@ -117,7 +117,7 @@ impl Interaction {
         match self.tool {
             // Shift is the axis splitter's own.
             tool if e.modifiers.shift && tool != Tool::AxisSplit => {
-                can_point.then_some(Gesture::Crosshair { view: e.view })
+                can_point.then_some(Gesture::Crosshair { view: e.view, start: context.scene.views.crosshair })
             }
             Tool::Navigate if three_d => Some(orbit),
             Tool::Brush if !three_d || e.hit.is_some() => {
@@ -137,7 +137,7 @@ impl Interaction {
             // Slices show the volume at rest: there is nothing to move there.
             Tool::MovePart => None,
             _ if three_d => Some(orbit),
-            _ => Some(Gesture::Crosshair { view: e.view }),
+            _ => Some(Gesture::Crosshair { view: e.view, start: context.scene.views.crosshair }),
         }
     }
 

@@ -337,7 +337,8 @@ impl App {
         self.rest_control(&ctx);
         // A window that loses the focus never hears the button go up.
         let left = ctx.input(|i| i.events.contains(&egui::Event::WindowFocused(false)));
-        if left && self.interaction.gesture().is_some() {
+        if left && self.viewports.captured.take().is_some() {
+            self.viewports.pressure = 1.0;
             self.interact(Event::Abort);
         }
         self.show_title(&ctx);

@@ -3,6 +3,7 @@
 //! A preference of the person and not of the document: in no project and in no history, kept in a file beside the program's
 //! other state and read at its next start. Owns the bounds within which everything can still be used; knows no controls.
 
+use super::recent::private_folder;
 use crate::io::replace_file;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -77,7 +78,7 @@ impl Layout {
     /// What the system refuses.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
         if let Some(dir) = path.parent() {
-            std::fs::create_dir_all(dir)?;
+            private_folder(dir)?;
         }
         replace_file(path, serde_json::to_string(self)?.as_bytes()).map_err(Error::other)
     }

@@ -208,6 +208,17 @@ fn space_and_the_wheel_button_pan_with_every_tool_and_abort_pans_back() {
 }
 
 #[test]
+fn a_crosshair_that_is_taken_back_is_where_it_was() {
+    let mut hand = Hand::new(Tool::Navigate, ViewName::Axial);
+    hand.scene.views.crosshair = DVec3::new(3.25, 7.5, 11.0);
+    assert_eq!(hand.press(Button::Primary, 10.0, 10.0).len(), 2);
+    hand.drag(40.0, 60.0);
+    hand.scene.views.crosshair = DVec3::new(30.0, 1.0, 11.0);
+    let back = ViewCommand::Crosshair { at: Place::Mm([3.25, 7.5, 11.0]) };
+    assert_eq!(hand.send(Event::Abort), [Command::View(back), END]);
+}
+
+#[test]
 fn right_drag_windows_a_slice_as_one_step_and_zooms_in_3d() {
     let mut hand = Hand::new(Tool::Brush, ViewName::Axial);
     let start = hand.scene.window;

@@ -335,6 +335,19 @@ fn a_damaged_or_hostile_layout_is_the_usual_one() {
     assert!(window.harness.query_by_label("Brush radius").is_some(), "what cannot be kept stops nothing");
 }
 
+#[cfg(unix)]
+#[test]
+fn the_folder_of_a_layout_is_for_its_user_alone() {
+    use std::os::unix::fs::PermissionsExt;
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("state/burin/window.json");
+    // Lists of files and recovered work come to lie beside it.
+    Layout::default().write(&path).unwrap();
+    let mode = std::fs::metadata(path.parent().unwrap()).unwrap().permissions().mode();
+    assert_eq!(mode & 0o777, 0o700, "{mode:o}");
+    assert_eq!(Layout::read(&path), Layout::default());
+}
+
 #[test]
 fn a_folded_list_leaves_its_height_to_the_others() {
     let mut window = Window::open(LARGE);

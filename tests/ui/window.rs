@@ -311,6 +311,25 @@ fn escape_takes_a_stroke_back() {
 }
 
 #[test]
+fn a_window_that_lost_the_focus_in_mid_drag_takes_the_next_press() {
+    let mut window = Window::open(SMALL);
+    window.click("Brush");
+    let at = window.harness.get_by_label("Coronal view").rect().center();
+    window.harness.drag_at(at);
+    window.harness.run_steps(2);
+    window.harness.event(egui::Event::WindowFocused(false));
+    window.harness.run_steps(2);
+    assert_eq!(window.sent().last(), Some(&Command::Stroke(StrokeCommand::Cancel {})), "nobody hears the button go up");
+    window.harness.event(egui::Event::WindowFocused(true));
+    window.harness.drag_at(at);
+    window.harness.run_steps(2);
+    assert!(matches!(window.sent()[..], [Command::Stroke(StrokeCommand::Begin { .. })]));
+    window.harness.drop_at(at);
+    window.harness.run_steps(2);
+    assert_eq!(window.sent().last(), Some(&Command::Stroke(StrokeCommand::End {})));
+}
+
+#[test]
 fn one_view_fills_the_place_of_four_and_goes_back() {
     let mut window = Window::open(SMALL);
     let before = window.harness.get_by_label("Sagittal view").rect();
