@@ -30,7 +30,7 @@ pub(super) fn name_field(ui: &mut Ui, (name, tip): (&str, &str), text: &str, wid
             info
         });
         let shown = cut_text(ui, text, TextStyle::Body.resolve(ui.style()), theme::TEXT, width - 8.0);
-        let at = rect.left_center() + vec2(4.0, -shown.size().y * 0.5);
+        let at = rect.left_center() - vec2(0.0, shown.size().y * 0.5);
         ui.painter().galley(at, shown, theme::TEXT);
         if response.double_clicked() {
             response.request_focus();
@@ -43,7 +43,10 @@ pub(super) fn name_field(ui: &mut Ui, (name, tip): (&str, &str), text: &str, wid
     }
     let mut draft = ui.data(|d| d.get_temp::<String>(id)).unwrap_or_else(|| text.to_owned());
     let edit = TextEdit::singleline(&mut draft).id(field).desired_width(width - 8.0).align(Align2::LEFT_CENTER);
-    let response = ui.add_sized(vec2(width, ROW), edit.frame(Frame::NONE)).accessible_name(name).on_hover_text(tip);
+    let response = ui
+        .add_sized(vec2(width, ROW), edit.frame(Frame::NONE.fill(theme::DEEP)))
+        .accessible_name(name)
+        .on_hover_text(tip);
     if response.has_focus() {
         ui.data_mut(|d| d.insert_temp(id, draft));
         return None;

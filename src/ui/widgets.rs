@@ -15,6 +15,9 @@ pub(super) fn tipped(response: Response, tip: &str) -> Response {
     response.on_hover_text(tip).on_disabled_hover_text(tip)
 }
 
+/// Width that a list leaves to its scroll bar.
+const LIST_BAR: f32 = 9.0;
+
 /// The rows of a list in sight, scrolled within `height` whatever their number: what comes to it moves nothing else.
 pub(super) fn list(
     ui: &mut Ui,
@@ -28,7 +31,11 @@ pub(super) fn list(
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
         let area = ScrollArea::vertical().id_salt(name).max_height(height).min_scrolled_height(height);
-        area.auto_shrink([false, false]).stick_to_bottom(to_end).show_rows(ui, row, rows, |ui, range| show(ui, range));
+        area.auto_shrink([false, false]).stick_to_bottom(to_end).show_rows(ui, row, rows, |ui, range| {
+            // The bar lies over nothing that is clicked.
+            ui.set_max_width(ui.available_width() - LIST_BAR);
+            show(ui, range);
+        });
     });
 }
 

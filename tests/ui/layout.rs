@@ -349,6 +349,34 @@ fn the_folder_of_a_layout_is_for_its_user_alone() {
 }
 
 #[test]
+fn a_list_leaves_room_for_its_scroll_bar() {
+    for size in [SMALLEST, SMALL, LARGE] {
+        let mut window = Window::open(size);
+        (3..60).for_each(|id| window.scene.segments.ensure(id));
+        let part = window.scene.explosion.parts[0].clone();
+        let more = (3..60).map(|id| Part { id: PartId(id), name: format!("Piece {id}"), ..part.clone() });
+        window.scene.explosion.parts.extend(more);
+        window.snapshot(|s| s.undo = (0..60).map(|i| format!("Stroke {i}")).collect());
+        window.harness.run_steps(4);
+        // Under the pointer a bar is 8 points wide.
+        let bars = |name: &str| window.rect(name).right() - 12.0 - 8.0;
+        let places = places(&window);
+        for (words, most) in [
+            (&["Remove Segment ", "Lock Segment "][..], bars("Border of the left panel")),
+            (&["Pin ", "Show Piece ", "Step "], size[0] / window.harness.ctx.zoom_factor() - 8.0 - 12.0 - 8.0),
+        ] {
+            let rows = places.iter().filter(|(name, _)| words.iter().any(|word| name.starts_with(word)));
+            let mut count = 0;
+            for (name, rect) in rows {
+                assert!(rect.right() <= most, "{name} {rect:?} reaches over {most} in {size:?}");
+                count += 1;
+            }
+            assert!(count > 3, "{count} in {size:?}");
+        }
+    }
+}
+
+#[test]
 fn a_folded_list_leaves_its_height_to_the_others() {
     let mut window = Window::open(LARGE);
     let part = window.scene.explosion.parts[0].clone();
