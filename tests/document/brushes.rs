@@ -363,3 +363,20 @@ fn colour_too_weak_for_a_step_of_opacity_leaves_nothing() {
     // 0.64 of a step of opacity is one, and the hue is whole.
     assert_eq!(document.state().unwrap().colour.texel([4, 4, 4]).unwrap(), [255, 128, 51, 1]);
 }
+
+#[test]
+fn a_hundred_weak_removals_reach_the_value_that_was_asked_for() {
+    for voxels in [Voxels::U8(vec![250; 16 * 16 * 16]), Voxels::U16((0..16 * 16 * 16).map(|i| i * 16).collect())] {
+        let Some(mut document) = of(voxels, [16; 3], DVec3::ONE) else { return };
+        let settings = json!({"radius_mm":4,"falloff":"hard","strength":0.1,"erase":true,"target":{"density":1},
+            "erase_density":{"to":7}});
+        brush(&mut document, settings);
+        for _ in 0..100 {
+            stroke(&mut document, &[[8.0, 8.0, 8.0]]);
+        }
+        let value = |v: [u32; 3]| document.state().unwrap().density.value(v).unwrap();
+        let inside = |v: &[u32; 3]| DVec3::from_array(v.map(f64::from)).distance(DVec3::splat(8.0)) < 4.0;
+        let other: Vec<_> = each([16; 3]).filter(inside).filter(|&v| value(v) != 7.0).collect();
+        assert!(other.is_empty(), "{} voxels are not 7, one is {}", other.len(), value(other[0]));
+    }
+}

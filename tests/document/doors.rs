@@ -197,3 +197,55 @@ fn a_script_that_has_no_end_is_refused() {
     assert!(stderr.contains("/dev/zero: cannot open the script: a device found"), "{stderr}");
     assert_eq!(code, Some(2));
 }
+
+#[test]
+fn a_source_that_is_another_is_told_by_every_door() {
+    use super::maker::run;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("v.nrrd");
+    volume(&path);
+    let mut document = burin::document::Document::new();
+    for line in [
+        serde_json::json!({"volume":{"open":{"path":path}}}),
+        serde_json::json!({"segment":{"set":{"id":7,"name":"jaw"}}}),
+        serde_json::json!({"project":{"save":{"path":folder.path().join("p"),"density":"linked"}}}),
+    ] {
+        run(&mut document, &line.to_string()).unwrap();
+    }
+    drop(document);
+    let render: [&dyn AsRef<OsStr>; 8] = [&"render", &"p", &"-o", &"x.png", &"--view", &"axial", &"--size", &"8x8"];
+    let run: [&dyn AsRef<OsStr>; 4] = [&"run", &"-", &"--project", &"p"];
+    let script = "{\"ask\":{\"volume\":{}}}\n";
+    for arguments in [&run[..], &render[..]] {
+        let (_, stderr, _) = burin(folder.path(), arguments, script);
+        assert!(!stderr.contains("blake3"), "it is the same: {stderr}");
+    }
+    // Another voxel, the same length and time: only the hash tells.
+    let modified = std::fs::metadata(&path).unwrap().modified().unwrap();
+    let mut bytes = std::fs::read(&path).unwrap();
+    *bytes.last_mut().unwrap() ^= 1;
+    std::fs::write(&path, bytes).unwrap();
+    std::fs::OpenOptions::new().write(true).open(&path).unwrap().set_modified(modified).unwrap();
+    for arguments in [&run[..], &render[..]] {
+        let (_, stderr, _) = burin(folder.path(), arguments, script);
+        if stderr.contains("needs a GPU") {
+            continue;
+        }
+        assert!(stderr.contains("v.nrrd: blake3: "), "{stderr}");
+    }
+}
+
+#[test]
+fn a_script_that_saves_nothing_leaves_the_project_as_it_was() {
+    let folder = tempfile::tempdir().unwrap();
+    let project = crashed(folder.path());
+    let journal = project.join("journal-000001");
+    let before = std::fs::read(&journal).unwrap();
+    let script = "{\"segment\":{\"set\":{\"id\":9,\"name\":\"tongue\"}}}\n{\"ask\":{\"scene\":{}}}\n";
+    for _ in 0..2 {
+        let (stdout, stderr, code) = burin(folder.path(), &[&"run", &"-", &"--project", &"p"], script);
+        assert_eq!(code, Some(0), "{stderr}");
+        assert!(stdout.contains("tongue") && stdout.contains("tooth"), "{stdout}");
+        assert!(std::fs::read(&journal).unwrap() == before, "what the script did is still in the journal");
+    }
+}

@@ -43,4 +43,5 @@ mod unharmed;
 mod values;
 mod values_support;
 mod views;
+mod visible;
 mod volumes;

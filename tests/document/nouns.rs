@@ -35,6 +35,10 @@ fn a_refused_command_names_field_found_and_expected() {
         (r#"{"segment":{"remove":{"id":9}}}"#, "id: 9 found, a segment's id, one of [1, 2] expected"),
         (r#"{"view":{"window":{"level":1,"width":0}}}"#, "width: 0 found, a positive number expected"),
         (r#"{"view":{"scroll":{"view":"3d","voxels":1}}}"#, "view: 3d found, axial, coronal or sagittal expected"),
+        (
+            r#"{"transfer":{"set":{"function":{"colour":[[0,[1,1,1]]],"opacity":[[0,0.5]],"unit_mm":0}}}}"#,
+            "transfer function: unit_mm: 0 found, a positive length expected",
+        ),
     ] {
         assert_eq!(said(&mut document, line), text);
     }

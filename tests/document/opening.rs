@@ -4,7 +4,8 @@ use super::maker::run;
 use super::values_support::{Data, ask};
 use crate::common::gpu::gpu;
 use burin::document::ViewName;
-use burin::volume::{VoxelType, Voxels};
+use burin::math::DVec3;
+use burin::volume::{Grid, VoxelType, Voxels};
 use burin::with_voxel_type;
 use serde_json::{Value, json};
 
@@ -122,5 +123,34 @@ fn data_of_one_value_of_none_or_with_what_marks_none_open_and_draw() {
         let mut voxels: Vec<f64> = (0..COUNT).map(|i| (i % 50) as f64 / 50.0).collect();
         voxels[7] = mark;
         drawn(&format!("marked {mark}"), &Data::new(Voxels::F64(voxels), DIMS));
+    }
+}
+
+#[test]
+fn a_file_that_changes_while_it_is_opened_is_not_opened() {
+    use burin::document::{OpenAs, Opened, Origin};
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("v.nrrd");
+    let grid = Grid::aligned([12, 10, 8], DVec3::ONE, DVec3::ZERO);
+    let origin = || Origin { path: path.clone(), component: 0, frame: 0 };
+    for at in [0.1, 0.5, 0.95] {
+        super::maker::write_nrrd(&path, &grid, |v| v[0] as f32);
+        // As long as before, a little later, once.
+        let changed = std::sync::Once::new();
+        let change = |share: f32| {
+            if share >= at {
+                changed.call_once(|| {
+                    let file = std::fs::OpenOptions::new().write(true).open(&path).unwrap();
+                    file.set_modified(std::time::SystemTime::now() + std::time::Duration::from_secs(5)).unwrap();
+                });
+            }
+            true
+        };
+        let opened = Opened::volume(origin(), None, OpenAs::Image, None, &change);
+        assert!(changed.is_completed());
+        let said = opened.map(drop).unwrap_err().to_string();
+        let why = ["since it was opened", "while it was read"].iter().any(|why| said.contains(why));
+        assert!(said.contains("v.nrrd") && why, "{at}: {said}");
+        Opened::volume(origin(), None, OpenAs::Image, None, &|_| true).unwrap();
     }
 }

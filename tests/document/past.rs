@@ -153,6 +153,18 @@ fn a_drag_is_one_change_and_one_that_returns_or_is_taken_back_is_none() {
     }
     run(&mut document, r#"{"view":{"forward":{"of":"looks"}}}"#).unwrap();
     assert_eq!(looks(&document).window.width, 19.0);
+    // So it does of views: a slice made smaller and larger again.
+    run(&mut document, BACK).unwrap();
+    let before = (views(&document), counts(&document, PastOf::Views));
+    let zoom = |d: &mut Document, factor: f64| {
+        run(d, &format!(r#"{{"view":{{"zoom":{{"view":"axial","factor":{factor}}}}}}}"#)).unwrap()
+    };
+    group(&mut document, "begin");
+    [2.0, 4.0, 0.125].into_iter().for_each(|factor| drop(zoom(&mut document, factor)));
+    group(&mut document, "end");
+    assert_eq!((views(&document), counts(&document, PastOf::Views)), before);
+    zoom(&mut document, 2.0);
+    assert_eq!(counts(&document, PastOf::Views), (before.1.0 + 1, 0));
 }
 
 #[test]

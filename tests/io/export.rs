@@ -299,3 +299,30 @@ fn a_full_disk_leaves_the_old_file_and_nothing_else() {
     assert_eq!(std::fs::read(&path).unwrap(), b"the old one");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
 }
+
+#[test]
+fn an_export_is_on_disk_before_it_takes_its_name_and_has_the_rights_of_any_new_file() {
+    use burin::io::{Told, Witness};
+    let folder = tempfile::tempdir().unwrap();
+    let grid = Grid::aligned(DIMS, DVec3::ONE, DVec3::ZERO);
+    let selection = Field::blank(FieldKind::Selection, &grid);
+    for name in ["out.nrrd", "out.nii.gz"] {
+        let path = folder.path().join(name);
+        let witness = Witness::new(folder.path());
+        io::export(&path, &selection, &grid, &Segments::default(), Compression::Gzip, &go_on()).unwrap();
+        let told = witness.told();
+        let renamed = told.iter().position(|t| *t == Told::Rename(path.clone())).unwrap_or_else(|| panic!("{told:?}"));
+        let content = |t: &Told| matches!(t, Told::Sync(p) if p.parent() == Some(folder.path()));
+        assert_eq!(told.iter().position(content).map(|at| at < renamed), Some(true), "{told:?}");
+        let names = told.iter().rposition(|t| *t == Told::Sync(folder.path().to_owned()));
+        assert_eq!(names.map(|at| at > renamed), Some(true), "{told:?}");
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            let plain = folder.path().join("plain");
+            std::fs::write(&plain, "x").unwrap();
+            let mode = |path: &std::path::Path| std::fs::metadata(path).unwrap().permissions().mode() & 0o777;
+            assert_eq!(mode(&path), mode(&plain), "{name}");
+        }
+    }
+}

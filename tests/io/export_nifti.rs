@@ -140,6 +140,20 @@ fn a_place_in_micrometres_or_metres_comes_back_in_the_same_numbers() {
             let field = Field::from_source(source, DensityMap::FLOAT, &|_| true).unwrap().unwrap();
             let (_, bytes) = write(&folder, "out.nii", &field, &grid, &Segments::default());
             assert_eq!((bytes[123], sform(&bytes)), (unit, rows(&place)), "{unit} {seed}");
+            // The other form says the same in the same unit, and alone is read as that.
+            let q = qform(&bytes);
+            let near = q
+                .to_cols_array()
+                .into_iter()
+                .zip(place.to_cols_array())
+                .all(|(a, b)| (a - b).abs() < 1e-5 * b.abs().max(4.0));
+            assert!(near, "{unit} {seed}: {q:?} {place:?}");
+            let mut alone = bytes.clone();
+            alone[254] = 0;
+            let read = io::open(keep(&folder, "q.nii", &alone)).unwrap().grid;
+            for (a, b) in read.spacing().to_array().into_iter().zip(grid.spacing().to_array()) {
+                assert!((a / b - 1.0).abs() < 1e-5, "{unit} {seed}: {a} mm, {b} expected");
+            }
             assert_eq!(io::open(folder.path().join("out.nii")).unwrap().grid, grid);
         }
     }

@@ -78,7 +78,9 @@ fn a_dicom_file_is_named_with_and_without_its_preamble_and_whatever_it_is_called
     }
     assert!(said(&keep(&folder, "a.dcm.gz", &gzip(&part_10()))).contains("a DICOM file"));
     assert!(said(&keep(&folder, "DICOMDIR", &part_10())).contains("DICOMDIR"));
-    assert!(said(&keep(&folder, "odd.dcm", b"who knows")).contains("a DICOM file by its name"));
+    for name in ["odd.dcm", "odd.ima", "ODD.IMA"] {
+        assert!(said(&keep(&folder, name, b"who knows")).contains("a DICOM file by its name"), "{name}");
+    }
 }
 
 #[test]
@@ -197,4 +199,30 @@ fn a_nifti_that_was_compressed_twice_is_named_so() {
     keep(&folder, "p.img.gz", &gzip(&gzip(noise(VoxelType::U8, 60, 1).as_bytes())));
     let text = io::open(path).unwrap_err().to_string();
     assert!(text.contains("found gzip inside gzip") && text.contains("twice"), "{text}");
+}
+
+#[test]
+fn what_can_be_opened_instead_is_listed_where_that_helps() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in
+        [("a.png", &b"\x89PNG\r\n\x1a\n"[..]), ("a.zip", b"PK\x03\x04"), ("a.mha", b"ObjectType = Image")]
+    {
+        let text = said(&keep(&folder, name, bytes));
+        let listed = text.split_once("Burin opens").unwrap_or_else(|| panic!("{text}")).1;
+        for format in ["NIfTI-1", "NRRD"] {
+            assert!(listed.contains(format), "{text}");
+        }
+    }
+    let page = said(&keep(&folder, "a.html", b"<!DOCTYPE html>"));
+    assert!(page.ends_with("get the file again"), "{page}");
+    // Fifty bytes a triangle behind a head of 84, and no byte more.
+    let mesh = |triangles: u32, bytes: usize| {
+        let mut file = vec![b' '; 84 + bytes];
+        file[80..84].copy_from_slice(&triangles.to_le_bytes());
+        io::open(keep(&folder, "a.stl", &file)).unwrap_err().to_string()
+    };
+    assert!(mesh(3, 150).contains("an STL surface mesh"));
+    for (triangles, bytes) in [(3, 149), (3, 151), (2, 150), (0, 0)] {
+        assert!(!mesh(triangles, bytes).contains("STL"), "{triangles} {bytes}");
+    }
 }

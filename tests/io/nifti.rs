@@ -200,7 +200,12 @@ fn a_header_and_its_image_may_be_two_files() {
     assert!(io::open(&header_path).unwrap_err().to_string().contains(".img"));
     let image_path = keep(&folder, "a.img", &data);
     for path in [&header_path, &image_path] {
-        let source = io::open(path).unwrap().source(0, 0, &|_| true).unwrap();
+        let opened = io::open(path).unwrap();
+        // Both are known: neither may be written over, and both are hashed.
+        let mut names: Vec<_> = opened.files.iter().map(|f| f.path.file_name().unwrap().to_owned()).collect();
+        names.sort();
+        assert_eq!(names, ["a.hdr", "a.img"]);
+        let source = opened.source(0, 0, &|_| true).unwrap();
         assert_eq!(source.read([0; 3], [3, 4, 5]).unwrap(), voxels());
     }
     std::fs::remove_file(&image_path).unwrap();
@@ -240,4 +245,24 @@ fn the_head_that_the_demo_shows_is_what_it_is() {
     // As nibabel and numpy have them.
     let numbers = [info.min.unwrap(), info.max.unwrap(), info.sum].map(burin::volume::Number::to_f64);
     assert_eq!(numbers, [0.0, 254.0, 317_151_210.0]);
+}
+
+#[test]
+fn only_the_types_of_colours_are_colours() {
+    let folder = tempfile::tempdir().unwrap();
+    for (code, bits, ty, parts, colour) in [
+        (32, 64, VoxelType::F32, 2, false),
+        (1792, 128, VoxelType::F64, 2, false),
+        (128, 24, VoxelType::U8, 3, true),
+        (2304, 32, VoxelType::U8, 4, true),
+        (256, 8, VoxelType::I8, 1, false),
+        (2, 8, VoxelType::U8, 1, false),
+    ] {
+        let mut header = Nifti::new(ty, &[3, 4, 5], false);
+        header.i16(70, code).i16(72, bits).i16(252, 1);
+        let file = header.with(&noise(ty, 60 * parts as usize, 9));
+        let opened = io::open(keep(&folder, "a.nii", &file)).unwrap();
+        assert_eq!((opened.voxel_type, opened.components, opened.colour), (ty, parts, colour), "{code}");
+        assert_eq!(opened.colours(0, &|_| true).unwrap().is_some(), colour, "{code}");
+    }
 }

@@ -71,6 +71,32 @@ fn an_axis_that_loses_its_direction_is_told() {
 }
 
 #[test]
+fn an_axis_without_direction_and_kind_counts_frames_only_where_it_comes_last() {
+    let folder = tempfile::tempdir().unwrap();
+    for (axes, sizes, components, frames) in [
+        ("none (1,0,0) (0,1,0) (0,0,1)", "2 3 4 5", 2, 1),
+        ("(1,0,0) none (0,1,0) (0,0,1)", "3 2 4 5", 2, 1),
+        ("(1,0,0) (0,1,0) (0,0,1) none", "3 4 5 2", 1, 2),
+        ("(1,0,0) (0,1,0) (0,0,1) none none", "3 4 5 2 2", 2, 2),
+    ] {
+        let n = sizes.split(' ').count();
+        let lines = [
+            "type: short".to_owned(),
+            format!("dimension: {n}"),
+            format!("sizes: {sizes}"),
+            "space: RAS".into(),
+            format!("space directions: {axes}"),
+            "endian: little".into(),
+            "encoding: raw".into(),
+        ];
+        let lines: Vec<&str> = lines.iter().map(String::as_str).collect();
+        let voxels = noise(VoxelType::I16, 60 * components as usize * frames as usize, 5);
+        let opened = io::open(keep(&folder, "a.nrrd", &nrrd(&lines, &bytes_of(&voxels, false)))).unwrap();
+        assert_eq!((opened.components, opened.frames, opened.grid.dims), (components, frames, [3, 4, 5]), "{axes}");
+    }
+}
+
+#[test]
 fn headers_that_cannot_be_are_refused_by_field() {
     let folder = tempfile::tempdir().unwrap();
     let bad = |line: &str, field: &str, found: &str| refused(&folder, line, field, found);

@@ -341,30 +341,67 @@ fn a_series_that_cannot_be_is_refused_by_field() {
 #[test]
 fn a_file_of_a_series_that_changes_is_an_error_where_it_is_read() {
     let folder = tempfile::tempdir().unwrap();
-    let raw = bytes_of(&plain(VoxelType::U8, 1), false);
-    // Few are held open, many are not.
-    for files in [6, 120] {
-        let subdim = if files == 6 { "" } else { " 0" };
+    let raw = noise(VoxelType::U8, 5 * 4 * 40, 1).as_bytes().to_vec();
+    // Few are held open; a file for every voxel are not.
+    for (files, sizes, list) in [(40, "5 4 40", false), (800, "1 5 4 40", true)] {
         let mut lines = lines(VoxelType::U8, false, "raw");
-        if files == 120 {
+        lines[2] = format!("sizes: {sizes}");
+        if list {
             lines[1] = "dimension: 4".into();
-            lines[2] = "sizes: 1 5 4 6".into();
             lines.push("kinds: list domain domain domain".into());
         }
         for (n, part) in cut(&raw, files).into_iter().enumerate() {
             keep(&folder, &format!("d{n}"), part);
         }
-        let line = format!("data file: d%d 0 {} 1{}", files - 1, if files == 6 { subdim } else { " 1" });
+        let line = format!("data file: d%d 0 {} 1{}", files - 1, if list { " 1" } else { " 2" });
         let source =
             io::open(keep(&folder, "h.nhdr", &file(&lines, &[&line], b""))).unwrap().source(0, 0, &|_| true).unwrap();
-        assert_eq!(source.read([0; 3], [5, 4, 6]).unwrap().as_bytes(), raw);
+        assert_eq!(source.read([0; 3], [5, 4, 40]).unwrap().as_bytes(), raw);
         let changed =
             std::fs::OpenOptions::new().write(true).open(folder.path().join(format!("d{}", files / 2))).unwrap();
         changed.set_modified(std::time::SystemTime::now() + std::time::Duration::from_secs(5)).unwrap();
-        assert!(source.read([0; 3], [5, 4, 2]).is_ok());
-        let text = source.read([0; 3], [5, 4, 6]).unwrap_err().to_string();
+        assert!(source.read([0; 3], [5, 4, 20]).is_ok());
+        let text = source.read([0; 3], [5, 4, 40]).unwrap_err().to_string();
         assert!(text.contains("since it was opened"), "{text}");
+        // One that is gone is missed where it is not held open, in words without the system's number.
+        std::fs::remove_file(folder.path().join(format!("d{}", files - 1))).unwrap();
+        let gone = source.read([0, 0, 39], [5, 4, 1]);
+        assert_eq!(gone.is_err(), files == 800);
+        if let Err(error) = gone {
+            assert!(!error.to_string().contains("os error"), "{error}");
+        }
     }
+}
+
+#[test]
+fn a_stream_that_ends_within_frames_that_nobody_asked_for_is_an_error_all_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut random = random(8);
+    let voxels = plain(VoxelType::I16, 23);
+    for encoding in ["hex", "txt", "gzip", "bzip2"] {
+        let twice = [bytes_of(&voxels, false), bytes_of(&voxels, false)].concat();
+        let mut both = Voxels::try_zeroed(VoxelType::I16, 2 * count()).unwrap();
+        both.as_bytes_mut().copy_from_slice(&twice);
+        let mut lines = lines(VoxelType::I16, false, encoding);
+        lines[1] = "dimension: 4".into();
+        lines[2] = format!("sizes: {} {} {} 2", DIMS[0], DIMS[1], DIMS[2]);
+        lines.push("kinds: domain domain domain list".into());
+        let data = encoded(encoding, &both, false, &mut random);
+        let open = |data: &[u8]| io::open(keep(&folder, "a.nrrd", &file(&lines, &[], data))).unwrap();
+        assert!(open(&data).source(0, 0, &|_| true).is_ok(), "{encoding}");
+        let cut = &data[..data.len() * 9 / 10];
+        let opened = open(cut);
+        for component in [0, 1] {
+            let error = opened.source(component, 0, &|_| true).map(drop).unwrap_err();
+            assert!(matches!(error, IoError::Truncated { .. }), "{encoding} {component}: {error}");
+        }
+    }
+    // Half a byte is none.
+    let lines = lines(VoxelType::U8, false, "hex");
+    let digits: String = (0..2 * count() - 1).flat_map(|i| [char::from(b"0123456789abcdef"[i % 16]), '\n']).collect();
+    let opened = io::open(keep(&folder, "a.nrrd", &file(&lines, &[], digits.as_bytes()))).unwrap();
+    let error = opened.source(0, 0, &|_| true).map(drop).unwrap_err();
+    assert!(matches!(error, IoError::Truncated { .. }), "{error}");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::driver::{SMALL, Window};
 use burin::document::{Command, ProjectCommand};
-use burin::ui::Recent;
+use burin::ui::{Recent, Report};
 use egui::accesskit::Toggled;
 use egui::{Key, Modifiers, PointerButton};
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -206,4 +206,29 @@ fn no_folder_is_made_unless_it_is_wanted() {
     let sent = window.click("Save project at this path");
     let [Command::Project(ProjectCommand::Save { path: Some(saved), .. })] = &sent[..] else { panic!("{sent:?}") };
     assert_eq!(saved, &home.path().join("fresh").join(&before));
+}
+
+#[test]
+fn the_folder_is_read_anew_when_a_path_failed() {
+    let home = home();
+    let mut window = browsing(home.path(), false);
+    double_click(&mut window, "Folder scans");
+    row(&mut window, "File a.nii");
+    window.harness.get_by_label("Path").type_text("b.nii");
+    window.harness.run_steps(2);
+    window.harness.key_press_modifiers(Modifiers::NONE, Key::Enter);
+    let begun = Instant::now();
+    let sent = loop {
+        window.harness.run_steps(1);
+        let sent = window.sent();
+        if !sent.is_empty() {
+            break sent;
+        }
+        assert!(begun.elapsed() < Duration::from_secs(20), "nothing is opened");
+        std::thread::sleep(Duration::from_millis(2));
+    };
+    std::fs::write(home.path().join("scans/better.nii"), "x").unwrap();
+    window.report(Report::Refused(Box::new(sent[0].clone()), "b.nii: it is damaged".into()));
+    assert_eq!(path(&window), "b.nii", "what was typed is there");
+    row(&mut window, "File better.nii");
 }

@@ -381,3 +381,35 @@ fn ways_to_a_file_stand_behind_what_is_said_of_it() {
     let (text, way) = (window.rect("Saved picture a.png"), window.rect("Show message 2 in its folder"));
     assert!(text.right() <= way.left() && (text.center().y - way.center().y).abs() < 2.0, "{text:?} {way:?}");
 }
+
+#[test]
+fn a_projects_first_file_stands_for_its_folder() {
+    let dir = tempfile::tempdir().unwrap();
+    let project = dir.path().join("head.burin");
+    std::fs::create_dir(&project).unwrap();
+    std::fs::write(project.join("project.json"), "{}").unwrap();
+    for named in [project.clone(), project.join("project.json")] {
+        let mut window = started(dir.path());
+        window.key(Modifiers::COMMAND, egui::Key::O);
+        window.harness.get_by_label("Path").type_text(named.to_str().unwrap());
+        window.harness.run_steps(2);
+        window.harness.key_press_modifiers(Modifiers::NONE, egui::Key::Enter);
+        let sent = serde_json::to_value(sent_in_time(&mut window)).unwrap();
+        assert_eq!(sent, serde_json::json!([{ "project": { "open": { "path": project } } }]), "{named:?}");
+    }
+}
+
+#[test]
+fn words_wait_until_a_question_is_answered() {
+    let mut window = Window::open(SMALL);
+    window.key(Modifiers::COMMAND, egui::Key::O);
+    window.report(Report::Done(image("/data/a.png"), serde_json::json!({})));
+    let second = (1.0 / f64::from(window.harness.input_mut().predicted_dt)).ceil() as usize;
+    window.harness.run_steps(9 * second);
+    assert!(window.harness.query_by_label("Saved picture a.png").is_none(), "not over the question");
+    window.key(Modifiers::NONE, egui::Key::Escape);
+    window.harness.run_steps(2);
+    assert!(window.harness.query_by_label("Saved picture a.png").is_some(), "afterwards for their time");
+    window.harness.run_steps(9 * second);
+    assert!(window.harness.query_by_label("Saved picture a.png").is_none());
+}

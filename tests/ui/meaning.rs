@@ -242,3 +242,20 @@ fn what_is_exported_is_chosen_and_gets_its_ending() {
         assert_eq!(take_path(&mut window, &dir.path().join("out")), [wanted]);
     }
 }
+
+#[test]
+fn the_question_says_why_it_is_asked() {
+    let dir = tempfile::tempdir().unwrap();
+    let mask = write_mask(dir.path());
+    let segments = dir.path().join("mask.seg.nrrd");
+    std::fs::copy(&mask, &segments).unwrap();
+    for (path, why, other) in [
+        (&mask, "Its values look like those of regions", "It is a file of segments."),
+        (&segments, "It is a file of segments.", "Its values look like those of regions"),
+    ] {
+        let mut window = Window::empty(SMALL);
+        drop_file(&mut window, path);
+        assert!(window.harness.query_by_label_contains(why).is_some(), "{path:?}");
+        assert!(window.harness.query_by_label_contains(other).is_none(), "{path:?}");
+    }
+}

@@ -177,3 +177,12 @@ fn what_a_crash_left_is_thrown_away_by_the_second_click_only() {
     assert!(window.harness.query_by_label("Throw away skull.nrrd").is_some(), "the other one stays");
     assert!(window.harness.query_by_label("Throw away head.nii.gz for good").is_none());
 }
+
+#[test]
+fn what_a_crash_left_may_be_decided_later() {
+    let mut window = Window::open(SMALL);
+    lost(&mut window);
+    assert!(window.harness.query_by_label("Recover skull.nrrd").is_some());
+    assert_eq!(window.click("Decide later"), [], "nothing is thrown away");
+    assert!(window.harness.query_by_label("Recover skull.nrrd").is_none());
+}

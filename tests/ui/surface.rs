@@ -130,3 +130,17 @@ fn near_a_way_is_within_the_radius_of_its_nearest_point() {
     }
     assert!(near_way(a, a, a, 0.0) && !near_way(b, a, a, 3.9));
 }
+
+#[test]
+fn at_rest_each_part_is_seen_on_its_own_side_of_the_cut() {
+    let (camera, centre, mut explosion) = set();
+    let surface = ball(&camera, centre, 1);
+    let plane = Plane::through(centre, DVec3::X).unwrap();
+    explosion.split(explosion.parts[0].id, &plane).unwrap().unwrap();
+    let whole = std::f64::consts::PI * 400.0 / 4800.0;
+    let sides: Vec<f64> =
+        explosion.parts.iter().map(|part| covered(&surface.side(&explosion.parts, part, None))).collect();
+    assert!((sides.iter().sum::<f64>() - whole).abs() < 0.01, "{sides:?} of {whole}");
+    // Seen a little from one side, each shows about a half.
+    assert!(sides.iter().all(|side| (0.35..0.65).contains(&(side / whole))), "{sides:?} of {whole}");
+}

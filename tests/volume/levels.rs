@@ -177,3 +177,19 @@ fn a_peak_between_two_values_counts_as_visible() {
         assert_eq!(peaks.max_opacity_in(lo, hi), right, "{lo}..{hi}");
     }
 }
+
+#[test]
+fn floats_hold_what_scaled_numbers_stand_for() {
+    let grid = Grid::aligned([5, 4, 3], DVec3::ONE, DVec3::ZERO);
+    let stored: Vec<i16> = (0..60).map(|i| i * 37 - 900).collect();
+    for (slope, intercept) in [(1.0, 0.0), (0.5, -1000.0), (-2.0, 32.25)] {
+        let source = MemorySource::new("scaled", grid, Voxels::I16(stored.clone()), (slope, intercept)).unwrap();
+        let field = Field::from_source(std::sync::Arc::new(source), DensityMap::FLOAT, &|_| true).unwrap().unwrap();
+        for (i, &x) in stored.iter().enumerate() {
+            let i = i as u32;
+            let found = field.value([i % 5, i / 5 % 4, i / 20]).unwrap();
+            // Halves and quarters of small numbers: floats hold them.
+            assert_eq!(f64::from(found), f64::from(x) * slope + intercept, "{x} by {slope} and {intercept}");
+        }
+    }
+}

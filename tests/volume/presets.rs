@@ -131,3 +131,39 @@ fn a_first_surface_lies_where_matter_begins_and_its_colour_is_light() {
     };
     assert!((20.0..255.0).contains(&dark.first_surface(&mr())), "dark throughout: still within the matter");
 }
+
+#[test]
+fn the_middle_and_the_top_of_a_look_are_the_least_edges_that_hold_their_share() {
+    // Air in the first bin, and matter of which 1, 2, 3 or 4 stand in each of the others in turn.
+    let mut bins: Vec<u64> = (0..512).map(|i| 100 * (i % 4 + 1)).collect();
+    bins[0] = 1_000_000;
+    for bins in [bins.clone(), bins.iter().map(|n| n.min(&1_000_000) / 100).collect()] {
+        let histogram = Histogram { min: 0.0, max: 512.0, bins: bins.clone(), ..Histogram::default() };
+        assert!(!histogram.is_hounsfield());
+        let looks = TransferFunction::presets(&histogram, 1.0);
+        let look = looks.iter().find(|l| l.name == "See-through").unwrap();
+        let [clear, middle, top] = [0, 1, 2].map(|i| look.function.opacity[i].0);
+        // Bin i ends at i + 1.
+        let above = |limit: f64| {
+            let counted = (0..512).filter(|&i| (i + 1) as f64 > clear && (i + 1) as f64 <= limit);
+            counted.map(|i| bins[i]).sum::<u64>() as f64
+        };
+        let total = above(512.0);
+        for (value, share) in [(middle, 0.5), (top, 0.99)] {
+            assert!(above(value) >= total * share, "{value} holds {} of {total}", above(value));
+            assert!(above(value - 1.0) < total * share, "{} would have done for {share}", value - 1.0);
+            assert_eq!(value.fract(), 0.0, "an edge");
+        }
+    }
+    // A share that falls on an edge ends there: a hundred bins of one, half of which lie below 51.
+    let mut bins = vec![1; 101];
+    bins[0] = 1_000_000;
+    let histogram = Histogram { min: 0.0, max: 101.0, bins, ..Histogram::default() };
+    let looks = TransferFunction::presets(&histogram, 1.0);
+    let function = &looks.iter().find(|l| l.name == "See-through").unwrap().function;
+    let clear = function.opacity[0].0;
+    let first = (1..=101).find(|&edge| f64::from(edge) > clear).unwrap();
+    let count = 101 - first + 1;
+    let [middle, top] = [(count + 1) / 2, (count * 99 + 99) / 100].map(|n: i32| f64::from(first - 1 + n));
+    assert_eq!((function.opacity[1].0, function.opacity[2].0), (middle, top));
+}
