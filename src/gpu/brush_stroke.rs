@@ -163,7 +163,8 @@ impl Stroke {
 
     /// Lets the slots of touched bricks show what they held at the stroke's start, until [`show_painted`](Self::show_painted).
     pub(super) fn show_start(&mut self, gpu: &Gpu, pools: &FieldPools, bricks: &[BrickIndex]) -> Result<(), GpuError> {
-        self.chunks.iter_mut().try_for_each(|chunk| chunk.make_aside(gpu))?;
+        let held: BTreeSet<_> = bricks.iter().filter_map(|brick| Some(self.homes.get(brick)?.chunk)).collect();
+        held.into_iter().try_for_each(|chunk| self.chunks[chunk].make_aside(gpu))?;
         // All before the first is put back: slots in place share their aprons.
         self.copy(gpu, pools, "a stroke put aside", bricks, Chunk::put_aside)?;
         self.copy(gpu, pools, "a stroke's start", bricks, Chunk::restore)

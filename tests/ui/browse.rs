@@ -336,3 +336,22 @@ fn sizes_and_dates_are_read_in_passing() {
     assert_eq!(date(UNIX_EPOCH - Duration::from_secs(1), at(1)), "1969-12-31");
     assert_eq!(date(at(20_783), at(3)), "2026-11-26", "a clock that runs ahead");
 }
+
+#[test]
+fn a_name_from_the_systems_dialog_that_becomes_another_files_by_its_ending_is_asked_about() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = |name: &str| dir.path().join(name);
+    std::fs::write(at("view.png"), "not to be lost").unwrap();
+    std::fs::create_dir(at("folder.png")).unwrap();
+    let given = |name: &str| Browser::given(PICTURE, &at(name), None, Arc::new(|| {}));
+    // The system has asked about a name that was whole.
+    for (name, path) in [("view.png", "view.png"), ("new.EXR", "new.EXR"), ("new", "new.png"), ("a.b", "a.b.png")] {
+        assert_eq!(given(name).map_err(|_| ()), Ok(at(path)), "{name}");
+    }
+    let Err(mut b) = given("view") else { panic!("written over without a word") };
+    assert_eq!((b.replaces(), b.folder()), (Some(&*at("view.png")), dir.path()));
+    assert!(b.back_out());
+    assert_eq!((b.text(), b.replaces()), ("view.png", None), "another name can be typed");
+    let Err(b) = given("folder") else { panic!("a folder is no file") };
+    assert!(b.error().is_some_and(|e| e.contains("folder.png")), "{:?}", b.error());
+}

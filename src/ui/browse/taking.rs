@@ -1,6 +1,6 @@
 //! What Enter means: a folder is gone into, a file is taken, a name that is written over is asked about.
 
-use super::{Asks, Browser, Kind, ends_with, listing, resolve, shown, with_ending};
+use super::{Asks, Browser, Kind, Purpose, Wake, ends_with, listing, resolve, shown, with_ending};
 use crate::io::in_words;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -9,6 +9,20 @@ use std::path::{Path, PathBuf};
 const PROJECT: &str = ".burin";
 
 impl Browser {
+    /// A path for a file to be written that another dialog has asked for, with an ending if it has none.
+    ///
+    /// # Errors
+    /// A browser that asks, where the ending makes of it the name of something that is there already: nobody was asked about that.
+    pub fn given(purpose: Purpose, path: &Path, home: Option<PathBuf>, wake: Wake) -> Result<PathBuf, Box<Self>> {
+        let whole = with_ending(path.to_path_buf(), purpose.endings);
+        if whole == path || !whole.exists() {
+            return Ok(whole);
+        }
+        let folder = whole.parent().unwrap_or(Path::new("."));
+        let mut browser = Box::new(Self::new(purpose, folder, &entry_name(&whole).to_string_lossy(), home, wake));
+        browser.for_writing(whole).ok_or(browser)
+    }
+
     /// Enter: answers the path that was chosen, if there is one to be had; a folder is gone into instead.
     pub fn enter(&mut self) -> Option<PathBuf> {
         self.error = None;

@@ -6,7 +6,7 @@ use super::{Browse, Dialog, Export, What};
 use crate::document::{Command, ProjectCommand, SegmentCommand, SelectionCommand, VolumeCommand};
 use crate::io::without_numbers;
 use crate::ui::app::App;
-use crate::ui::browse::{Browser, Wake, places, shown, with_ending};
+use crate::ui::browse::{Asks, Browser, Wake, places, shown};
 use crate::ui::glance::Glance;
 use crate::ui::saving::AfterSave;
 use crate::ui::session::Gravity;
@@ -64,8 +64,23 @@ impl App {
         let folder = self.folder_for(&what);
         let name = what.name(self);
         let browser = Browser::new(what.purpose(), &folder, &name.to_string_lossy(), self.home.clone(), self.wake());
+        self.show_browser(what, browser);
+    }
+
+    fn show_browser(&mut self, what: What, browser: Browser) {
         let places = places(self.home.as_deref(), &self.recent.folders());
         self.dialog = Some(Dialog::Browse(Box::new(Browse { what, browser, places, held: Vec::new() })));
+    }
+
+    /// Takes the path of the system's dialog, which gives no endings.
+    fn given(&mut self, what: What, path: PathBuf) {
+        if what.purpose().asks != Asks::SaveFile {
+            return self.choose(what, path);
+        }
+        match Browser::given(what.purpose(), &path, self.home.clone(), self.wake()) {
+            Ok(path) => self.choose(what, path),
+            Err(browser) => self.show_browser(what, *browser),
+        }
     }
 
     /// Draws the window again when something has come from another thread.
@@ -79,7 +94,7 @@ impl App {
         let choices: Vec<_> = later.into_iter().chain(self.chosen.1.try_iter()).collect();
         for choice in choices {
             match choice {
-                Chosen::Path(what, path) => self.choose(what, path),
+                Chosen::Path(what, path) => self.given(what, path),
                 Chosen::Glanced { path, found, number } => self.glanced(path, found, number),
                 Chosen::NoDialog(what) => {
                     self.system_dialogs = false;
@@ -199,9 +214,7 @@ fn by_system(what: &What, folder: &Path, name: &std::ffi::OsStr) -> Option<PathB
         What::Selection | What::Labels | What::Source(_) => {
             ask.add_filter("Volumes", &["nii", "gz", "nrrd", "nhdr", "hdr"]).pick_file()
         }
-        What::SaveAs => ask.save_file(),
-        // The system's dialog gives no endings.
-        What::Export(_) | What::Image(_) => ask.save_file().map(|path| with_ending(path, what.purpose().endings)),
+        What::SaveAs | What::Export(_) | What::Image(_) => ask.save_file(),
     }
 }
 
