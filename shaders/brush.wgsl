@@ -66,10 +66,10 @@ struct BrushStroke {
     // Where numbers end, in the storage's own steps.
     low: f32,
     top: f32,
-    // Of numbers in floats: the source's own step, 0 where it has none.
+    // Of numbers in floats: the step by which weak strokes arrive, and between which values it is that.
     step: f32,
-    unused_a: u32,
-    unused_b: u32,
+    least: f32,
+    greatest: f32,
 }
 
 struct BrushDab {
@@ -290,12 +290,16 @@ fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
         return back;
     }
     let p = bitcast<f32>(old);
-    let value = number(p, bitcast<f32>(back), cover);
+    var value = number(p, bitcast<f32>(back), cover);
     let end = select(stroke.paint.x, bitcast<f32>(back), operation == RESTORE);
     if to_end && p != end {
-        // As codes of the source's steps would: no less than one at a time, and the end from within one.
-        if abs(value - p) < 0.5 * stroke.step {
-            return bitcast<u32>(select(p + stroke.step * sign(end - p), end, abs(end - p) <= stroke.step));
+        // Near the end as 16-bit codes would: no less than a step at a time, and the end from within one. Near is where a tenth of
+        // the way is under half a step: a weaker brush goes by equation 1 until there.
+        let outlying = stroke.least < stroke.greatest && (end < stroke.least || end > stroke.greatest);
+        let step = select(stroke.step, abs(end) / TOP, outlying);
+        let way = abs(end - p);
+        if way <= 5.0 * step && abs(value - p) < 0.5 * step {
+            value = select(p + step * sign(end - p), end, way <= step);
         }
         if value == p {
             return beside(old, end > p);

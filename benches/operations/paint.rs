@@ -4,7 +4,7 @@ use super::head::{Failure, Volume};
 use super::measure::{Report, measure, measure_by_turns};
 use burin::gpu::{Body, Caster, FieldPools, Frame, Gpu, Overlay, Painter};
 use burin::math::{Camera, DQuat, DVec3};
-use burin::paint::{Brush, Falloff, Sample, StrokePath, Target};
+use burin::paint::{Brush, Falloff, Reach, Sample, StrokePath, Target};
 use burin::volume::{Mode, Segments, TransferFunction, Value};
 use serde_json::json;
 
@@ -36,7 +36,7 @@ impl Easel {
     /// One click: a stroke of one dab, kept. Answers how many bricks changed.
     fn click(&mut self, brush: &Brush, at: DVec3) -> Result<usize, Failure> {
         let volume = &mut self.volume;
-        self.painter.begin(&volume.grid, &volume.fields(), brush, &Segments::default())?;
+        self.painter.begin(&volume.grid, &volume.fields(), brush, &Segments::default(), Reach([0.0; 2]))?;
         let mut path = StrokePath::new(brush, &volume.grid)?;
         let dabs = path.extend(&[Sample { position: at, normal: DVec3::Z, pressure: 1.0, breaks: false }])?;
         self.painter.extend(&mut self.pools, &volume.fields(), &dabs)?;

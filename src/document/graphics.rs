@@ -11,7 +11,7 @@ use crate::gpu::{
     Caster, FieldPools, Fields, Frame, Gpu, GpuError, Hit, Image, Painter, SliceCaster, SliceFrame, Visibility,
 };
 use crate::math::DVec2;
-use crate::paint::{Brush, Dab, VoxelSet};
+use crate::paint::{Brush, Dab, Reach, VoxelSet};
 use crate::volume::{Brick, BrickIndex, FieldKind, LiveCells, Refresh};
 
 /// Memory for pools of bricks on the GPU, all fields together.
@@ -200,9 +200,9 @@ impl Graphics {
         })
     }
 
-    pub(super) fn begin(&mut self, state: &State, brush: &Brush) -> Result<(), DocumentError> {
+    pub(super) fn begin(&mut self, state: &State, brush: &Brush, reach: Reach) -> Result<(), DocumentError> {
         self.with(state, "painting", |_, painter| {
-            painter.begin(state.grid(), &fields(state), brush, &state.scene.segments)
+            painter.begin(state.grid(), &fields(state), brush, &state.scene.segments, reach)
         })
     }
 

@@ -5,6 +5,7 @@
 
 use super::{DocumentError, Past, Scene, SourceFiles};
 use crate::io::FileMark;
+use crate::paint::Reach;
 use crate::volume::{BrickSource, DensityMap, Field, FieldKind, Grid, Histogram, Statistics, TexelFormat, unit};
 use std::sync::Arc;
 
@@ -29,6 +30,8 @@ pub struct State {
     pub statistics: Statistics,
     /// Of the source's values.
     pub histogram: Histogram,
+    /// Between which values density was painted, once it was.
+    pub reach: Option<Reach>,
     /// The files that unedited density is read from; `None` if it is in the project.
     pub files: Option<Arc<SourceFiles>>,
 }
@@ -75,6 +78,7 @@ impl State {
             source,
             statistics,
             histogram,
+            reach: None,
             files,
         })
     }

@@ -10,7 +10,7 @@ use super::brush_memory::Chunk;
 use super::brush_stroke::{Stroke, locked_bits};
 use super::brush_submit::{buffer, met};
 use super::{FieldPools, Fields, Gpu, GpuError, brush_cells, brush_readback};
-use crate::paint::{Brush, Dab, VoxelSet};
+use crate::paint::{Brush, Dab, Reach, VoxelSet};
 use crate::volume::{Brick, BrickIndex, BrickKey, Grid, LiveCells, Refresh, Segments};
 use std::collections::{BTreeSet, HashMap};
 
@@ -119,7 +119,8 @@ impl Painter {
         seen
     }
 
-    /// Starts a stroke on the fields as they are now; they must stay so until it ends. Labels of locked segments are kept.
+    /// Starts a stroke on the fields as they are now; they must stay so until it ends. Labels of locked segments are kept. `reach`
+    /// is that of density with what the brush makes.
     ///
     /// # Errors
     /// [`GpuError::Stroke`] if one is running; [`GpuError::Paint`] if the brush is not valid; [`GpuError::BeyondRange`] if
@@ -130,6 +131,7 @@ impl Painter {
         fields: &Fields<'_>,
         brush: &Brush,
         segments: &Segments,
+        reach: Reach,
     ) -> Result<(), GpuError> {
         if self.is_painting() {
             return Err(GpuError::Stroke("one is running; end or cancel it first"));
@@ -144,7 +146,7 @@ impl Painter {
         self.stroke = Some(Stroke {
             brush: *brush,
             grid: *grid,
-            constants: BrushStroke::new(brush, grid, target),
+            constants: BrushStroke::new(brush, grid, target, reach),
             locked: locked_bits(segments),
             dabs: Vec::new(),
             chunks: Vec::new(),

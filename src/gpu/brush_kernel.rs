@@ -5,9 +5,9 @@
 
 use super::{Gpu, GpuError, shader};
 use crate::math::DMat3;
-use crate::paint::{Brush, EDGE, Falloff, Footprint, Operation, Target, Tip};
+use crate::paint::{Brush, EDGE, Falloff, Footprint, Operation, Reach, Target, Tip};
 use crate::shared_struct;
-use crate::volume::{Field, FieldKind, Grid, SLOT, SLOT_VOXELS, TexelFormat, unit};
+use crate::volume::{Field, FieldKind, Grid, SLOT, SLOT_VOXELS, TexelFormat};
 use std::collections::HashMap;
 
 /// Dabs of one dispatch: `array<BrushDab, 256>`.
@@ -35,8 +35,8 @@ shared_struct! {
         low: f32,
         top: f32,
         step: f32,
-        unused_a: u32,
-        unused_b: u32,
+        least: f32,
+        greatest: f32,
     }
 }
 
@@ -225,7 +225,7 @@ fn entry(
 
 impl BrushStroke {
     /// The constants of a stroke on a field of this format.
-    pub(super) fn new(brush: &Brush, grid: &Grid, target: &Field) -> Self {
+    pub(super) fn new(brush: &Brush, grid: &Grid, target: &Field, reach: Reach) -> Self {
         let map = target.map();
         let offset = matches!(brush.effective(), Operation::Add | Operation::Subtract);
         let paint = match brush.effective_target() {
@@ -251,6 +251,7 @@ impl BrushStroke {
         .map(|v| v as f32);
         let rows = grid.index_from_world().matrix3.transpose();
         let normals = DMat3::from_cols(rows.x_axis.normalize(), rows.y_axis.normalize(), rows.z_axis.normalize());
+        let scaled = |v: f64| (v * map.codes_per_unit).clamp(f32::MIN.into(), f32::MAX.into()) as f32;
         // In radii: no unit of the grid then changes a bit of what the kernel calculates.
         let length = if brush.radius_mm > 0.0 { brush.radius_mm } else { grid.voxel_mm() };
         Self {
@@ -260,9 +261,9 @@ impl BrushStroke {
             dims: grid.dims.map(|d| d as i32),
             low,
             top,
-            step: target.source().and_then(|s| unit(&**s)).map_or(0.0, |unit| (unit * map.codes_per_unit) as f32),
-            unused_a: 0,
-            unused_b: 0,
+            step: scaled(reach.step()),
+            least: scaled(reach.0[0] - map.lo),
+            greatest: scaled(reach.0[1] - map.lo),
         }
     }
 }

@@ -199,9 +199,8 @@ fn weak_strokes_reach_the_end_in_floats_too() {
     stroke(&mut document, &[[4.0, 4.0, 4.0]]);
     assert!(!same(&document));
     brush(&mut document, json!({"erase":true,"strength":0.1}));
-    // 0.9^n falls below a unit in the last place after some 160; the rest is one such unit a stroke.
     let strokes = (0..260).take_while(|_| stroke(&mut document, &[[4.0, 4.0, 4.0]])["step"] != Value::Null).count();
-    assert!(strokes > 100 && strokes < 250, "{strokes}");
+    assert!(strokes > 50 && strokes <= 100, "{strokes}");
     assert!(same(&document), "after {strokes} strokes");
 }
 

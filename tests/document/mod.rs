@@ -32,6 +32,7 @@ mod past;
 mod pictures;
 mod program;
 mod projects;
+mod reach;
 mod replies;
 mod rings;
 mod script;

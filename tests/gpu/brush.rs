@@ -141,7 +141,7 @@ impl Canvas {
     fn begin(&mut self, brush: &Brush) {
         let Self { grid, density, colour, selection, labels, painter, segments, .. } = self;
         let fields = Fields { density, colour, selection, labels };
-        painter.begin(grid, &fields, brush, segments).unwrap();
+        painter.begin(grid, &fields, brush, segments, Reach([0.0; 2])).unwrap();
     }
 
     fn extend(&mut self, dabs: &[Dab]) -> Vec<BrickIndex> {

@@ -6,7 +6,7 @@ use crate::common::gpu::{gpu, sample};
 use crate::common::volumes::*;
 use burin::gpu::{Body, FieldPools, Frame, Gpu, Mask, Painter};
 use burin::math::{DVec3, Plane};
-use burin::paint::{Brush, Dab, Falloff, Target};
+use burin::paint::{Brush, Dab, Falloff, Reach, Target};
 use burin::volume::*;
 
 /// One voxel in the middle of a brick becomes another: no other slot of its level shows it.
@@ -108,7 +108,7 @@ fn what_a_stroke_painted_is_not_uploaded_again_and_what_it_did_not_keep_is() {
     pools.make_resident(&gpu, &fields(&density, &none), &frame).unwrap();
     let before = values(&pools);
     let stroke = |painter: &mut Painter, pools: &mut FieldPools, density: &Field| {
-        painter.begin(&grid, &fields(density, &none), &brush, &Segments::default()).unwrap();
+        painter.begin(&grid, &fields(density, &none), &brush, &Segments::default(), Reach([0.0; 2])).unwrap();
         painter.extend(pools, &fields(density, &none), &[dab]).unwrap();
     };
     // Taken back: the slots are right again without an upload.

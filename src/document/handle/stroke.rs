@@ -6,10 +6,10 @@
 use super::edit::Edit;
 use super::stroke_nothing::why_nothing;
 use super::trail::{Resolved, Trail};
-use super::{Command, Document, DocumentError, ExplosionCommand, Place, StrokeCommand, StrokePoint, warn};
+use super::{Command, Document, DocumentError, ExplosionCommand, Place, State, StrokeCommand, StrokePoint, warn};
 use crate::gpu::GpuError;
-use crate::paint::{Brush, Dab, Pile, Sample, StrokePath, Target, VoxelSet};
-use crate::volume::FieldKind;
+use crate::paint::{Brush, Dab, Pile, Reach, Sample, StrokePath, Target, VoxelSet};
+use crate::volume::{DensityMap, FieldKind};
 use serde_json::{Value, json};
 
 /// A stroke that has begun.
@@ -19,6 +19,8 @@ pub(in crate::document) struct Running {
     path: StrokePath,
     /// Of a brush that adds up on density: what may have, and for how much of it the map has room.
     pile: Option<(Pile, f64)>,
+    /// That of density before the stroke, and with all that the brush makes.
+    reach: [Reach; 2],
     /// What came before the first dab: a segment that was missing, a map that was too narrow.
     edit: Edit,
     /// Where it has got to in the 3D view.
@@ -113,6 +115,10 @@ impl Document {
                 "nothing": why,
             }));
         }
+        if kind == FieldKind::Density {
+            let [before, after] = running.reach;
+            state.reach = Some(after.within(before, &state.density));
+        }
         running.edit.motion_is_not_mine(&state.scene);
         let (step, mut refreshed) = running.edit.finish(state);
         // The GPU took a wider map over at the stroke's beginning.
@@ -190,16 +196,23 @@ impl Document {
         if let (Target::Label(id), false) = (brush.target, brush.erase) {
             state.scene.segments.ensure(id);
         }
+        let before = match (state.reach, brush.target.field()) {
+            (Some(reach), _) => reach,
+            (None, FieldKind::Density) => Reach::new([state.histogram.min, state.histogram.max], &state.density)?,
+            _ => Reach([0.0; 2]),
+        };
+        let reach = [before, before.after(&brush, &state.density, room)];
         let mut begun = Ok(());
-        if let Some(map) = brush.map_for(&state.density, &state.statistics, room) {
+        if let Some(map) = map_for(&brush, state, room, reach[1]) {
             begun = edit.remap(state, map).map_err(DocumentError::from);
             self.graphics.remap(state);
         }
-        let begun = begun.and_then(|()| self.graphics.begin(state, &brush));
+        let begun = begun.and_then(|()| self.graphics.begin(state, &brush, reach[1]));
         self.running = Some(Running {
             brush,
             path,
             pile,
+            reach,
             edit,
             trail: None,
             seen: VoxelSet::default(),
@@ -227,12 +240,14 @@ impl Document {
         }
         // Twice as much as before at least: to paint anew costs the whole volume.
         *room = most.max(*room * 2.0);
-        let Some(map) = running.brush.map_for(&state.density, &state.statistics, *room) else { return Ok(()) };
+        let [before, reach] = &mut running.reach;
+        *reach = before.after(&running.brush, &state.density, *room);
+        let Some(map) = map_for(&running.brush, state, *room, *reach) else { return Ok(()) };
         let before = self.graphics.dabs();
         self.graphics.cancel(state, FieldKind::Density);
         let mut widened = running.edit.remap(state, map).map_err(DocumentError::from);
         self.graphics.remap(state);
-        widened = widened.and_then(|()| self.graphics.begin(state, &running.brush));
+        widened = widened.and_then(|()| self.graphics.begin(state, &running.brush, running.reach[1]));
         self.graphics.open(&running.seen);
         let painted = widened
             .and_then(|()| if before.is_empty() { Ok(()) } else { self.graphics.extend(state, &before).map(drop) });
@@ -301,4 +316,10 @@ impl Document {
             tracing::warn!("{error}");
         }
     }
+}
+
+/// The map that density needs for a brush, if it is another than it has.
+fn map_for(brush: &Brush, state: &State, coverage: f64, reach: Reach) -> Option<DensityMap> {
+    let wider = brush.map_for(&state.density, &state.statistics, coverage);
+    brush.floats_for(wider.as_ref().unwrap_or(state.density.map()), &state.density, reach).or(wider)
 }

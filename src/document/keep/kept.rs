@@ -139,6 +139,7 @@ impl KeptDocument {
             source,
             statistics: self.statistics,
             histogram: self.histogram,
+            reach: None,
             files: self.files,
         };
         for (kind, edits) in self.edits {

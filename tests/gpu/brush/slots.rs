@@ -359,16 +359,22 @@ fn calls_out_of_turn_are_answers() {
     assert!(painter.finish(pools, &fields).is_err());
     assert!(painter.cancel(pools).is_err());
     let bad = Brush { strength: 2.0, ..Brush::default() };
-    assert!(painter.begin(grid, &fields, &bad, segments).unwrap_err().to_string().starts_with("brush.strength"));
+    assert!(
+        painter
+            .begin(grid, &fields, &bad, segments, Reach([0.0; 2]))
+            .unwrap_err()
+            .to_string()
+            .starts_with("brush.strength")
+    );
     let high = Brush { target: Target::Density(70_000.0), ..Brush::default() };
-    match painter.begin(grid, &fields, &high, segments).unwrap_err() {
+    match painter.begin(grid, &fields, &high, segments, Reach([0.0; 2])).unwrap_err() {
         burin::gpu::GpuError::BeyondRange { needed, held } => {
             assert_eq!((needed, held), ([0.0, 70_000.0], [0.0, 65_535.0]));
         }
         other => panic!("{other}"),
     }
-    painter.begin(grid, &fields, &Brush::default(), segments).unwrap();
-    assert!(painter.begin(grid, &fields, &Brush::default(), segments).is_err());
+    painter.begin(grid, &fields, &Brush::default(), segments, Reach([0.0; 2])).unwrap();
+    assert!(painter.begin(grid, &fields, &Brush::default(), segments, Reach([0.0; 2])).is_err());
 }
 
 #[test]
