@@ -2,6 +2,7 @@
 
 use super::maker::run;
 use burin::document::{Document, Opened, ViewName, recovery};
+use burin::math::{DVec2, DVec3};
 use burin::volume::FieldKind;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -109,6 +110,57 @@ fn colours_are_seen_in_slices() {
     let leads = |p: &[u8], c: usize| (0..3).all(|o| o == c || i32::from(p[c]) > i32::from(p[o]) + 30);
     let strong = |c: usize| rgba.chunks(4).filter(|p| p[3] > 200 && p[c] > 60 && leads(p, c)).count();
     assert!(strong(0) > 20 && strong(2) > 20, "red {} blue {}", strong(0), strong(2));
+}
+
+/// Between the eight voxels of the file about a place in voxels.
+fn between(p: DVec3) -> [f64; 4] {
+    let lo = p.floor();
+    let tap = |i: usize, a: usize| (lo[a] as i64 + (i >> a & 1) as i64).clamp(0, DIMS[a] as i64 - 1) as usize;
+    let weight = |i: usize, a: usize| if i >> a & 1 == 1 { p[a] - lo[a] } else { 1.0 - p[a] + lo[a] };
+    std::array::from_fn(|c| {
+        let share = |i: usize| (0..3).map(|a| weight(i, a)).product::<f64>();
+        (0..8).map(|i| share(i) * f64::from(voxel(tap(i, 0), tap(i, 1), tap(i, 2))[c]) / 255.0).sum()
+    })
+}
+
+/// Matter that lets nothing through: a pixel has the colour of the place where its ray first meets the volume.
+#[test]
+fn a_picture_in_three_dimensions_has_the_colours_of_the_file() {
+    if let Err(reason) = Document::new().describe_gpu() {
+        crate::common::gpu::missing(reason);
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for (path, channels) in [(nrrd(folder.path(), 3, "RGB-color"), 3), (nifti(folder.path(), 4), 4)] {
+        let mut document = open(&path, json!({}));
+        let own = [0.9, 0.1, 0.6];
+        let function = json!({ "colour": [[0, own]], "opacity": [[0, 1]], "unit_mm": 1 });
+        run(&mut document, &json!({"transfer":{"set":{"function":function}}}).to_string()).unwrap();
+        run(&mut document, r#"{"view":{"look":{"mode":"dvr","shaded":false}}}"#).unwrap();
+        for from in [[0.3, 1.0, 0.5], [-1.0, -0.4, -0.7], [0.1, 0.2, -1.0]] {
+            run(&mut document, &json!({"view":{"frame":{"from":from}}}).to_string()).unwrap();
+            let size = [64, 48];
+            let image = document.picture(ViewName::ThreeD, size, None).unwrap();
+            let camera = document.state().unwrap().scene.views.camera;
+            let index_from_world = document.state().unwrap().grid().index_from_world();
+            let mut seen = 0;
+            for (i, colour) in image.colour.iter().enumerate().filter(|(_, c)| c[3] > 0.0) {
+                let px = DVec2::new((i % 64) as f64 + 0.5, (i / 64) as f64 + 0.5);
+                let at = index_from_world.transform_point3(camera.ray(px, size).at(f64::from(image.depth_mm[i])));
+                let [r, g, b, a] = between(at);
+                let a = if channels == 4 { a } else { 1.0 };
+                for (c, paint) in [r, g, b].into_iter().enumerate() {
+                    let expected = own[c] + (paint - own[c]) * a;
+                    assert!(
+                        (f64::from(colour[c]) - expected).abs() < 1.5 / 255.0,
+                        "{at}: {colour:?} for {expected} in {c}"
+                    );
+                }
+                seen += 1;
+            }
+            assert!(seen > 300, "{seen}");
+        }
+    }
 }
 
 #[test]

@@ -170,16 +170,22 @@ fn pictures_go_to_files_by_extension() {
     assert_eq!(image::image_dimensions(folder.path().join("a.png")).unwrap(), (40, 30));
     let drawn = document.picture(ViewName::ThreeD, [40, 30], None).unwrap();
     let exr = folder.path().join("b.exr");
-    let [z, id, alpha, red] = ["Z", "id", "A", "R"].map(|name| super::pictures::channel(&exr, name));
+    let [z, id, alpha] = ["Z", "id", "A"].map(|name| super::pictures::channel(&exr, name));
     assert_eq!((&z, alpha), (&drawn.depth_mm, drawn.colour.iter().map(|c| c[3]).collect()));
     assert_eq!(id, drawn.object.iter().map(|&o| o as f32).collect::<Vec<_>>());
     assert!(z.iter().any(|z| z.is_finite()) && z.iter().any(|z| z.is_infinite()) && id.contains(&1.0));
     // Linear light of the display's colour, IEC 61966-2-1, still multiplied by what covers the ground.
-    for (i, &[r, _, _, a]) in drawn.colour.iter().enumerate().filter(|(_, c)| c[3] > 0.5) {
-        let straight = r / a;
-        let linear = if straight <= 0.04045 { straight / 12.92 } else { ((straight + 0.055) / 1.055).powf(2.4) };
-        assert!((red[i] - linear * a).abs() < 1e-3, "{i}: {} for {r} of {a}", red[i]);
+    for (n, name) in ["R", "G", "B"].into_iter().enumerate() {
+        let light = super::pictures::channel(&exr, name);
+        for (i, colour) in drawn.colour.iter().enumerate() {
+            let (shown, a) = (colour[n], colour[3]);
+            let straight = if a > 0.0 { shown / a } else { 0.0 };
+            let linear = if straight <= 0.04045 { straight / 12.92 } else { ((straight + 0.055) / 1.055).powf(2.4) };
+            assert!((light[i] - linear * a).abs() < 1e-3, "{name} {i}: {} for {shown} of {a}", light[i]);
+        }
     }
+    let lit = drawn.colour.iter().filter(|c| c[3] > 0.5 && c[0] > c[1] + 0.05 && c[1] > c[2] + 0.05).count();
+    assert!(lit > 20, "three channels that are told apart: {lit}");
     let error = render(&mut document, "d.jpg", json!({})).unwrap_err().to_string();
     assert!(error.contains(".png or .exr expected"), "{error}");
     let error = render(&mut document, "e.png", json!({ "size": [0, 3] })).unwrap_err().to_string();

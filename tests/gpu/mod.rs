@@ -14,6 +14,7 @@ mod occupancy;
 mod pools;
 mod pools_work;
 mod reference;
+mod residency;
 mod shader;
 mod slice;
 mod underlay;

@@ -71,6 +71,34 @@ fn what_shows_is_never_called_clear() {
     assert!(!Shows::of(&gap, Mode::Mip).any(2.0, 9.0));
 }
 
+/// A picture looks colours up in a table: a value takes the entry next to it.
+#[test]
+fn what_shows_by_the_table_s_rounding_is_never_called_clear() {
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(8);
+    let (mut rounded, mut clear) = (0, 0);
+    for _ in 0..300 {
+        let tf = random_transfer(&mut rng);
+        let shows = Shows::of(&tf, Mode::Dvr);
+        let (lo, hi) = tf.domain();
+        let entry = (hi - lo) / (TABLE_ENTRIES - 1) as f64;
+        let opacity = |v: f64| tf.opacity_at(lo + entry * ((v - lo) / entry).round().clamp(0.0, 4095.0));
+        for &(value, _) in &tf.opacity {
+            for i in -60..=60 {
+                let v = (value + entry * 0.05 * f64::from(i)) as f32;
+                let about = [-1.2, -0.6, 0.0, 0.6, 1.2].map(|e| f64::from(v) + e * entry);
+                if opacity(f64::from(v)) > 0.0 {
+                    rounded += u32::from(tf.opacity_at(f64::from(v)) == 0.0);
+                    assert!(shows.any(v, v), "{tf:?} {v}");
+                } else if about.iter().all(|&v| tf.opacity_at(v) == 0.0) {
+                    clear += 1;
+                    assert!(!shows.any(v, v), "{tf:?} {v}: more than an entry from what shows");
+                }
+            }
+        }
+    }
+    assert!(rounded > 100 && clear > 1000, "{rounded} {clear}");
+}
+
 fn random_transfer(rng: &mut impl Rng) -> TransferFunction {
     let mut value = rng.random_range(0.0..100.0);
     let mut opacity = Vec::new();

@@ -15,6 +15,16 @@ pub struct Dense {
     selection: Vec<f64>,
     colour: Vec<[f64; 4]>,
     labels: Vec<u16>,
+    /// Where density is drawn coarser.
+    coarse: Option<Coarse>,
+}
+
+/// Density at the level that each brick of level 0 is drawn from, bricks x fastest.
+struct Coarse {
+    bricks: [i64; 3],
+    level_of: Vec<u32>,
+    /// Voxels and values of every level.
+    levels: Vec<([i64; 3], Vec<f64>)>,
 }
 
 /// One pixel.
@@ -23,6 +33,22 @@ pub struct Pixel {
     pub colour: [f64; 4],
     pub depth_mm: f64,
     pub object: u32,
+}
+
+/// Place of a voxel in an array of dims `d`, x fastest; the nearest one for those beside it.
+fn index(d: [i64; 3], v: [i64; 3]) -> usize {
+    let c: [i64; 3] = std::array::from_fn(|a| v[a].clamp(0, d[a] - 1));
+    (c[0] + d[0] * (c[1] + d[1] * c[2])) as usize
+}
+
+/// Between the eight voxels about a place.
+fn linear(dims: [i64; 3], values: impl Fn(usize) -> f64, p: DVec3) -> f64 {
+    let lo = p.floor();
+    let f = p - lo;
+    let tap = |x: i64, y: i64, z: i64| values(index(dims, [lo.x as i64 + x, lo.y as i64 + y, lo.z as i64 + z]));
+    let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
+    let plane = |z| mix(mix(tap(0, 0, z), tap(1, 0, z), f.x), mix(tap(0, 1, z), tap(1, 1, z), f.x), f.y);
+    mix(plane(0), plane(1), f.z)
 }
 
 const NOTHING: Pixel = Pixel { colour: [0.0; 4], depth_mm: f64::INFINITY, object: 0 };
@@ -42,26 +68,38 @@ impl Dense {
             selection: texels(fields.selection).iter().map(|t| unorm(t[0])).collect(),
             colour: texels(fields.colour).iter().map(|t| t.map(unorm)).collect(),
             labels: texels(fields.labels).iter().map(|t| u16::from_le_bytes([t[0], t[1]])).collect(),
+            coarse: None,
         }
     }
 
+    /// The same with density drawn from a level for each brick of level 0, x fastest: a sample belongs to the brick
+    /// ⌊(p + ½)/32⌋, and lies at (p + ½)/2^level − ½ in voxels of the level.
+    pub fn at_levels(fields: &Fields<'_>, grid: &Grid, level_of: Vec<u32>) -> Self {
+        let density = fields.density;
+        let level = |level: u8| {
+            let all = density.read(level, [0; 3], density.dims(level)).unwrap();
+            let value = |t: &[u8]| density.map().decode(std::array::from_fn(|i| t.get(i).copied().unwrap_or(0)));
+            (density.dims(level).map(i64::from), all.chunks_exact(density.format().bytes()).map(value).collect())
+        };
+        let levels = (0..density.level_count()).map(level).collect();
+        let bricks = grid.dims.map(|n| i64::from(n.div_ceil(32)));
+        Self { coarse: Some(Coarse { bricks, level_of, levels }), ..Self::of(fields, grid) }
+    }
+
     fn index(&self, v: [i64; 3]) -> usize {
-        let d = self.grid.dims.map(i64::from);
-        let c: [i64; 3] = std::array::from_fn(|a| v[a].clamp(0, d[a] - 1));
-        (c[0] + d[0] * (c[1] + d[1] * c[2])) as usize
+        index(self.grid.dims.map(i64::from), v)
     }
 
     fn linear(&self, values: impl Fn(usize) -> f64, p: DVec3) -> f64 {
-        let lo = p.floor();
-        let f = p - lo;
-        let tap = |x: i64, y: i64, z: i64| values(self.index([lo.x as i64 + x, lo.y as i64 + y, lo.z as i64 + z]));
-        let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
-        let plane = |z| mix(mix(tap(0, 0, z), tap(1, 0, z), f.x), mix(tap(0, 1, z), tap(1, 1, z), f.x), f.y);
-        mix(plane(0), plane(1), f.z)
+        linear(self.grid.dims.map(i64::from), values, p)
     }
 
     fn density(&self, p: DVec3) -> f64 {
-        self.linear(|i| self.density[i], p)
+        let Some(coarse) = &self.coarse else { return self.linear(|i| self.density[i], p) };
+        let brick = ((p + 0.5) / 32.0).floor();
+        let level = coarse.level_of[index(coarse.bricks, [brick.x as i64, brick.y as i64, brick.z as i64])];
+        let (dims, values) = &coarse.levels[level as usize];
+        linear(*dims, |i| values[i], (p + 0.5) / f64::from(1_u32 << level) - 0.5)
     }
 
     fn selection(&self, p: DVec3) -> f64 {
