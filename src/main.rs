@@ -156,6 +156,11 @@ fn run(path: &Path, project: Option<PathBuf>, source: Option<PathBuf>, keep_goin
         let open = ProjectCommand::Open { path: dir.clone(), source, generation: None };
         match document.apply(burin::document::Command::Project(open)) {
             Ok(answer) => tell(&dir, &answer),
+            // A file of that name would be found out only by a save.
+            Err(DocumentError::Keep(KeepError::NotAProject { .. })) if dir.exists() && !dir.is_dir() => {
+                let what = "a file found, a project's folder or a name for one expected; a script opens a volume by volume.open";
+                return Err(format!("--project {}: {what}", dir.display()));
+            }
             Err(DocumentError::Keep(KeepError::NotAProject { .. })) => document.save_to(dir),
             Err(error) => return Err(said(error)),
         }

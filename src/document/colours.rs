@@ -27,12 +27,13 @@ pub(super) fn changes(
         let mut texels = vec![0_u8; BRICK_VOXELS * 4];
         for channel in 0..4 {
             let read = parts.get(channel).map(|part| part.read(origin, size)).transpose()?;
-            let values = read.as_ref().map(|voxels| voxels.as_bytes());
+            let full = read.as_ref().map_or(1.0, |voxels| voxels.voxel_type().full());
             let [nx, ny, nz] = size.map(|n| n as usize);
             for i in 0..nx * ny * nz {
                 let [x, y, z] = [i % nx, i / nx % ny, i / (nx * ny)];
                 let at = x + BRICK as usize * (y + BRICK as usize * z);
-                texels[at * 4 + channel] = values.map_or(255, |values| values[i]);
+                // Of what is no number nothing is taken.
+                texels[at * 4 + channel] = read.as_ref().map_or(255, |v| (v.get(i) / full * 255.0).round() as u8);
             }
         }
         Ok((index, Some(Brick::from_texels(texels, 4))))

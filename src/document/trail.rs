@@ -1,7 +1,9 @@
 //! From the points of a stroke to its samples: those in mm, in index or on a slice as they are given, those in the 3D view by
 //! looking at the surface all along the pointer's way.
 //!
-//! Owns where in the picture a stroke has got to. What is joined and what breaks is `paint`'s rule.
+//! Looks lie at fixed lengths of the pointer's way from the stroke's first point on, as dabs do along their path, so that it does not
+//! matter where and how often the pointer was sampled: a stroke is painted as far as its last whole pixel, and its end takes what is
+//! left. Owns where in the picture a stroke has got to. What is joined and what breaks is `paint`'s rule.
 
 use super::{Document, DocumentError, Place, State, StrokePoint, ViewName};
 use crate::gpu::{Frame, Hit};
@@ -15,15 +17,28 @@ const STEP_VOXELS: f64 = 0.125;
 /// Most looks from one point to the next, and from one pixel to the next.
 const MOST_LOOKS: f64 = 65_536.0;
 const MOST_LOOKS_PER_PIXEL: f64 = 4096.0;
+/// Pixels that are none.
+const SAME_PX: f64 = 1e-6;
+
+/// A look and the pressure there.
+type Look = (Option<Seen>, f32);
 
 /// Where a stroke in the 3D view has got to.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Trail {
     camera: Camera,
-    px: DVec2,
     size: [u32; 2],
+    rule: SurfaceRule,
+    /// The pointer's last point and what is there.
+    px: DVec2,
     pressure: f32,
     hit: Option<Hit>,
+    /// What the last whole pixel met.
+    whole: Option<Seen>,
+    /// Looks since.
+    rest: Vec<Look>,
+    /// Length of the way from the last look to the pointer, pixels.
+    past: f64,
 }
 
 /// Points as samples.
@@ -61,8 +76,8 @@ impl Document {
                 at => {
                     let sample = self.resolve(at)?;
                     let StrokePoint { pressure, breaks, .. } = *point;
+                    resolved.samples.extend(resolved.trail.take().into_iter().flat_map(|trail| trail.end()));
                     resolved.samples.extend(sample.map(|s| Sample { pressure, breaks, ..s }));
-                    resolved.trail = None;
                 }
             }
         }
@@ -83,45 +98,107 @@ impl Document {
         }
         let camera = state.scene.views.camera;
         let frame = state.looking(&camera, size);
-        let pixel_mm = pixel_mm(&frame, state);
-        let rule = SurfaceRule {
-            radius_mm: state.scene.brush.radius_mm,
-            voxel_mm: state.grid().voxel_mm(),
-            pixel_mm,
-            normal: super::place::normal_of(state, ViewName::Axial),
+        let (pixel_mm, voxel_mm) = (pixel_mm(&frame, state), state.grid().voxel_mm());
+        let radius_mm = state.scene.brush.radius_mm;
+        let rule =
+            SurfaceRule { radius_mm, voxel_mm, pixel_mm, normal: super::place::normal_of(state, ViewName::Axial) };
+        let at_once = |hit: Option<Hit>, whole: Option<Seen>| {
+            let (pressure, rest) = (point.pressure, Vec::new());
+            Trail { camera, size, rule, px, pressure, hit, whole, rest, past: 0.0 }
         };
-        let before = resolved.trail.filter(|_| !point.breaks);
-        let from = before.and_then(|trail| trail.seen_by(&camera, size));
-        // A first look is one at the point itself.
-        let from = from.unwrap_or(px);
-        let [looks, per_pixel] = looks_between(pixel_mm, state.grid().voxel_mm(), from.distance(px));
-        let hits = self.graphics.pick_along(state, &frame, [from, px], looks)?;
-        let last = before.and_then(|trail| trail.hit).map(seen);
-        let (first, count) = (before.map_or(point.pressure, |trail| trail.pressure), hits.len() as f32);
-        let pressure = |i: usize| first + (point.pressure - first) * ((i + 1) as f32 / count);
-        let looks: Vec<_> = hits.iter().enumerate().map(|(i, hit)| (hit.map(seen), pressure(i))).collect();
-        // A point that is a path given by mm or index before goes on from there.
-        let joins = resolved.trail.is_none() && !point.breaks;
-        let mut samples = rule.follow(last, &looks, per_pixel as usize);
-        if let (true, Some(sample)) = (joins, samples.first_mut()) {
-            sample.breaks = false;
+        let mut trail = resolved.trail.take();
+        let first = trail.is_none();
+        // Where the view is another or the path breaks, what was left of it comes to its end.
+        if trail.as_ref().is_some_and(|t| point.breaks || !t.is_of(&camera, size)) {
+            resolved.samples.extend(trail.as_ref().into_iter().flat_map(Trail::end));
+            trail = trail.filter(|_| !point.breaks).and_then(|t| {
+                let (from, _) = camera.project(t.hit?.world, size)?;
+                Some(Trail { px: from, pressure: t.pressure, ..at_once(t.hit, t.hit.map(seen)) })
+            });
         }
-        resolved.samples.extend(samples);
-        let hit = hits.last().copied().flatten();
-        resolved.missed += u64::from(hit.is_none());
-        resolved.trail = Some(Trail { camera, px, size, pressure: point.pressure, hit });
+        let mut trail = match trail {
+            // A look at the point itself.
+            None => {
+                let hit = self.graphics.pick_along(state, &frame, [px, px], 1)?.pop().flatten();
+                let mut samples = rule.follow(None, &[(hit.map(seen), point.pressure)], 1);
+                // A point that is a path given by mm or index before goes on from there.
+                if let (true, Some(sample)) = (first && !point.breaks, samples.first_mut()) {
+                    sample.breaks = false;
+                }
+                resolved.samples.extend(samples);
+                at_once(hit, hit.map(seen))
+            }
+            Some(mut trail) => {
+                let per_pixel = looks_per_pixel(pixel_mm, voxel_mm, size, trail.px.distance(px));
+                let ([from, to], count) = trail.looks(px, per_pixel);
+                let hits = match count {
+                    0 => Vec::new(),
+                    _ => self.graphics.pick_along(state, &frame, [from, to], count)?,
+                };
+                let last = hits.last().copied().filter(|_| to.distance(px) <= SAME_PX);
+                let hit = match last.or((trail.px == px).then_some(trail.hit)) {
+                    Some(hit) => hit,
+                    None => self.graphics.pick_along(state, &frame, [px, px], 1)?.pop().flatten(),
+                };
+                resolved.samples.extend(trail.go(px, point.pressure, [from, to], &hits, per_pixel));
+                Trail { hit, ..trail }
+            }
+        };
+        resolved.missed += u64::from(trail.hit.is_none());
+        trail.pressure = point.pressure;
+        resolved.trail = Some(trail);
         Ok(())
     }
 }
 
 impl Trail {
-    /// Where in a picture of this camera the stroke has got to: what was hit last if another camera saw it. `None` if that is
-    /// nowhere.
-    fn seen_by(&self, camera: &Camera, size: [u32; 2]) -> Option<DVec2> {
-        if self.camera == *camera && self.size == size {
-            return Some(self.px);
+    /// Whether a point of a picture of this camera goes on from here.
+    fn is_of(&self, camera: &Camera, size: [u32; 2]) -> bool {
+        self.camera == *camera && self.size == size
+    }
+
+    /// The looks that the way to a point takes: from where and to where, the first a step after `from`, and how many.
+    fn looks(&self, px: DVec2, per_pixel: f64) -> ([DVec2; 2], u32) {
+        let (way, length) = (px - self.px, self.px.distance(px));
+        let count = ((self.past + length + SAME_PX) * per_pixel).floor().min(MOST_LOOKS);
+        let along = way / length.max(f64::MIN_POSITIVE);
+        let from = self.px - along * self.past;
+        ([from, from + along * (count / per_pixel)], count as u32)
+    }
+
+    /// Goes on to a point along looks; answers the samples of the pixels that are whole with them.
+    fn go(
+        &mut self,
+        px: DVec2,
+        pressure: f32,
+        [from, to]: [DVec2; 2],
+        hits: &[Option<Hit>],
+        per_pixel: f64,
+    ) -> Vec<Sample> {
+        let (length, count) = (self.px.distance(px), hits.len() as f64);
+        let share = |i: usize| {
+            let look = from.lerp(to, (i + 1) as f64 / count);
+            if length > 0.0 { (self.px.distance(look) / length).min(1.0) as f32 } else { 1.0 }
+        };
+        let pressed = |i: usize| self.pressure + (pressure - self.pressure) * share(i);
+        let looks: Vec<Look> = hits.iter().enumerate().map(|(i, hit)| (hit.map(seen), pressed(i))).collect();
+        self.rest.extend(looks);
+        self.past = if hits.is_empty() { self.past + length } else { to.distance(px) };
+        self.px = px;
+        let whole = self.rest.len() - self.rest.len() % per_pixel.max(1.0) as usize;
+        let looks: Vec<Look> = self.rest.drain(..whole).collect();
+        let samples = self.rule.follow(self.whole, &looks, per_pixel.max(1.0) as usize);
+        self.whole = looks.last().map_or(self.whole, |look| look.0);
+        samples
+    }
+
+    /// The samples of what is left at the stroke's end: from the last whole pixel to the pointer.
+    pub(super) fn end(&self) -> Vec<Sample> {
+        let mut looks = self.rest.clone();
+        if self.past > SAME_PX {
+            looks.push((self.hit.map(seen), self.pressure));
         }
-        camera.project(self.hit?.world, size).map(|(px, _)| px)
+        self.rule.follow(self.whole, &looks, looks.len())
     }
 }
 
@@ -138,12 +215,13 @@ pub(super) fn pixel_mm(frame: &Frame, state: &State) -> f64 {
     frame.camera.mm_per_pixel(furthest, frame.size[1])
 }
 
-/// How many looks a way of so many pixels takes, and how many of them make a pixel. It does not depend on where along the way the
-/// pointer was sampled.
-fn looks_between(pixel_mm: f64, voxel_mm: f64, pixels: f64) -> [u32; 2] {
-    let most = (MOST_LOOKS / pixels.max(1.0)).floor().clamp(1.0, MOST_LOOKS_PER_PIXEL);
-    let per_pixel = (pixel_mm / (LOOKS_VOXELS * voxel_mm)).ceil().clamp(1.0, most);
-    // A length that is whole but for its rounding takes no look more.
-    let looks = (pixels * per_pixel - 1e-6).ceil().clamp(1.0, MOST_LOOKS);
-    [looks as u32, per_pixel as u32]
+/// How many looks make a pixel. It does not depend on where along the way the pointer was sampled, but for ways that lead far out
+/// of the picture.
+fn looks_per_pixel(pixel_mm: f64, voxel_mm: f64, size: [u32; 2], way: f64) -> f64 {
+    let longest = way.max(f64::from(size[0]).hypot(f64::from(size[1])));
+    let most = (MOST_LOOKS / longest.max(1.0)).floor().min(MOST_LOOKS_PER_PIXEL);
+    if most < 1.0 {
+        return MOST_LOOKS / longest;
+    }
+    (pixel_mm / (LOOKS_VOXELS * voxel_mm)).ceil().clamp(1.0, most)
 }

@@ -255,7 +255,7 @@ fn defs(gpu: &Gpu, pools: &FieldPools, frame: &SliceFrame) -> Key {
 }
 
 fn uniform(frame: &SliceFrame, (lo, span): (f64, f64)) -> Slice {
-    let [black, white] = frame.window.map(|value| ((value - lo) / span) as f32);
+    let [black, white] = in_floats(frame.window.map(|value| (value - lo) / span));
     let narrow = |v: DVec3| v.as_vec3().to_array();
     Slice {
         top_left: narrow(frame.top_left),
@@ -271,6 +271,20 @@ fn uniform(frame: &SliceFrame, (lo, span): (f64, f64)) -> Slice {
         pad_b: 0,
         pad_c: 0,
     }
+}
+
+/// A window as 32-bit floats hold it, the difference of its ends too: where it leads out of them it is narrowed about its middle, which
+/// stays as grey as it is.
+fn in_floats([black, white]: [f64; 2]) -> [f32; 2] {
+    let largest = f64::from(f32::MAX) * 0.99;
+    let (level, half) = (black * 0.5 + white * 0.5, white * 0.5 - black * 0.5);
+    if black.abs().max(white.abs()).max(half * 2.0) <= largest || !level.is_finite() {
+        return [black as f32, white as f32];
+    }
+    let level = level.clamp(-largest, largest);
+    let room = (largest - level.abs()).max(largest * 0.005).min(largest * 0.5);
+    let half = half.min(room);
+    [(level - half) as f32, (level + half) as f32]
 }
 
 /// A texel for each label: the visible segment's colour, or nothing.

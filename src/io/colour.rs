@@ -1,10 +1,11 @@
-//! Colour voxels: red, green, blue and perhaps alpha of eight bits each, as a density and as colours.
+//! Colour voxels: red, green, blue and perhaps alpha, as a density and as colours.
 //!
-//! The density is their brightness: Rec. 709's luma of the display-referred values, 0.2126 R + 0.7152 G + 0.0722 B, times alpha,
-//! rounded. Alpha that is 0 everywhere was not filled in by whoever wrote the file, and counts as none.
+//! The density is their brightness in their own type: Rec. 709's luma of the display-referred values, 0.2126 R + 0.7152 G + 0.0722 B,
+//! times alpha, integers rounded. Full is the greatest integer of the type, or 1 of numbers with a fraction. Alpha that is 0 everywhere was not filled in by whoever wrote the file, and counts as none.
 
 use super::{IoError, Progress, statistics};
-use crate::volume::{BrickSource, Grid, SourceError, VoxelType, Voxels};
+use crate::volume::{BrickSource, Grid, SourceError, Value, VoxelType, Voxels};
+use crate::with_voxel_type;
 use std::sync::Arc;
 
 /// The parts of one frame: three, or four where alpha says anything.
@@ -32,7 +33,7 @@ impl BrickSource for Luminance {
     }
 
     fn voxel_type(&self) -> VoxelType {
-        VoxelType::U8
+        self.parts[0].voxel_type()
     }
 
     fn scaling(&self) -> (f64, f64) {
@@ -45,15 +46,15 @@ impl BrickSource for Luminance {
 
     fn read(&self, lo: [u32; 3], size: [u32; 3]) -> Result<Voxels, SourceError> {
         let parts = self.parts.iter().map(|part| part.read(lo, size)).collect::<Result<Vec<_>, _>>()?;
-        let part = |n: usize| parts.get(n).map(Voxels::as_bytes);
-        let (Some(red), Some(green), Some(blue)) = (part(0), part(1), part(2)) else {
-            return Ok(Voxels::U8(Vec::new()));
+        let [red, green, blue] = match &parts[..] {
+            [red, green, blue, ..] => [red, green, blue],
+            _ => return Ok(Voxels::U8(Vec::new())),
         };
+        let full = self.voxel_type().full();
         let luma = |i: usize| {
-            let luma = 0.2126 * f64::from(red[i]) + 0.7152 * f64::from(green[i]) + 0.0722 * f64::from(blue[i]);
-            let alpha = part(3).map_or(1.0, |alpha| f64::from(alpha[i]) / 255.0);
-            (luma * alpha).round() as u8
+            let luma = 0.2126 * red.get(i) + 0.7152 * green.get(i) + 0.0722 * blue.get(i);
+            luma * parts.get(3).map_or(1.0, |alpha| alpha.get(i) / full)
         };
-        Ok(Voxels::U8((0..red.len()).map(luma).collect()))
+        Ok(with_voxel_type!(self.voxel_type(), T => T::wrap((0..red.len()).map(|i| T::from_f64(luma(i))).collect())))
     }
 }

@@ -59,7 +59,7 @@ impl Reader for Nrrd {
         if axes.iter().filter(|a| a.role == Role::Component).count() > 1 {
             warnings.push("several axes are neither space nor time: they count together as components".into());
         }
-        let colour = voxel_type == VoxelType::U8 && is_colour(&header, &axes)?;
+        let colour = is_colour(&header, &axes, voxel_type)?;
         let layout = Layout { data, file, grid, voxel_type, big_endian, scaling: (1.0, 0.0), axes, encoding, skip };
         let mut opened = layout.opened(warnings)?;
         opened.format = format!("NRRD, {}", encoding.name());
@@ -69,13 +69,13 @@ impl Reader for Nrrd {
     }
 }
 
-/// Whether components are colours: by their kind, or three or four that lie side by side and whose kind says nothing.
-fn is_colour(header: &Header, axes: &[Axis]) -> Result<bool, IoError> {
+/// Whether components are colours: by their kind, or three or four bytes that lie side by side and whose kind says nothing.
+fn is_colour(header: &Header, axes: &[Axis], voxel_type: VoxelType) -> Result<bool, IoError> {
     let mut components = axes.iter().enumerate().filter(|(_, a)| a.role == Role::Component);
     let (Some((at, axis)), None) = (components.next(), components.next()) else { return Ok(false) };
     let kinds = header.words_for("kinds", header.dimension)?;
     let kind = kinds.map_or("???".into(), |kinds| kinds[at].to_ascii_lowercase());
-    let silent = at == 0 && ["???", "none"].contains(&kind.as_str());
+    let silent = voxel_type == VoxelType::U8 && at == 0 && ["???", "none"].contains(&kind.as_str());
     Ok(match axis.len {
         3 => silent || ["rgb-color", "3-color"].contains(&kind.as_str()),
         4 => silent || ["rgba-color", "4-color"].contains(&kind.as_str()),

@@ -51,6 +51,11 @@ impl VoxelType {
         }
     }
 
+    /// What stands for all there is of a colour's part: the greatest integer, or 1.
+    pub fn full(self) -> f64 {
+        self.limits().map_or(1.0, |[_, greatest]| greatest)
+    }
+
     /// The name that `burin info` prints.
     pub const fn name(self) -> &'static str {
         match self {

@@ -193,3 +193,36 @@ fn colours_are_kept_by_saves_and_recovery_and_are_no_step_of_undo() {
     check(&mut document, 4);
     assert!(!document.state().unwrap().field(FieldKind::Colour).is_blank());
 }
+
+#[test]
+fn colours_of_any_type_open_as_brightness_with_the_colour_field_filled() {
+    let folder = tempfile::tempdir().unwrap();
+    let [nx, ny, nz] = DIMS;
+    let wide = |of: &dyn Fn(u8) -> Vec<u8>| voxels(4).iter().flat_map(|&v| of(v)).collect::<Vec<u8>>();
+    let of_16_bit = wide(&|v| (u16::from(v) * 257).to_be_bytes().to_vec());
+    let of_float = wide(&|v| (f32::from(v) / 255.0).to_le_bytes().to_vec());
+    for (word, endian, full, data) in [("ushort", "big", 65_535.0, of_16_bit), ("float", "little", 1.0, of_float)] {
+        let path = folder.path().join("w.nrrd");
+        let mut file = format!(
+            "NRRD0004\ntype: {word}\ndimension: 4\nsizes: 4 {nx} {ny} {nz}\nspacings: nan 1 1 1\nendian: {endian}\n\
+             kinds: RGBA-color domain domain domain\nencoding: raw\n\n"
+        )
+        .into_bytes();
+        file.extend(&data);
+        std::fs::write(&path, file).unwrap();
+        let mut document = open(&path, json!({}));
+        for at in [[0, 0, 0], [3, 4, 1], [39, 19, 5], [20, 7, 0], [31, 10, 3], [32, 10, 3]] {
+            let [r, g, b, a] = voxel(at[0], at[1], at[2]).map(|v| f64::from(v) / 255.0);
+            let (density, colour) = told(&mut document, at);
+            let luma = (0.2126 * r + 0.7152 * g + 0.0722 * b) * a * full;
+            let exact = if full == 1.0 { 1e-6 } else { 0.5 + 1e-6 };
+            assert!((density - luma).abs() <= exact, "{word} {at:?}: {density} {luma}");
+            let off = colour.iter().zip([r, g, b, a]).map(|(x, y)| (x - y).abs());
+            assert!(off.fold(0.0, f64::max) < 1e-6, "{word} {at:?}: {colour:?}");
+        }
+        // A part alone is still to be had, as the file has it.
+        let green = told(&mut open(&path, json!({ "component": 1 })), [3, 4, 1]);
+        let expected = f64::from(voxel(3, 4, 1)[1]) / 255.0 * full;
+        assert!((green.0 - expected).abs() < 1e-6 * full && green.1 == [0.0; 4], "{word} {green:?}");
+    }
+}

@@ -89,6 +89,18 @@ fn a_new_project_is_made_where_there_is_none() {
 }
 
 #[test]
+fn a_file_is_no_place_for_a_project_and_that_is_said_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    volume(&folder.path().join("v.nrrd"));
+    let before = std::fs::read(folder.path().join("v.nrrd")).unwrap();
+    let script = "{\"ask\":{\"volume\":{}}}\n";
+    let (stdout, stderr, code) = burin(folder.path(), &[&"run", &"-", &"--project", &"v.nrrd"], script);
+    assert_eq!((stdout.as_str(), code), ("", Some(2)));
+    assert!(stderr.contains("v.nrrd: a file found"), "{stderr}");
+    assert_eq!(std::fs::read(folder.path().join("v.nrrd")).unwrap(), before);
+}
+
+#[test]
 #[cfg(unix)]
 fn names_of_any_bytes_work_or_are_refused_in_plain_words() {
     use std::os::unix::ffi::OsStrExt;

@@ -314,6 +314,8 @@ fn one_value_alone_is_seen_in_3d_and_in_slices() {
         ("float", f32s(&all(-5.5))),
         ("float", f32s(&all(1e20))),
         ("float", f32s(&all(-1e37))),
+        ("float", f32s(&all(3e38))),
+        ("float", f32s(&all(-3.3e38))),
         ("float", f32s(&all(1e-30))),
     ] {
         let mut document = open(&folder.volume(name, [24, 20, 16], [1.0; 3], &bytes));

@@ -35,6 +35,7 @@ mod projects;
 mod reach;
 mod replies;
 mod rings;
+mod sampling;
 mod script;
 mod sculpt;
 mod selection;

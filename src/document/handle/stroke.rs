@@ -69,7 +69,7 @@ impl Document {
                 Err(DocumentError::NotNow("no stroke is running; stroke.begin starts one".into()))
             }
             StrokeCommand::Extend { points } => {
-                let trail = self.running.as_ref().and_then(|r| r.trail);
+                let trail = self.running.as_ref().and_then(|r| r.trail.clone());
                 let resolved = self.follow(&points, trail)?;
                 self.extend_stroke(resolved)
             }
@@ -147,23 +147,30 @@ impl Document {
         Ok(answer)
     }
 
-    /// Paints the dab at the running stroke's last sample. Where there is no room for it the stroke ends without, and the answer
-    /// says so.
+    /// Paints what is left of the running stroke: what the pointer passed since its last whole pixel, and the dab at its last sample.
+    /// Where there is no room for it the stroke ends without, and the answer says so.
     fn end_path(&mut self) -> Result<Option<String>, DocumentError> {
-        let Some(running) = &mut self.running else { return Ok(None) };
+        let Some(running) = &self.running else { return Ok(None) };
         let mut path = running.path.clone();
-        let Some(dab) = path.end() else { return Ok(None) };
-        self.make_room(&[dab])?;
-        self.keep_to_surface(&[dab])?;
+        let samples = running.trail.as_ref().map_or_else(Vec::new, Trail::end);
+        let mut dabs = path.extend(&samples)?;
+        dabs.extend(path.end());
+        if dabs.is_empty() {
+            return Ok(None);
+        }
+        self.make_room(&dabs)?;
+        self.keep_to_surface(&dabs)?;
         let (Some(running), Some(state)) = (&mut self.running, &self.state) else { return Ok(None) };
-        match self.graphics.extend(state, &[dab]) {
-            Ok(_) => running.dabs += 1,
+        match self.graphics.extend(state, &dabs) {
+            Ok(_) => running.dabs += dabs.len() as u64,
             Err(DocumentError::Gpu(error @ (GpuError::StrokeTooLarge { .. } | GpuError::PoolFull { .. }))) => {
                 return Ok(Some(format!("the stroke ends before its last point: {error}")));
             }
             Err(error) => return Err(error),
         }
         running.path = path;
+        running.samples.extend(samples);
+        running.trail = None;
         Ok(None)
     }
 
