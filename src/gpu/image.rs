@@ -68,8 +68,9 @@ impl Image {
     }
 
     /// `factor`² pixels made one: the mean of their display-referred colours as they are shown (0 to 1), which is how the caster
-    /// composites too, so that a picture over a background is the mean of the large picture over it. Depth and object stay together and are those of the
-    /// pixel in the middle; of the four about the middle where `factor` is even, of the nearest. Sides are divided without rest.
+    /// composites too, so that a picture over a background is the mean of the large picture over it. Depth and object stay
+    /// together and are those of the pixel in the middle; of the four about the middle where `factor` is even, of the nearest.
+    /// What is left of a side that `factor` does not divide is cut off.
     #[must_use]
     pub fn averaged(self, factor: u32) -> Self {
         if factor <= 1 {

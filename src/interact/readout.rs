@@ -62,6 +62,11 @@ pub fn fixed(value: f64, decimals: usize, chars: usize) -> String {
     plain.chain(powers).find(|text| text.chars().count() <= chars).unwrap_or_else(|| format!("{value:.0e}"))
 }
 
+/// From one value to another that is not smaller, as far as numbers go.
+pub fn span([lo, hi]: [f64; 2]) -> f64 {
+    (hi - lo).min(f64::MAX)
+}
+
 /// Decimals that tell a thousandth of `span` from none.
 pub fn decimals(span: f64) -> usize {
     if span.is_finite() && span > 0.0 { (2 - span.log10().floor() as i32).clamp(0, 9) as usize } else { 0 }

@@ -1,8 +1,8 @@
 //! A glance at a volume file before it is opened: is it an image, or do its values name regions?
 //!
-//! Only where the answer may be "regions" is the user asked. A segmentation that says so in its header or by its name is taken at its word; else
-//! some slices are read: whole numbers, 0 for what is outside, and neighbours that are mostly equal. It takes a moment at most;
-//! whatever takes longer, or cannot be read, is opened as an image, and opening says what is wrong.
+//! Only where the answer may be "regions" is the user asked. A segmentation that says so in its header or by its name is taken
+//! at its word; else some slices are read: whole numbers, 0 for what is outside, and neighbours that are mostly equal. It takes
+//! a moment at most; whatever takes longer, or cannot be read, is opened as an image, and opening says what is wrong.
 
 use super::browse::ends_with;
 use crate::io;

@@ -78,6 +78,14 @@ pub struct Opened {
     pub histogram: Arc<Histogram>,
 }
 
+impl Opened {
+    /// The smallest and the largest value; of a volume without any the ends of its histogram.
+    pub fn ends(&self) -> [f64; 2] {
+        let Statistics { min, max, .. } = self.statistics;
+        if min <= max { [min, max] } else { [self.histogram.min, self.histogram.max] }
+    }
+}
+
 /// A picture of a view.
 #[derive(Clone, Debug)]
 pub struct Picture {

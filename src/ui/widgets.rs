@@ -79,9 +79,12 @@ pub(super) fn slider(
 ) -> Response {
     ui.spacing_mut().slider_width = (ui.available_width() - NUMBER - GAP).max(24.0);
     let (lo, hi) = (*range.start(), *range.end());
+    // Halves, where the distance is beyond all numbers.
+    let unit = if (hi - lo).is_finite() { 1.0 } else { 0.5 };
+    let mut at = *value * unit;
     let rail = ui
         .add(
-            Slider::new(value, range)
+            Slider::new(&mut at, lo * unit..=hi * unit)
                 .show_value(false)
                 .logarithmic(scale.logarithmic)
                 .smart_aim(false)
@@ -89,9 +92,12 @@ pub(super) fn slider(
         )
         .accessible_name(name);
     let rail = tipped(rail, tip);
+    if rail.changed() {
+        *value = at / unit;
+    }
     let factor = if scale.percent { 100.0 } else { 1.0 };
     let mut shown = *value * factor;
-    let speed = if scale.logarithmic { shown.abs().max(0.01) * 0.01 } else { (hi - lo) * factor / 400.0 };
+    let speed = if scale.logarithmic { shown.abs().max(0.01) * 0.01 } else { (hi / 400.0 - lo / 400.0) * factor };
     let field = DragValue::new(&mut shown).range(lo * factor..=hi * factor).clamp_existing_to_range(false);
     let field = field.speed(speed).suffix(scale.unit);
     let about = (&*format!("{name}, value"), &*format!("{tip}. Drag, or click to type"));

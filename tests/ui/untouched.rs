@@ -1,12 +1,13 @@
 //! What nobody touches stays as it is: a window that shows a document changes nothing of it.
 
 use super::driver::{SMALL, Window};
-use burin::document::{BrushCommand, Command, SegmentCommand, ViewCommand};
+use burin::document::{BrushCommand, Command, Scene, SegmentCommand, ViewCommand};
 use burin::explode::Forces;
-use burin::paint::Target;
-use burin::volume::Mode;
+use burin::paint::{EraseDensity, Target};
+use burin::volume::{Histogram, Mode, Number, Statistics};
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable;
+use std::sync::Arc;
 
 #[test]
 fn what_lies_beyond_a_sliders_ends_is_shown_and_left_alone() {
@@ -78,4 +79,51 @@ fn a_segment_is_added_beside_the_last_label_there_can_be() {
         ),
         "{sent:?}"
     );
+}
+
+#[test]
+fn values_of_every_size_are_shown_and_left_alone() {
+    let most = f64::MAX;
+    for (min, max) in [
+        (-most, most),
+        (0.0, most),
+        (-most, -most),
+        (-1e-300, 1e-300),
+        (0.0, f64::MIN_POSITIVE),
+        (5e-324, 1e-323),
+        (0.0, 0.0),
+        (1e15, 1e15 + 1.0),
+        (-1.0, 1e300),
+        (f64::from(f32::MIN), f64::from(f32::MAX)),
+    ] {
+        for (mode, target) in [
+            (Mode::Iso(max), Target::Density(max)),
+            (Mode::Dvr, Target::Density(min)),
+            (Mode::Mip, Target::Selection(0.5)),
+        ] {
+            let mut window = Window::open(SMALL);
+            let histogram = Histogram { min, max, bins: vec![7, 0, 1, 3], ..Histogram::default() };
+            let (grid, _) = super::scene();
+            let mut scene = Scene::new(&grid, &histogram, window.scene.origin.clone());
+            scene.look.mode = mode;
+            scene.brush.target = target;
+            scene.brush.erase_density = EraseDensity::To(max);
+            scene.brush.range = Some([min, max].map(Number::from));
+            window.scene = scene.clone();
+            window.tell(|s| {
+                let open = s.open.as_mut().unwrap();
+                open.scene = Arc::new(scene.clone());
+                open.histogram = Arc::new(histogram.clone());
+                open.statistics = Statistics { min, max, ..Statistics::default() };
+            });
+            assert_eq!(window.sent(), [], "{min:e} to {max:e}, {mode:?}");
+            for name in ["Opacity point 1", "Ready looks", "Ready windows", "Surface value", "Window level"] {
+                window.harness.get_by_label(name).hover();
+                window.harness.run_steps(1);
+            }
+            window.click("Ready windows");
+            window.click("Ready looks");
+            assert_eq!(window.sent(), [], "{min:e} to {max:e}, {mode:?}");
+        }
+    }
 }

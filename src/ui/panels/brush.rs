@@ -6,6 +6,7 @@ use crate::interact::{Tool, brush_change};
 use crate::paint::{Brush, EraseDensity, Falloff, Operation, Shape, Target, Tip};
 use crate::ui::app::App;
 use crate::ui::colour::colour_button;
+use crate::ui::session::Opened;
 use crate::ui::theme::{self, GAP, LABEL, ROW};
 use crate::ui::widgets::{Scale, choice, number, pick, row, slider, tick, tipped};
 use crate::volume::Number;
@@ -54,6 +55,7 @@ impl App {
         let mut new = old;
         let middle = scene.window.level;
         let voxel = self.opened().map_or(1.0, |o| o.grid.voxel_mm());
+        let ends = self.opened().map_or([0.0, 1.0], Opened::ends);
         self.last_paint.insert(kind(old.target), old.target);
 
         let chosen = ui.horizontal(|ui| pick(ui, "Paint", Some(kind(old.target)), &TARGETS)).inner;
@@ -66,8 +68,7 @@ impl App {
             });
         }
         if let Some(scene) = &self.scene {
-            let span = self.opened().map_or(1.0, |o| o.statistics.max - o.statistics.min);
-            target_row(ui, scene, span, &mut new);
+            target_row(ui, scene, readout::span(ends), &mut new);
         }
         row(ui, "Radius", |ui| {
             let scale =
@@ -102,13 +103,12 @@ impl App {
             Target::Label(_) => label_mode(ui, &new),
             _ => operation_box(ui, &mut new),
         });
-        let span = self.opened().map_or([0.0, 1.0], |o| [o.statistics.min, o.statistics.max]);
-        erase_row(ui, span, &mut new);
+        erase_row(ui, ends, &mut new);
         row(ui, "In 3D", |ui| {
             let tip = "Strokes in the 3D view keep to the surface that is seen: nothing behind it is painted";
             tick(ui, &mut new.visible_only, "Only what is visible", tip);
         });
-        range_row(ui, &mut new, self.opened().map(|o| (o.statistics.min, o.statistics.max)));
+        range_row(ui, &mut new, ends);
         if let Some(command) = brush_change(&old, &new) {
             self.last_paint.insert(kind(new.target), new.target);
             self.send(command);
@@ -206,7 +206,7 @@ fn edge(ui: &mut Ui, new: &mut Brush) {
 }
 
 /// Whether strokes erase, and what that leaves.
-fn erase_row(ui: &mut Ui, [least, most]: [f64; 2], new: &mut Brush) {
+fn erase_row(ui: &mut Ui, ends: [f64; 2], new: &mut Brush) {
     ui.horizontal(|ui| {
         ui.set_min_height(ROW);
         let left = ui.cursor().left();
@@ -222,7 +222,7 @@ fn erase_row(ui: &mut Ui, [least, most]: [f64; 2], new: &mut Brush) {
             true => ("sets to", ui.available_width() - FIELD - GAP),
             false => ("restores the original", ui.available_width()),
         };
-        let held = if removes { new.erase_density } else { EraseDensity::To(least) };
+        let held = if removes { new.erase_density } else { EraseDensity::To(ends[0]) };
         let options = [
             (
                 EraseDensity::Restore,
@@ -240,7 +240,7 @@ fn erase_row(ui: &mut Ui, [least, most]: [f64; 2], new: &mut Brush) {
         tipped(shown.response.accessible_name("What erasing density leaves"), "What is there after density was erased");
         if let EraseDensity::To(value) = &mut new.erase_density {
             let tip = "What erased density becomes: the value of air, say";
-            value_field(ui, FIELD, ("Value after erasing", tip), value, most - least);
+            value_field(ui, FIELD, ("Value after erasing", tip), value, readout::span(ends));
         }
     });
 }
@@ -257,24 +257,24 @@ fn operation_box(ui: &mut Ui, new: &mut Brush) {
     tipped(response.response.accessible_name("Paint mode"), tip);
 }
 
-fn range_row(ui: &mut Ui, new: &mut Brush, span: Option<(f64, f64)>) {
-    let (min, max) = span.unwrap_or((0.0, 1.0));
+fn range_row(ui: &mut Ui, new: &mut Brush, ends: [f64; 2]) {
+    let span = readout::span(ends);
     let mut on = new.range.is_some();
     if tick(ui, &mut on, "Paint only where the value is", "All other voxels stay as they are") {
-        new.range = on.then_some([min, max].map(Number::Real));
+        new.range = on.then_some(ends.map(Number::Real));
     }
     ui.add_enabled_ui(on, |ui| {
         row(ui, "from – to", |ui| {
-            let old = new.range.map_or([min, max], |range| range.map(Number::to_f64));
+            let old = new.range.map_or(ends, |range| range.map(Number::to_f64));
             let mut range = old;
             let dash = 8.0;
             let width = (ui.available_width() - dash - 2.0 * theme::GAP) * 0.5;
             let tip = "The smallest value that is painted";
-            let low = value_field(ui, width, ("Lowest value to paint", tip), &mut range[0], max - min);
+            let low = value_field(ui, width, ("Lowest value to paint", tip), &mut range[0], span);
             let (rect, _) = ui.allocate_exact_size(vec2(dash, theme::ROW), egui::Sense::hover());
             ui.painter().hline(rect.x_range(), rect.center().y, egui::Stroke::new(1.0, theme::TEXT_WEAK));
             let tip = "The largest value that is painted";
-            let high = value_field(ui, width, ("Highest value to paint", tip), &mut range[1], max - min);
+            let high = value_field(ui, width, ("Highest value to paint", tip), &mut range[1], span);
             if low.changed() || high.changed() {
                 range[1] = range[1].max(range[0]);
                 // An end that nobody touched keeps digits that this row does not show.

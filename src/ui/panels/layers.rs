@@ -96,9 +96,10 @@ impl App {
     fn windows_menu(&mut self, ui: &mut Ui) {
         let Some(open) = self.opened() else { return };
         let histogram = open.histogram.clone();
-        let (min, max) = (open.statistics.min, open.statistics.max);
+        let [min, max] = open.ends();
         let automatic = Window::from_histogram(&histogram);
-        let whole = Window { level: (min + max) * 0.5, width: (max - min).max(f64::MIN_POSITIVE) };
+        let width = readout::span([min, max]).max(f64::MIN_POSITIVE);
+        let whole = Window { level: min * 0.5 + max * 0.5, width };
         let ready = WINDOWS.iter().map(|&(name, level, width)| (name, Window { level, width }));
         let ready = ready.take(if histogram.is_hounsfield() { WINDOWS.len() } else { 0 });
         for (name, window) in [("Automatic", automatic), ("All values", whole)].into_iter().chain(ready) {

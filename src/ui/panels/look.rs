@@ -30,7 +30,7 @@ impl App {
     pub(super) fn look_panel(&mut self, ui: &mut Ui) {
         let (Some(scene), Some(open)) = (&self.scene, &self.snapshot.open) else { return };
         let now = scene.look;
-        let (min, max) = (open.statistics.min, open.statistics.max);
+        let [min, max] = open.ends();
         let kind = match now.mode {
             Mode::Dvr => Kind::Dvr,
             Mode::Iso(_) => Kind::Iso,
@@ -55,7 +55,7 @@ impl App {
         ui.add_enabled_ui(kind == Kind::Iso, |ui| {
             row(ui, "Surface at", |ui| {
                 let mut value = if let Mode::Iso(value) = now.mode { value } else { first };
-                let scale = Scale { decimals: readout::decimals(max - min), ..Scale::default() };
+                let scale = Scale { decimals: readout::decimals(readout::span([min, max])), ..Scale::default() };
                 let about = ("Surface value", "The value on the surface (mode Surface)");
                 let response = slider(ui, about, &mut value, min..=max, scale);
                 if response.changed() {

@@ -49,13 +49,32 @@ struct Plot {
     hi: f64,
 }
 
+/// Widths of the plot, either way, beyond which a point is drawn no further off.
+const FAR: f64 = 1e4;
+
 impl Plot {
+    /// Over a histogram's values; of one value alone with room beside it.
+    fn new(rect: Rect, histogram: &Histogram) -> Self {
+        let (lo, hi) = (histogram.min, histogram.max);
+        let room = (lo.abs() * 1e-6).max(1.0);
+        let [lo, hi] = match hi > lo {
+            true => [lo, hi],
+            false if lo + room > f64::MAX => [lo - room, lo],
+            false => [lo, lo + room],
+        };
+        Self { rect, lo, hi }
+    }
+
     fn x(&self, value: f64) -> f32 {
-        self.rect.left() + ((value - self.lo) / (self.hi - self.lo)) as f32 * self.rect.width()
+        // Halves, where the distance is beyond all numbers.
+        let unit = if (self.hi - self.lo).is_finite() { 1.0 } else { 0.5 };
+        let share = (value * unit - self.lo * unit) / (self.hi * unit - self.lo * unit);
+        self.rect.left() + share.clamp(-FAR, FAR) as f32 * self.rect.width()
     }
 
     fn value(&self, x: f32) -> f64 {
-        self.lo + f64::from((x - self.rect.left()) / self.rect.width()) * (self.hi - self.lo)
+        let share = f64::from((x - self.rect.left()) / self.rect.width());
+        self.lo * (1.0 - share) + self.hi * share
     }
 
     fn y(&self, opacity: f32) -> f32 {
@@ -68,7 +87,7 @@ impl Plot {
 
     /// Least distance of neighbours: what a hand can still tell apart.
     fn gap(&self) -> f64 {
-        (self.hi - self.lo) / 2000.0
+        self.hi / 2000.0 - self.lo / 2000.0
     }
 }
 
@@ -86,12 +105,8 @@ impl App {
         let painter = ui.painter_at(outer);
         self.grounds.detail(ui, outer, theme::DEEP);
         let rect = outer.shrink2(vec2(HANDLE * 0.5 + 1.0, HANDLE * 0.5 + 1.0));
-        let (lo, hi) = if histogram.max > histogram.min {
-            (histogram.min, histogram.max)
-        } else {
-            (histogram.min, histogram.min + 1.0)
-        };
-        let plot = Plot { rect, lo, hi };
+        let plot = Plot::new(rect, &histogram);
+        let (lo, hi) = (plot.lo, plot.hi);
         for bar in self.transfer.bars(&plot, &histogram, ui.pixels_per_point()) {
             self.grounds.detail(ui, bar, theme::CONTROL_HOVER);
         }
@@ -190,7 +205,7 @@ impl App {
     /// The chosen point in numbers; below it ready looks, and the way back to the start.
     fn number_rows(&mut self, ui: &mut Ui, plot: &Plot, new: &mut TransferFunction) -> Option<Response> {
         let mut touched = None;
-        let span = plot.hi - plot.lo;
+        let span = readout::span([plot.lo, plot.hi]);
         let each = (ui.available_width() - theme::LABEL - 2.0 * GAP) * 0.5;
         let field = |ui: &mut Ui, value: &mut f64, name: &str, tip: &str, span: f64| {
             let field = DragValue::new(value).speed(span / 500.0);
