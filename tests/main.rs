@@ -7,6 +7,7 @@ mod explode;
 mod floors;
 mod gpu;
 mod io;
+mod math;
 mod paint;
 mod ui;
 mod volume;

@@ -26,7 +26,7 @@ pub(super) struct Cut {
     pub(super) uniform: HashSet<BrickKey>,
 }
 
-/// Of equal urgency the finest level goes last and indices decide, so that the order is total.
+/// Of equal urgency the finer level goes first, then the lower index: the order is total.
 #[derive(PartialEq)]
 struct Candidate {
     urgency: f32,
@@ -35,7 +35,7 @@ struct Candidate {
 impl Eq for Candidate {}
 impl Ord for Candidate {
     fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.urgency.total_cmp(&other.urgency).then_with(|| other.key.cmp(&self.key).then(std::cmp::Ordering::Equal))
+        self.urgency.total_cmp(&other.urgency).then_with(|| other.key.cmp(&self.key))
     }
 }
 impl PartialOrd for Candidate {

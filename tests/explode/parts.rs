@@ -1,7 +1,7 @@
 //! Splitting convex parts, against volumes and membership.
 
 use super::{cube, oblique, octants, unit};
-use burin::explode::{ExplodeError, Explosion, PartId};
+use burin::explode::{ExplodeError, Explosion, Forces, PartId};
 use burin::math::{DAffine3, DMat3, DQuat, DVec3, Plane, Pose};
 use burin::volume::Grid;
 use rand::{Rng, SeedableRng};
@@ -234,4 +234,30 @@ fn a_wrong_explosion_is_named_by_its_field() {
     assert!(said(&|e| e.parts[2].faces.truncate(5)).starts_with("parts[2].faces"));
     assert!(said(&|e| e.parts[0].pose.rotation.w = 3.0).starts_with("parts[0].pose"));
     assert!(said(&|e| e.parts[0].colour = Some([f32::NAN; 3])).starts_with("parts[0].colour"));
+}
+
+#[test]
+fn every_constant_of_the_forces_keeps_to_its_range() {
+    type Constant = fn(&mut Forces) -> &mut f64;
+    let constants: [(&str, Constant, [f64; 2]); 7] = [
+        ("delta_explosion", |f| &mut f.delta_explosion, [0.0, 1.0]),
+        ("delta_viewing", |f| &mut f.delta_viewing, [0.0, 1.0]),
+        ("delta_spacing", |f| &mut f.delta_spacing, [0.0, 1.0]),
+        ("return_constant", |f| &mut f.return_constant, [0.01, 10.0]),
+        ("return_length", |f| &mut f.return_length, [0.01, 10.0]),
+        ("explosion_length", |f| &mut f.explosion_length, [0.01, 10.0]),
+        ("softening", |f| &mut f.softening, [0.01, 1.0]),
+    ];
+    for (name, constant, [lo, hi]) in constants {
+        let check = |value: f64| {
+            let mut forces = Forces::default();
+            *constant(&mut forces) = value;
+            forces.check().map_err(|e| e.to_string())
+        };
+        assert_eq!((check(lo), check(hi)), (Ok(()), Ok(())), "{name}");
+        for value in [lo - 1e-9, hi + 1e-9, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let error = check(value).unwrap_err();
+            assert!(error.starts_with(&format!("forces.{name}: {value}")), "{error}");
+        }
+    }
 }

@@ -45,6 +45,7 @@ struct Canvas {
     pools: FieldPools,
     painter: Painter,
     segments: Segments,
+    reach: Reach,
 }
 
 fn noise(v: [u32; 3], salt: u32) -> u32 {
@@ -69,7 +70,7 @@ impl Canvas {
         segments.get_mut(2).unwrap().locked = true;
         let painter = Painter::new(gpu).unwrap();
         let base = density.read(0, [0; 3], grid.dims).unwrap();
-        Self { grid, base, density, colour, selection, labels, pools, painter, segments }
+        Self { grid, base, density, colour, selection, labels, pools, painter, segments, reach: Reach([0.0; 2]) }
     }
 
     /// Nothing painted, density 0.
@@ -86,6 +87,7 @@ impl Canvas {
             pools,
             painter: Painter::new(gpu).unwrap(),
             segments: Segments::default(),
+            reach: Reach([0.0; 2]),
         }
     }
 
@@ -139,9 +141,9 @@ impl Canvas {
     }
 
     fn begin(&mut self, brush: &Brush) {
-        let Self { grid, density, colour, selection, labels, painter, segments, .. } = self;
+        let Self { grid, density, colour, selection, labels, painter, segments, reach, .. } = self;
         let fields = Fields { density, colour, selection, labels };
-        painter.begin(grid, &fields, brush, segments, Reach([0.0; 2])).unwrap();
+        painter.begin(grid, &fields, brush, segments, *reach).unwrap();
     }
 
     fn extend(&mut self, dabs: &[Dab]) -> Vec<BrickIndex> {

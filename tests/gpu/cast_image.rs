@@ -53,6 +53,18 @@ fn an_exr_holds_linear_colour_depth_and_object() {
 }
 
 #[test]
+fn a_pixel_made_of_itself_alone_is_left_as_it_is() {
+    let mut image = sample();
+    // A highlight is whiter than white until it is averaged.
+    image.colour[2] = [1.5, 1.25, 1.0, 1.0];
+    assert_eq!(image.clone().averaged(1), image);
+    assert_eq!(image.clone().averaged(0), image);
+    let mut large = Image::empty([2, 2]);
+    large.colour = vec![[1.5, 0.5, 0.25, 1.0]; 4];
+    assert_eq!(large.averaged(2).colour, [[1.0, 0.5, 0.25, 1.0]]);
+}
+
+#[test]
 fn a_file_that_cannot_be_written_is_named() {
     let error = sample().write(std::path::Path::new("/nowhere/at/all.png"), None).unwrap_err();
     assert!(error.to_string().contains("/nowhere/at/all.png"), "{error}");

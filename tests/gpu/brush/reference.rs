@@ -7,6 +7,8 @@ use super::*;
 pub struct Expected {
     pub texel: [u8; 4],
     pub doubtful: bool,
+    /// Of a number in codes: what is rounded to the texel.
+    code: Option<f64>,
 }
 
 /// Equal dabs that follow each other, with what does not depend on the voxel.
@@ -143,7 +145,7 @@ pub fn stroke(canvas: &Canvas, brush: &Brush, dabs: &[Dab], printed: bool) -> Ve
         .enumerate()
         .map(|(i, v)| {
             let old = pad(&start[i * bytes..(i + 1) * bytes]);
-            let keep = Expected { texel: old, doubtful: false };
+            let keep = Expected { texel: old, doubtful: false, code: None };
             if let Some([lo, hi]) = brush.range.map(|range| range.map(Number::to_f64)) {
                 let value = canvas.density.map().decode(pad(&density[i * density_bytes..(i + 1) * density_bytes]));
                 if !(lo <= value && value <= hi) {
@@ -154,10 +156,13 @@ pub fn stroke(canvas: &Canvas, brush: &Brush, dabs: &[Dab], printed: bool) -> Ve
             if g == 0.0 && !printed {
                 return Expected { doubtful, ..keep };
             }
+            let mut code = None;
             let texel = match brush.target {
                 Target::Selection(c) => {
                     let p = f64::from(old[0]) / 255.0;
-                    [round(equation_1(p, f64::from(c), op, 0.0, g, printed) * 255.0, 255.0) as u8, 0, 0, 0]
+                    let value = equation_1(p, f64::from(c), op, 0.0, g, printed) * 255.0;
+                    code = Some(value.clamp(0.0, 255.0));
+                    [round(value, 255.0) as u8, 0, 0, 0]
                 }
                 Target::Density(c) => {
                     let p = map.decode(old);
@@ -170,7 +175,10 @@ pub fn stroke(canvas: &Canvas, brush: &Brush, dabs: &[Dab], printed: bool) -> Ve
                         let end = if op == Operation::Restore { back } else { c };
                         if mixes && g >= 1.0 { map.encode(end) } else { old }
                     } else {
-                        map.encode(equation_1(p, c, op, back, g, printed))
+                        let value = equation_1(p, c, op, back, g, printed);
+                        let whole = map.format == TexelFormat::R16Unorm;
+                        code = whole.then(|| ((value - map.lo) * map.codes_per_unit).clamp(0.0, 65_535.0));
+                        map.encode(value)
                     }
                 }
                 Target::Colour(c) => colour(old, c, op, g),
@@ -188,7 +196,7 @@ pub fn stroke(canvas: &Canvas, brush: &Brush, dabs: &[Dab], printed: bool) -> Ve
                 }
             };
             let label = matches!(brush.target, Target::Label(_));
-            Expected { texel, doubtful: doubtful || (label && (g - 0.5).abs() < 1e-5) }
+            Expected { texel, doubtful: doubtful || (label && (g - 0.5).abs() < 1e-5), code }
         })
         .collect()
 }
@@ -221,7 +229,8 @@ pub fn steps(format: TexelFormat, a: [u8; 4], b: [u8; 4]) -> f64 {
 }
 
 /// Asserts that texels are what the oracle expects, to one step: the kernel's f32 and the oracle's f64 differ by some 1e-6 of
-/// the storage's range at most, so only a rounding that lies on the edge can fall to the other side.
+/// the storage's range at most, so only a rounding that lies on the edge can fall to the other side. Of a few dabs a number is
+/// rounded to the nearest code, but for those that weak strokes move where rounding would leave them.
 pub fn check(what: &str, canvas: &Canvas, brush: &Brush, dabs: &[Dab], found: &[u8]) {
     let wrong = mismatches(canvas, brush, dabs, found, false);
     assert!(wrong.is_empty(), "{what}: {} voxels, first {:?}", wrong.len(), &wrong[..wrong.len().min(3)]);
@@ -240,12 +249,22 @@ pub fn mismatches(
     assert_eq!(found.len() as u64, canvas.grid.voxel_count() * bytes as u64);
     let expected = stroke(canvas, brush, dabs, printed);
     let pad = |t: &[u8]| -> [u8; 4] { std::array::from_fn(|i| t.get(i).copied().unwrap_or(0)) };
+    let start = canvas.texels(field.kind());
+    let number = |t: [u8; 4]| f64::from(u16::from_le_bytes([t[0], if bytes == 2 { t[1] } else { 0 }]));
+    let nearest = |f: [u8; 4], old: [u8; 4], e: &Expected| {
+        let Some(code) = e.code.filter(|_| dabs.len() < 100) else { return true };
+        let moved = brush.ends() && e.texel == old && (number(f) - number(old)).abs() == 1.0;
+        moved || (number(f) - code).abs() <= 0.52
+    };
     found
         .chunks_exact(bytes)
         .map(pad)
+        .zip(start.chunks_exact(bytes).map(pad))
         .zip(expected)
         .enumerate()
-        .filter(|(_, (f, e))| !e.doubtful && steps(field.format(), *f, e.texel) > 1.0)
-        .map(|(i, (f, e))| (i, f, e.texel))
+        .filter(|(_, ((f, old), e))| {
+            !e.doubtful && (steps(field.format(), *f, e.texel) > 1.0 || !printed && !nearest(*f, *old, e))
+        })
+        .map(|(i, ((f, _), e))| (i, f, e.texel))
         .collect()
 }

@@ -279,3 +279,62 @@ fn a_weak_stroke_on_integers_beyond_all_32_bit_floats_takes_its_share_and_no_mor
     let expected = 60_000.0 * slope * 0.9;
     assert!((value / expected - 1.0).abs() < 1e-6, "{value:e} for {expected:e}");
 }
+
+/// P + G (E − P), but no less than a whole step where fewer than five are left and that would be under half of one, and E from
+/// within a step. The step is that of the reach, or of the end's own size where it lies outside.
+#[test]
+fn near_its_end_a_weak_stroke_in_floats_goes_by_whole_steps() {
+    let Some(gpu) = gpu() else { return };
+    let grid = unit_grid([36, 10, 8]);
+    let cases = [
+        (0.0_f64, [0.0, 16_383.75], 0.25_f64),
+        (700.0, [0.0, 16_383.75], 0.25),
+        (1e6, [0.0, 16_383.75], 1e6 / 65_535.0),
+        (-1e6, [0.0, 16_383.75], 1e6 / 65_535.0),
+        (0.0, [100.0, 16_483.75], 0.0),
+    ];
+    for (end, reach, step) in cases {
+        let before = move |v| (end + (f64::from(noise(v, 9) % 4000) / 250.0 - 8.0) * step.max(0.25)) as f32;
+        let mut canvas = Canvas::new(&gpu, grid, density_f32(grid, |_| end as f32));
+        let bricks = canvas.density.brick_indices(0).into_iter().map(|index| {
+            let o = index.origin();
+            let texels = each([BRICK; 3], |v| before([0, 1, 2].map(|a| o[a] + v[a])).to_le_bytes());
+            (index, Some(Brick::from_texels(texels.concat(), 4)))
+        });
+        let bricks = bricks.collect();
+        canvas.density.swap(bricks).unwrap();
+        canvas.pools = FieldPools::new(&gpu, &grid, &canvas.density, 64 << 20).unwrap();
+        canvas.reach = Reach(reach);
+        for (n, strength) in [0.012_f32, 0.06, 0.1, 0.13, 0.4, 0.9].into_iter().enumerate() {
+            let operation = if end == 0.0 && n % 2 == 0 { Operation::Replace } else { Operation::Restore };
+            let brush = Brush {
+                radius_mm: 100.0,
+                falloff: Falloff::Hard,
+                strength,
+                operation,
+                tip: Tip::Wash,
+                target: Target::Density(0.0),
+                ..Brush::default()
+            };
+            let found = canvas.paint(&brush, &[dab_at(&grid, DVec3::new(18.0, 5.0, 4.0), 100.0)]);
+            let mut stepped = [0; 3];
+            for (v, found) in each(grid.dims, |v| v).into_iter().zip(found.chunks_exact(4)) {
+                let (p, found) = (f64::from(before(v)), f64::from(f32::from_le_bytes(found.try_into().unwrap())));
+                let mixed = p + f64::from(strength) * (end - p);
+                let (way, moved) = ((end - p).abs(), (mixed - p).abs());
+                // Where rounding decides.
+                let edge = |a: f64, b: f64| b > 0.0 && (a - b).abs() < 0.01 * step;
+                if edge(moved, 0.5 * step) || edge(way, 5.0 * step) || edge(way, step) {
+                    continue;
+                }
+                let weak = way <= 5.0 * step && moved < 0.5 * step;
+                let by_step = if way <= step { end } else { p + step * (end - p).signum() };
+                stepped[usize::from(weak) + usize::from(weak && way <= step)] += 1;
+                let expected = if weak { by_step } else { mixed };
+                let off = (found - expected).abs();
+                assert!(off <= 3e-7 * end.abs() + 1e-5, "{end} {strength}: {found} for {expected} from {p}");
+            }
+            assert!(stepped[0] > 100 && (step == 0.0 || strength > 0.4 || stepped[2] > 50), "{stepped:?}");
+        }
+    }
+}
