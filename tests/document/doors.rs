@@ -261,3 +261,39 @@ fn a_script_that_saves_nothing_leaves_the_project_as_it_was() {
         assert!(std::fs::read(&journal).unwrap() == before, "what the script did is still in the journal");
     }
 }
+
+#[test]
+fn home_is_meant_in_every_path_of_a_script_unless_something_is_named_so() {
+    let folder = tempfile::tempdir().unwrap();
+    volume(&folder.path().join("v.nrrd"));
+    let script = [
+        serde_json::json!({"volume":{"open":{"path":"~/v.nrrd"}}}),
+        serde_json::json!({"segment":{"import":{"path":"~/v.nrrd"}}}),
+        serde_json::json!({"selection":{"import":{"path":"~/v.nrrd","threshold":3}}}),
+        serde_json::json!({"volume":{"export":{"field":"labels","path":"~/out.nrrd"}}}),
+        serde_json::json!({"project":{"save":{"path":"~/p","density":"linked"}}}),
+    ];
+    let script = script.map(|line| line.to_string()).join("\n");
+    let elsewhere = tempfile::tempdir().unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_burin"));
+    command.current_dir(elsewhere.path()).env("HOME", folder.path()).args(["run", "-"]);
+    let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    child.stdin.take().unwrap().write_all(script.as_bytes()).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
+    assert!(folder.path().join("out.nrrd").exists() && folder.path().join("p/project.json").exists());
+    assert_eq!(std::fs::read_dir(elsewhere.path()).unwrap().count(), 0);
+    // The volume that a project is told to read from, too.
+    std::fs::create_dir(folder.path().join("moved")).unwrap();
+    std::fs::rename(folder.path().join("v.nrrd"), folder.path().join("moved/w.nrrd")).unwrap();
+    let open = serde_json::json!({"project":{"open":{"path":"~/p","source":"~/moved/w.nrrd"}}}).to_string();
+    let (stdout, stderr, code) = burin(folder.path(), &[&"run", &"-"], &open);
+    assert_eq!(code, Some(0), "{stdout} {stderr}");
+    // A folder that is named by the sign of home is that folder.
+    std::fs::create_dir(folder.path().join("~")).unwrap();
+    let grid = Grid::aligned([3, 3, 3], DVec3::ONE, DVec3::ZERO);
+    write_nrrd(&folder.path().join("~/own.nrrd"), &grid, |_| 1.0);
+    let (stdout, stderr, code) = burin(folder.path(), &[&"info", &"~/own.nrrd"], "");
+    assert_eq!(code, Some(0), "{stderr}");
+    assert!(stdout.contains("dims: [3,3,3]"), "{stdout}");
+}

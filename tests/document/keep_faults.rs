@@ -119,6 +119,43 @@ fn what_is_damaged_is_named_with_what_was_found_and_expected() {
     assert!(matches!(Keeper::open(dir.path()), Err(KeepError::NotAProject { .. })));
 }
 
+/// CRC-32C of RFC 3720, bit by bit: what ends a shard's index.
+fn crc32c(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(!0_u32, |sum, &byte| {
+        (0..8).fold(sum ^ u32::from(byte), |sum, _| if sum & 1 == 1 { sum >> 1 ^ 0x82f6_3b78 } else { sum >> 1 })
+    })
+}
+
+#[test]
+fn an_index_that_asks_for_more_than_the_shard_holds_is_damage_and_costs_nothing() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(SMALL, dir.path());
+    paint_all(&mut state);
+    let project = saved(dir.path(), &state);
+    let path = project.join("generation-000001/density/0/c/0/0/0");
+    let good = std::fs::read(&path).unwrap();
+    // Where each of 4³ bricks begins and how long it is, 64 bits each, and the sum of that.
+    let at = good.len() - 4 * 4 * 4 * 16 - 4;
+    let sum = |bytes: &[u8]| crc32c(&bytes[at..bytes.len() - 4]).to_le_bytes();
+    assert_eq!(good[good.len() - 4..], sum(&good));
+    let length = good.len() as u64;
+    for (offset, bytes) in
+        [(0, length + 1), (0, 1 << 40), (0, 1 << 62), (length, 1), (1 << 62, 8), (u64::MAX - 7, 16), (8, u64::MAX - 1)]
+    {
+        let mut bad = good.clone();
+        bad[at..at + 8].copy_from_slice(&u64::to_le_bytes(offset));
+        bad[at + 8..at + 16].copy_from_slice(&u64::to_le_bytes(bytes));
+        let sum = sum(&bad);
+        let end = bad.len() - 4;
+        bad[end..].copy_from_slice(&sum);
+        std::fs::write(&path, bad).unwrap();
+        let message = refusal(&project);
+        assert!(message.contains("density/0/c/0/0/0: chunks: "), "{offset} {bytes}: {message}");
+    }
+    std::fs::write(&path, good).unwrap();
+    assert_kept(&state, &opened(&project), "put right again");
+}
+
 #[test]
 fn a_place_that_cannot_be_written_is_refused_and_the_document_goes_on() {
     let dir = tempfile::tempdir().unwrap();

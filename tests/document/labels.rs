@@ -206,6 +206,27 @@ fn what_is_no_label_map_is_refused_with_what_was_found() {
 }
 
 #[test]
+fn scaled_integers_are_labels_as_far_as_they_come_to_whole_numbers() {
+    use crate::io::files::Nifti;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("labels.nii");
+    // A tenth is none of a 32-bit float's numbers: what it makes of 30 is 3 all the same. A half of an odd number is no whole.
+    for (slope, stored, wanted) in [(0.1, 30, Some(3)), (0.5, 14, Some(7)), (0.5, 15, None), (0.5, 1_200_001, None)] {
+        let mut header = Nifti::new(VoxelType::I32, &[3, 4, 5], false);
+        header.f32(112, slope).i16(254, 1);
+        header.f32s(280, &[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+        std::fs::write(&path, header.with(&Voxels::I32(vec![stored; 60]))).unwrap();
+        let mut document = Document::new();
+        let open = json!({"volume":{"open":{"path":path,"as":"labels"}}}).to_string();
+        let opened = run(&mut document, &open);
+        assert_eq!(opened.is_ok(), wanted.is_some(), "{slope} of {stored}: {opened:?}");
+        if let Some(wanted) = wanted {
+            assert_eq!(label(&document, [1, 2, 3]), wanted);
+        }
+    }
+}
+
+#[test]
 fn another_grid_gives_the_nearest_voxels_labels() {
     let folder = tempfile::tempdir().unwrap();
     let mut document = plain();

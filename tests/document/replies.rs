@@ -195,3 +195,37 @@ fn visibility_answers_what_there_is_and_what_of_it_is_seen() {
     assert_eq!((&alone["visible"], number(&alone["share"])), (&alone["selected"], 1.0));
     assert_eq!(alone["hidden_by"].as_array().map_or(0, Vec::len), 0, "{alone}");
 }
+
+#[test]
+fn labels_are_summed_as_numbers_too() {
+    let mut document = labelled();
+    let answer = say(&mut document, json!({"ask":{"field":{"field":"labels"}}}));
+    let [one, two] = ["1", "2"].map(|id| number(&answer["voxels_by_label"][id]));
+    assert!(one > 100.0 && two > 100.0, "{answer}");
+    assert_eq!(
+        ["nonzero", "sum", "max", "min"].map(|name| number(&answer[name])),
+        [one + two, one + 2.0 * two, 2.0, 0.0]
+    );
+}
+
+#[test]
+fn a_selection_from_elsewhere_says_where_what_it_has_lies() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("far.nrrd");
+    let mut document = labelled();
+    let far = Grid::aligned([7, 5, 4], DVec3::new(1.0, 2.0, 3.0), DVec3::new(1000.0, 2000.0, 3000.0));
+    write_nrrd(&path, &far, |v| f32::from([1, 2, 3] == v || [4, 3, 1] == v));
+    let line = json!({"selection":{"import":{"path":path,"threshold":0}}}).to_string();
+    let said = run(&mut document, &line).unwrap_err().to_string();
+    // From the outer faces of [1, 2, 1] to those of [4, 3, 3].
+    let place = "2 voxels of values above 0 at x 1000.5 to 1004.5, y 2003.0 to 2007.0, z 3001.5 to 3010.5 mm";
+    assert!(said.contains(place), "{said}");
+    // With nothing above it, there is nothing to place: the file is placed.
+    write_nrrd(&path, &far, |_| 0.0);
+    let said = run(&mut document, &line).unwrap_err().to_string();
+    assert!(said.contains("x 999.5 to 1006.5, y 1999.0 to 2009.0, z 2998.5 to 3010.5 mm"), "{said}");
+    // In its place it may be empty.
+    let grid = *document.state().unwrap().grid();
+    write_nrrd(&path, &grid, |_| 0.0);
+    assert_eq!(say(&mut document, serde_json::from_str(&line).unwrap())["step"], Value::Null);
+}

@@ -396,6 +396,21 @@ fn a_stream_that_ends_within_frames_that_nobody_asked_for_is_an_error_all_the_sa
             assert!(matches!(error, IoError::Truncated { .. }), "{encoding} {component}: {error}");
         }
     }
+    // Frames too large to be gathered at once are passed over; they are missed all the same.
+    let mut large = lines(VoxelType::U8, false, "hex");
+    large[1] = "dimension: 4".into();
+    large[2] = "sizes: 128 128 80 2".into();
+    large.push("kinds: domain domain domain list".into());
+    let digits = vec![b'7'; 2 * 2 * 128 * 128 * 80];
+    for (missing, fits) in [(0, true), (2, false), (2000, false)] {
+        // Blanks, so that the file may hold as much as its header says.
+        let data = [&digits[..digits.len() - missing], &vec![b' '; missing]].concat();
+        let opened = io::open(keep(&folder, "a.nrrd", &file(&large, &[], &data))).unwrap();
+        for component in [0, 1] {
+            let source = opened.source(component, 0, &|_| true).map(drop);
+            assert_eq!(source.is_ok(), fits, "{missing} {component}");
+        }
+    }
     // Half a byte is none.
     let lines = lines(VoxelType::U8, false, "hex");
     let digits: String = (0..2 * count() - 1).flat_map(|i| [char::from(b"0123456789abcdef"[i % 16]), '\n']).collect();

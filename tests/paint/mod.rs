@@ -5,6 +5,7 @@ mod dab;
 mod path;
 mod pile;
 mod room;
+mod surface;
 
 use burin::math::{DAffine3, DMat3, DVec3};
 use burin::paint::*;

@@ -135,13 +135,15 @@ impl ReadableStorageTraits for Files {
     ) -> std::result::Result<MaybeBytesIterator<'a>, StorageError> {
         let (file, length) = self.open(key)?;
         let read = move |range: ByteRange| {
-            let beyond = || StorageError::Other(format!("{range} asked for, {length} bytes there"));
-            let start = match range {
-                ByteRange::FromStart(start, _) => start,
-                ByteRange::Suffix(count) => length.checked_sub(count).ok_or_else(beyond)?,
+            // Numbers of a damaged index may be any: their sums may be beyond all numbers.
+            let beyond = || StorageError::Other(format!("more bytes asked for than the {length} that are there"));
+            let (start, count) = match range {
+                ByteRange::FromStart(start, Some(count)) => (start, count),
+                ByteRange::FromStart(start, None) => (start, length.checked_sub(start).ok_or_else(beyond)?),
+                ByteRange::Suffix(count) => (length.checked_sub(count).ok_or_else(beyond)?, count),
             };
-            let count = range.end(length).checked_sub(start).filter(|count| start + count <= length);
-            let mut bytes = vec![0; count.and_then(|n| usize::try_from(n).ok()).ok_or_else(beyond)?];
+            let inside = start.checked_add(count).is_some_and(|end| end <= length);
+            let mut bytes = vec![0; usize::try_from(count).ok().filter(|_| inside).ok_or_else(beyond)?];
             crate::io::regular::read_exact_at(&file, &mut bytes, start)?;
             Ok(Bytes::from(bytes))
         };
