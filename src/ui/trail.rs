@@ -7,9 +7,9 @@ use super::app::App;
 use super::overlay::paint_colour;
 use super::theme;
 use crate::document::StrokeCommand;
-use crate::interact::surface::{Surface, near_way};
+use crate::interact::surface::{Seen, Surface, near_way};
 use crate::interact::{Hit, PointerEvent, reach};
-use crate::math::DVec2;
+use crate::math::{DVec2, DVec3};
 use egui::Color32;
 
 /// Share of the radius within which a sample adds nothing to the one before.
@@ -128,13 +128,26 @@ impl Trail {
         for i in self.counted..self.samples.len() {
             let Some(to) = self.samples[i].hit.filter(|_| !self.samples[i].shown) else { continue };
             let from = if self.samples[i].joined { self.samples[i - 1].hit.unwrap_or(to) } else { to };
+            let mut reached = false;
             for (tinted, seen) in self.tinted.iter_mut().zip(seen) {
-                *tinted |= seen.is_some_and(|s| near_way(s.world, from.world, to.world, self.radius_mm));
+                let near = seen.is_some_and(|s| near_way(s.world, from.world, to.world, self.radius_mm));
+                *tinted |= near;
+                reached |= near;
+            }
+            // A brush that passes between the surface's points still paints what is under it.
+            if !reached && let Some(i) = nearest(seen, to.world) {
+                self.tinted[i] = true;
             }
         }
         self.counted = self.samples.len();
         Some((self.colour, &self.tinted))
     }
+}
+
+/// The point of the surface that is nearest to a place.
+fn nearest(seen: &[Option<Seen>], at: DVec3) -> Option<usize> {
+    let far = seen.iter().enumerate().filter_map(|(i, seen)| Some((seen.as_ref()?.world.distance_squared(at), i)));
+    far.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, i)| i)
 }
 
 impl App {

@@ -197,3 +197,33 @@ fn a_stroke_in_3d_is_drawn_at_once_until_a_picture_shows_it_or_it_is_taken_back(
         assert!(g > 80 && g > r && g > b, "{share} of the way: {r} {g} {b}");
     }
 }
+
+#[test]
+fn a_stroke_thinner_than_any_pixel_is_drawn_at_once_too() {
+    let Some(state) = render_state() else { return };
+    let canvas = Canvas::new(&state).unwrap();
+    let mut window = Window::painted(SMALL, state, canvas);
+    window.scene.brush.target = burin::paint::Target::Colour([0.0, 1.0, 0.0, 1.0]);
+    window.scene.brush.radius_mm = 0.0;
+    window.snapshot(|_| {});
+    let report = Report::Picture(Box::new(solid(&window, 0, 0.0)));
+    window.report(report);
+    window.click("Brush");
+    let view = window.harness.get_by_label("3D view").rect();
+    let (from, to) = (view.center() - egui::vec2(80.0, 30.0), view.center() + egui::vec2(60.0, -30.0));
+    window.harness.drag_at(from);
+    window.harness.run_steps(1);
+    window.harness.hover_at(to);
+    window.harness.run_steps(1);
+    let image = window.harness.render().unwrap();
+    for share in [0.0, 0.2, 0.4, 0.5, 0.65, 0.8] {
+        let at = from.lerp(to, share);
+        let green = |dy: i32| {
+            let [r, g, b, _] = image.get_pixel(at.x as u32, (at.y as i32 + dy) as u32).0;
+            g > 80 && g > r && g > b
+        };
+        // The surface's points lie some pixels apart.
+        assert!((-2..=2).any(green), "{share} of the way");
+        assert!(!green(-9) && !green(9), "beside it, {share} of the way");
+    }
+}
