@@ -1,5 +1,6 @@
 //! Numbers and answers as a person reads them in passing: lengths of scale bars, values under the pointer, what a crash left.
 
+use crate::math::DVec3;
 use crate::volume::{Number, VoxelType};
 use serde_json::Value;
 
@@ -20,6 +21,39 @@ pub fn length(mm: f64) -> String {
     };
     // One, two or five times a power of ten has no more digits than this.
     format!("{} {unit}", (value * 1e6).round() / 1e6)
+}
+
+/// The unit that lengths of a grid are told in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LengthUnit {
+    /// With the space before it.
+    pub name: &'static str,
+    /// How many there are in a millimetre.
+    pub per_mm: f64,
+    /// Decimals that tell a tenth of a voxel, 0 to 9.
+    pub decimals: usize,
+}
+
+impl LengthUnit {
+    /// Of a grid with voxels of this size.
+    pub fn of(voxel_mm: f64) -> Self {
+        let (name, per_mm) = match voxel_mm {
+            500.0.. => (" m", 1e-3),
+            0.01.. => (" mm", 1.0),
+            1e-5.. => (" µm", 1e3),
+            _ => (" nm", 1e6),
+        };
+        // Voxels of about a unit have one decimal.
+        let decimals = (1.7 - (voxel_mm * per_mm).log10()).clamp(0.0, 9.0).floor() as usize;
+        Self { name, per_mm, decimals }
+    }
+}
+
+/// A place in world mm, in the unit of a grid with voxels of this size; each number in as much room, so that they do not dance.
+pub fn place(world: DVec3, voxel_mm: f64) -> String {
+    let LengthUnit { name, per_mm, decimals } = LengthUnit::of(voxel_mm);
+    let number = |mm: f64| format!("{:>1$.2$}", mm * per_mm + 0.0, decimals.max(1) + 6, decimals);
+    format!("{} {} {}{name}", number(world.x), number(world.y), number(world.z))
 }
 
 /// Six digits at most: a status line is read in passing.
@@ -54,12 +88,18 @@ fn digits(text: String) -> String {
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
 }
 
-/// A number for a field of `chars` characters: with `decimals`, with fewer where they have no room, in powers of ten where the
-/// whole number has none.
+/// A number for a field of `chars` characters: with `decimals`, with fewer where they have no room, in powers of ten where those
+/// keep more of it or the whole number has no room.
 pub fn fixed(value: f64, decimals: usize, chars: usize) -> String {
-    let plain = (0..=decimals).rev().map(|d| format!("{value:.d$}"));
-    let powers = (0..4).rev().map(|d| format!("{value:.d$e}"));
-    plain.chain(powers).find(|text| text.chars().count() <= chars).unwrap_or_else(|| format!("{value:.0e}"))
+    let fits = |text: &String| text.chars().count() <= chars;
+    let plain = (0..=decimals).rev().map(|d| (format!("{value:.d$}"), d)).find(|(text, _)| fits(text));
+    let powers = (0..4).rev().map(|d| format!("{value:.d$e}")).find(fits);
+    let off = |text: &str| text.parse::<f64>().map_or(f64::INFINITY, |shown| (shown - value).abs());
+    match (plain, powers) {
+        (Some((plain, d)), Some(powers)) if d < decimals && off(&powers) < off(&plain) => powers,
+        (Some((plain, _)), _) => plain,
+        (None, powers) => powers.unwrap_or_else(|| format!("{value:.0e}")),
+    }
 }
 
 /// From one value to another that is not smaller, as far as numbers go.

@@ -80,7 +80,7 @@ fn picker(ui: &mut Ui, id: egui::Id, colour: &mut [f32; 3]) -> bool {
         },
         |(_, hsv)| hsv.map(f64::from),
     );
-    let degrees = Scale { decimals: 0, unit: "°", ..Scale::default() };
+    let degrees = Scale { decimals: 0, unit: "°", ..Scale::PLAIN };
     let mut turn = h * 360.0;
     let mut moved = row(ui, "Hue", |ui| {
         slider(ui, ("Hue", "Which colour of the rainbow"), &mut turn, 0.0..=360.0, degrees).changed()

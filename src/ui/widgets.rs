@@ -52,18 +52,20 @@ pub(super) fn row<R>(ui: &mut Ui, label: &str, body: impl FnOnce(&mut Ui) -> R) 
 }
 
 /// How a slider counts.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Scale {
     pub(super) logarithmic: bool,
     pub(super) decimals: usize,
     pub(super) unit: &'static str,
-    /// Shown ×100.
-    pub(super) percent: bool,
+    /// Units in 1 of the value.
+    pub(super) factor: f64,
 }
 
 impl Scale {
+    /// The value as it is.
+    pub(super) const PLAIN: Self = Self { logarithmic: false, decimals: 0, unit: "", factor: 1.0 };
     /// 0..1 as percent.
-    pub(super) const PERCENT: Self = Self { logarithmic: false, decimals: 0, unit: " %", percent: true };
+    pub(super) const PERCENT: Self = Self { unit: " %", factor: 100.0, ..Self::PLAIN };
 }
 
 /// Width of a number beside its slider: no value of any unit makes it wider.
@@ -95,7 +97,7 @@ pub(super) fn slider(
     if rail.changed() {
         *value = at / unit;
     }
-    let factor = if scale.percent { 100.0 } else { 1.0 };
+    let factor = scale.factor;
     let mut shown = *value * factor;
     let speed = if scale.logarithmic { shown.abs().max(0.01) * 0.01 } else { (hi / 400.0 - lo / 400.0) * factor };
     let field = DragValue::new(&mut shown).range(lo * factor..=hi * factor).clamp_existing_to_range(false);
@@ -125,7 +127,12 @@ pub(super) fn number<'a>(
     inner.spacing_mut().button_padding.x = 2.0;
     let font = TextStyle::Monospace.resolve(ui.style());
     let digit = ui.ctx().fonts_mut(|f| f.glyph_width(&font, '0')).max(1.0);
-    let beside = if beside.is_empty() { 0.0 } else { digit * beside.trim().chars().count() as f32 + GAP };
+    // What stands beside it is written as text is.
+    let text = TextStyle::Body.resolve(ui.style());
+    let beside = match beside.trim() {
+        "" => 0.0,
+        beside => ui.painter().layout_no_wrap(beside.to_owned(), text, theme::TEXT).size().x + GAP,
+    };
     let chars = ((width - 4.0 - beside) / digit).floor().max(4.0) as usize;
     let field = field.clip_text(true).custom_formatter(move |x, _| show(x, chars));
     tipped(inner.add(field).accessible_name(name), tip)

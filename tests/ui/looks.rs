@@ -1,6 +1,6 @@
 //! What is read: contrast of the theme, lengths and values as text.
 
-use burin::interact::readout::{field, fixed, length, round_length, short};
+use burin::interact::readout::{LengthUnit, field, fixed, length, place, round_length, short};
 use burin::ui::theme::{
     ACCENT, ACCENT_FILL, BAR, CONTROL, CONTROL_HOVER, DEEP, ERROR, PANEL, TEXT, TEXT_WEAK, WARNING,
 };
@@ -51,6 +51,27 @@ fn values_are_short_and_keep_six_digits() {
 }
 
 #[test]
+fn lengths_are_told_in_the_unit_of_the_voxels() {
+    for (voxel, at, text) in [
+        (1.0, [-90.5, 0.0, 1234.25], "  -90.5     0.0  1234.2 mm"),
+        (0.957, [1.0, 2.0, 3.0], "    1.0     2.0     3.0 mm"),
+        (0.3, [1.0, -2.125, 3.0], "    1.00    -2.12     3.00 mm"),
+        (0.03, [0.015, 0.0, 0.0], "    0.015     0.000     0.000 mm"),
+        (1e-3, [1.5e-3, 0.25, 0.0], "    1.5   250.0     0.0 µm"),
+        (4e-6, [1.6e-5, 0.0, -4e-6], "   16.0     0.0    -4.0 nm"),
+        (1000.0, [2000.0, 0.0, -500.0], "    2.0     0.0    -0.5 m"),
+    ] {
+        assert_eq!(place(at.into(), voxel), text, "voxels of {voxel} mm");
+    }
+    for power in -12..8 {
+        let voxel = 10_f64.powi(power);
+        let LengthUnit { per_mm, decimals, .. } = LengthUnit::of(voxel);
+        let tenth = format!("{:.1$}", voxel * per_mm / 10.0, decimals).parse::<f64>().unwrap();
+        assert!(tenth > 0.0 || power < -11, "a tenth of a voxel of {voxel} mm is told from none");
+    }
+}
+
+#[test]
 fn a_number_of_a_field_has_room_in_it_and_keeps_what_matters() {
     let shown =
         [(10.0, 1, 7), (1234.5, 1, 7), (1_234_567.8, 1, 7), (0.001, 1, 7), (-12_345_678.0, 0, 7), (1e-20, 2, 5)];
@@ -64,6 +85,9 @@ fn a_number_of_a_field_has_room_in_it_and_keeps_what_matters() {
         (2e-5, 1e-4, 9, "0.00002"),
         (-1024.0, 4095.0, 5, "-1024"),
         (1.5e9, 1e9, 6, "1.50e9"),
+        (4.83e-7, 1e-6, 7, "4.83e-7"),
+        (4.83e-7, 1e-6, 11, "0.000000483"),
+        (0.000_05, 1e-4, 6, "5.0e-5"),
         (f64::INFINITY, f64::NAN, 6, "inf"),
     ] {
         assert_eq!(field(value, span, chars), text, "{value} of {span}");

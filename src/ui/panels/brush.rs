@@ -1,7 +1,7 @@
 //! The brush: what it paints, its footprint, and where it may.
 
 use crate::document::Scene;
-use crate::interact::readout;
+use crate::interact::readout::{self, LengthUnit};
 use crate::interact::{Tool, brush_change};
 use crate::paint::{Brush, EraseDensity, Falloff, Operation, Shape, Target, Tip};
 use crate::ui::app::App;
@@ -71,8 +71,9 @@ impl App {
             target_row(ui, scene, readout::span(ends), &mut new);
         }
         row(ui, "Radius", |ui| {
-            let scale =
-                Scale { logarithmic: true, decimals: readout::decimals(voxel * 20.0), unit: " mm", percent: false };
+            let LengthUnit { name: unit, per_mm: factor, .. } = LengthUnit::of(voxel);
+            let decimals = readout::decimals(voxel * factor * 20.0);
+            let scale = Scale { logarithmic: true, decimals, unit, factor };
             let range = (voxel * 0.5)..=80.0_f64.max(voxel * 20.0).max(new.radius_mm);
             let tip = "Radius of the brush: also [ and ], or Shift + wheel";
             slider(ui, ("Brush radius", tip), &mut new.radius_mm, range, scale);

@@ -48,7 +48,7 @@ impl App {
     fn force_rows(&mut self, ui: &mut Ui, forces: Forces) {
         subsection(ui, "Forces", false, |ui| {
             let mut new = forces;
-            let scale = Scale { decimals: 2, ..Scale::default() };
+            let scale = Scale { decimals: 2, ..Scale::PLAIN };
             for (label, name, tip, value) in [
                 ("Return", "Return force", "Pulls every part back to its place", &mut new.return_constant),
                 ("Explosion", "Explosion force", "Pushes parts away from the selection", &mut new.delta_explosion),

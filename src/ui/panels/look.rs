@@ -55,7 +55,7 @@ impl App {
         ui.add_enabled_ui(kind == Kind::Iso, |ui| {
             row(ui, "Surface at", |ui| {
                 let mut value = if let Mode::Iso(value) = now.mode { value } else { first };
-                let scale = Scale { decimals: readout::decimals(readout::span([min, max])), ..Scale::default() };
+                let scale = Scale { decimals: readout::decimals(readout::span([min, max])), ..Scale::PLAIN };
                 let about = ("Surface value", "The value on the surface (mode Surface)");
                 let response = slider(ui, about, &mut value, min..=max, scale);
                 if response.changed() {
@@ -83,7 +83,7 @@ impl App {
         });
         row(ui, "Detail", |ui| {
             let mut detail = 1.0 / now.step_voxels;
-            let scale = Scale { logarithmic: true, decimals: 2, unit: " ×", percent: false };
+            let scale = Scale { logarithmic: true, decimals: 2, unit: " ×", ..Scale::PLAIN };
             let tip = "Samples along each line of sight, per voxel: more gives a smoother picture and takes longer";
             let response = slider(ui, ("Detail of the 3D view", tip), &mut detail, 0.25..=4.0, scale);
             if response.changed() {

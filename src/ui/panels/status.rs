@@ -64,9 +64,7 @@ impl App {
         ui.add(
             Label::new(mono(voxel.map_or_else(|| "outside".into(), |v| format!("ijk {}", shown(v))))).selectable(false),
         );
-        ui.add(
-            Label::new(mono(format!("RAS {:>7.1} {:>7.1} {:>7.1} mm", world.x, world.y, world.z))).selectable(false),
-        );
+        ui.add(Label::new(mono(format!("RAS {}", readout::place(world, open.grid.voxel_mm())))).selectable(false));
         if voxel.is_some() {
             let (value, label) = self.voxel_text();
             ui.add(Label::new(mono(value)).selectable(false));
