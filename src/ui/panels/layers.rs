@@ -80,9 +80,12 @@ impl App {
             ),
             ("Window width", "W", &mut width, "Window width: from black to white. Also right drag across a slice"),
         ] {
+            let now = *value;
             let field = DragValue::new(value).speed(speed).prefix(format!("{letter} "));
             let show = move |x, chars| readout::grey(x, window.width, chars);
-            let response = number(ui, each, (name, tip), letter, field, show);
+            // In powers of ten the field may say less than one wants to know.
+            let tip = format!("{tip}. Now {}", readout::short(now));
+            let response = number(ui, each, (name, &tip), letter, field, show);
             if response.changed() {
                 let (level, width) = if letter == "L" { (*value, window.width) } else { (window.level, *value) };
                 let width = width.max(f64::MIN_POSITIVE);
