@@ -222,7 +222,7 @@ fn what_no_float_can_hold_is_refused_in_plain_words() {
     if gpu().is_none() {
         return;
     }
-    let (mut document, _) = Data::new(Voxels::F64(vec![0.0; COUNT]), DIMS).open(json!({}));
+    let (mut document, _) = Data::new(Voxels::F32(vec![0.0; COUNT]), DIMS).open(json!({}));
     for value in [json!(1e39), json!(-1e300)] {
         let set = json!({"brush":{"set":{"target":{"density":value}}}});
         run(&mut document, &set.to_string()).unwrap();

@@ -3,6 +3,8 @@
 use super::driver::{SMALL, Window};
 use burin::document::{BrushCommand, Command};
 use burin::paint::{EraseDensity, Falloff, Target};
+use burin::volume::Number;
+use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
 
 const TARGETS: [Target; 4] =
@@ -96,5 +98,31 @@ fn erasing_density_says_what_it_leaves() {
         // Opened again, the value that is there stays.
         window.click(name);
         assert_eq!(window.click("sets to a value"), []);
+    }
+}
+
+#[test]
+fn the_end_of_a_range_that_is_typed_is_the_one_that_is_meant() {
+    for (name, typed, wanted) in [
+        ("Highest value to paint", "10", [10.0, 10.0]),
+        ("Highest value to paint", "70", [40.0, 70.0]),
+        ("Lowest value to paint", "80", [80.0, 80.0]),
+        ("Lowest value to paint", "5", [5.0, 60.0]),
+    ] {
+        let mut window = painting(Target::Selection(1.0));
+        window.scene.brush.range = Some([40.0, 60.0].map(Number::Real));
+        window.snapshot(|_| {});
+        window.harness.get_by_label(name).focus();
+        window.harness.run_steps(2);
+        window.key(Modifiers::COMMAND, Key::A);
+        window.harness.get_by_label(name).type_text(typed);
+        window.harness.run_steps(1);
+        let mut sent = window.sent();
+        sent.extend(window.key(Modifiers::NONE, Key::Enter));
+        let set = sent.iter().rev().find_map(|c| match c {
+            Command::Brush(BrushCommand::Set { range: Some(range), .. }) => Some(range.map(Number::to_f64)),
+            _ => None,
+        });
+        assert_eq!(set, Some(wanted), "{name} {typed}: {sent:?}");
     }
 }

@@ -277,7 +277,12 @@ fn range_row(ui: &mut Ui, new: &mut Brush, ends: [f64; 2]) {
             let tip = "The largest value that is painted";
             let high = value_field(ui, width, ("Highest value to paint", tip), &mut range[1], span);
             if low.changed() || high.changed() {
-                range[1] = range[1].max(range[0]);
+                // The end that was set is meant; the other one makes way.
+                if high.changed() {
+                    range[0] = range[0].min(range[1]);
+                } else {
+                    range[1] = range[1].max(range[0]);
+                }
                 // An end that nobody touched keeps digits that this row does not show.
                 let held = new.range.unwrap_or(old.map(Number::Real));
                 let end = |i: usize| if range[i] == old[i] { held[i] } else { Number::Real(range[i]) };
