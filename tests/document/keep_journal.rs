@@ -157,6 +157,36 @@ fn a_damaged_record_ends_the_journal_and_a_copy_is_set_aside() {
 }
 
 #[test]
+fn a_record_whose_length_is_damaged_is_no_end_that_was_being_written() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut state = state(SMALL, dir.path());
+    let (mut keeper, project) = project(dir.path(), &state);
+    let journal = project.join("journal-000001");
+    let mut borders = Vec::new();
+    for n in 1..=4 {
+        borders.push((std::fs::metadata(&journal).unwrap().len() as usize, state.clone()));
+        let touched = step(&mut state, n);
+        keeper.record(&command(), &state, &touched, false).unwrap();
+    }
+    drop(keeper);
+    let whole = std::fs::read(&journal).unwrap();
+    for (n, (border, expected)) in borders.iter().enumerate() {
+        let mut bytes = whole.clone();
+        bytes[border + 3] ^= 0x40;
+        std::fs::write(&journal, &bytes).unwrap();
+        let (again, recovered) = reopened(&project);
+        assert_kept(expected, &again, &format!("before step {n}"));
+        // Of the last record nobody can tell it from one that was being written.
+        let Some((aside, what)) = recovered.set_aside else {
+            assert_eq!(n, 3, "the steps after {n} are lost without a copy");
+            continue;
+        };
+        assert_eq!(std::fs::read(&aside).unwrap(), bytes);
+        assert!(what.contains(&format!("record at byte {border}: it is longer than the file")), "{what}");
+    }
+}
+
+#[test]
 fn a_record_that_is_there_twice_is_taken_once() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());

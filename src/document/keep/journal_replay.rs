@@ -41,6 +41,11 @@ pub(in crate::document) struct Replay {
     pub told: Option<String>,
 }
 
+/// No record is longer: what is left of a file behind the last whole one and is more was not being written.
+const MOST_UNFINISHED: u64 = 64 << 20;
+/// Records that one file may have.
+const MOST_AT_ONCE: u64 = 1 << 32;
+
 fn lost(what: &str, bytes: u64) -> String {
     format!("{what}; the {bytes} bytes from there on, with the steps in them, are lost")
 }
@@ -169,6 +174,9 @@ impl Journal {
         let mut waiting: Vec<(Vec<BrickEntry>, u64)> = Vec::new();
         let damage = loop {
             let whole = match next_body(reader, length - at, &mut body).map_err(KeepError::io("read", &path))? {
+                Body::Short if is_followed(reader, at, length, sequence).map_err(KeepError::io("read", &path))? => {
+                    break Some(format!("record at byte {at}: it is longer than the file, and others come after it"));
+                }
                 Body::Short => break None,
                 Body::Damaged => break Some(format!("record at byte {at}: its checksum does not match")),
                 Body::Whole => decode(&body).filter(|r| r.sequence == sequence + 1),
@@ -261,6 +269,32 @@ fn next_body(reader: &mut impl Read, left: u64, body: &mut Vec<u8>) -> std::io::
     body.resize(length as usize, 0);
     reader.read_exact(body)?;
     Ok(if checksum(body) == head[4..] { Body::Whole } else { Body::Damaged })
+}
+
+/// Whether behind a record that cannot be read whole lies one that came later: then it is damaged, and not merely unfinished.
+fn is_followed(reader: &mut BufReader<File>, at: u64, length: u64, sequence: u64) -> std::io::Result<bool> {
+    let left = length - at;
+    if left > MOST_UNFINISHED {
+        return Ok(true);
+    }
+    let mut bytes = vec![0; left as usize];
+    reader.seek(SeekFrom::Start(at))?;
+    reader.read_exact(&mut bytes)?;
+    // Bytes that only look like records must not take forever.
+    let mut sums = bytes.len().saturating_mul(16);
+    for from in 1..bytes.len() {
+        let (head, body) = bytes[from..].split_at(RECORD_HEAD.min(bytes.len() - from));
+        let (Some(size), Some(number)) = (head.first_chunk::<4>(), body.first_chunk::<8>()) else { break };
+        let (size, number) = (u32::from_le_bytes(*size) as usize, u64::from_le_bytes(*number));
+        let Some(body) = body.get(..size).filter(|_| number > sequence && number - sequence < MOST_AT_ONCE) else {
+            continue;
+        };
+        if size > sums || checksum(body) == head[4..] {
+            return Ok(true);
+        }
+        sums -= size;
+    }
+    Ok(false)
 }
 
 /// Whether a file was made and nothing was written into it: no step comes before the header.
