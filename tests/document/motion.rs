@@ -89,6 +89,23 @@ fn parts_follow_the_slider_from_the_first_steps_and_rest_where_they_belong() {
 }
 
 #[test]
+fn parts_that_moved_during_a_stroke_stay_where_they_are_when_it_comes_to_nothing() {
+    let Some(mut document) = block() else { return };
+    cut(&mut document);
+    select(&mut document);
+    run(&mut document, r#"{"explosion":{"degree":{"value":1}}}"#).unwrap();
+    for end in [r#"{"stroke":{"end":{}}}"#, r#"{"stroke":{"cancel":{}}}"#] {
+        let before = poses(&document);
+        run(&mut document, r#"{"stroke":{"begin":{"points":[{"at":{"mm":[500,500,500]}}]}}}"#).unwrap();
+        run(&mut document, r#"{"explosion":{"step":{"steps":5}}}"#).unwrap();
+        let moved = poses(&document);
+        assert!(farthest(&before, &moved) > 1e-3);
+        assert_eq!(run(&mut document, end).unwrap()["step"], serde_json::Value::Null);
+        assert_eq!(moved, poses(&document), "{end}");
+    }
+}
+
+#[test]
 fn a_share_of_a_pose_is_that_share_of_its_shift_and_turn() {
     let centre = DVec3::new(3.0, -2.0, 7.0);
     let pose = Pose::about(centre, DQuat::from_axis_angle(DVec3::new(0.0, 0.6, 0.8), 0.8), DVec3::new(4.0, 0.0, -2.0));

@@ -102,6 +102,7 @@ impl Document {
         let (voxels, bricks) = running.edit.counts();
         if swapped.is_err() || voxels == 0 {
             // Nothing painted: the segment or the wider map that was made for it goes too.
+            running.edit.motion_is_not_mine(&state.scene);
             let refreshed = running.edit.roll_back(state)?;
             self.mirror(&refreshed);
             self.no_stroke();
@@ -176,8 +177,9 @@ impl Document {
 
     /// Takes the running stroke back.
     pub(in crate::document) fn drop_stroke(&mut self) {
-        let (Some(running), Some(state)) = (self.running.take(), &mut self.state) else { return };
+        let (Some(mut running), Some(state)) = (self.running.take(), &mut self.state) else { return };
         self.graphics.cancel(state, running.field());
+        running.edit.motion_is_not_mine(&state.scene);
         // Of a stroke there is at most a segment and a map to take back; a source that fails leaves the wider map.
         match running.edit.roll_back(state) {
             Ok(refreshed) => self.mirror(&refreshed),
