@@ -196,11 +196,6 @@ impl Field {
         self.edits.iter().map(|(&i, b)| (i, b)).collect()
     }
 
-    /// The edited bricks' indices, in no order.
-    pub(super) fn edited(&self) -> impl Iterator<Item = BrickIndex> {
-        self.edits.keys().copied()
-    }
-
     /// What was painted over a brick of level 0, if anything.
     pub fn edit(&self, index: BrickIndex) -> Option<&Brick> {
         self.edits.get(&index)

@@ -3,7 +3,7 @@
 //! Texels round what a source holds (16-bit codes, 32-bit floats), and serve pictures and strokes. Whoever tells, compares or
 //! writes values comes here.
 
-use super::{BRICK, BrickSource, Field, FieldKind, Number, SourceError, Voxels};
+use super::{BRICK, BrickIndex, BrickSource, Field, FieldKind, Number, SourceError, Voxels};
 
 /// A box of density.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,9 +32,11 @@ impl Field {
         };
         let own = source.read(lo, size)?;
         let end: [u32; 3] = std::array::from_fn(|a| lo[a] + size[a]);
-        let meets = |origin: [u32; 3]| (0..3).all(|a| origin[a] < end[a] && lo[a] < origin[a] + BRICK);
         let mut painted = Vec::new();
-        if self.edited().any(|index| meets(index.origin())) {
+        // The box's bricks are asked, not all that were painted: whoever goes through the volume would pay for those each time.
+        let [[x0, y0, z0], [x1, y1, z1]] = [lo.map(|v| v / BRICK), end.map(|v| v.div_ceil(BRICK))];
+        let is_painted = |x, y, z| self.edit(BrickIndex([x, y, z])).is_some();
+        if (z0..z1).any(|z| (y0..y1).any(|y| (x0..x1).any(|x| is_painted(x, y, z)))) {
             let mut base = Vec::with_capacity(own.len() * bytes);
             self.map().encode_voxels(&own, source.scaling(), &mut base);
             let texels = texels()?;
