@@ -135,7 +135,7 @@ fn perform(arguments: Arguments) -> Result<(), String> {
                 "transparent": transparent,
                 "background": background,
             });
-            render(&at_home(path), source, [frame, component], camera, degree, &image)
+            render(&at_home(path), source.map(at_home), [frame, component], camera, degree, &image)
         }
         Some(Command::Schema) => {
             let schema = serde_json::to_string_pretty(&script::schema()).map_err(|e| e.to_string())?;

@@ -68,8 +68,9 @@ pub(super) fn check_target(path: &Path, files: Option<&SourceFiles>) -> Result<(
         }
     }
     let inside = |dir: &Path| check_project(dir).is_ok();
-    let mut below = lead.as_path();
-    while let (Some(dir), Some(name)) = (below.parent(), below.file_name()) {
+    for below in lead.ancestors() {
+        // A step upward (`..`) that nothing is there to resolve has no name of its own.
+        let (Some(dir), Some(name)) = (below.parent(), below.file_name()) else { continue };
         let name = name.to_string_lossy();
         let kept = generation_of(&name).is_some()
             || [LOCK, PROJECT, "project.new"].contains(&&*name)
@@ -77,7 +78,6 @@ pub(super) fn check_target(path: &Path, files: Option<&SourceFiles>) -> Result<(
         if kept && inside(dir) {
             return refused(format!("a place that the project {} does not keep itself in", dir.display()));
         }
-        below = dir;
     }
     Ok(())
 }

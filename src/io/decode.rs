@@ -30,8 +30,9 @@ pub(super) enum Encoding {
 /// The most that a block of bzip2 can hold: 900,000 bytes of which five stand for up to 259; and the fewest bytes of one.
 const BZIP2_BLOCK: (u64, u64) = (900_000 / 5 * 259, 24);
 
-/// The longest word that may be a number.
-const LONGEST_WORD: usize = 64;
+/// The longest word that may be a number: the largest double has 309 digits where it is written out, the smallest 1,074 behind the
+/// point.
+const LONGEST_WORD: usize = 1100;
 
 impl Encoding {
     /// Its name in messages.

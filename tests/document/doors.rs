@@ -211,6 +211,33 @@ fn a_script_that_has_no_end_is_refused() {
 }
 
 #[test]
+fn every_door_finds_a_source_below_the_home_folder() {
+    use super::maker::run;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("v.nrrd");
+    volume(&path);
+    let mut document = burin::document::Document::new();
+    for line in [
+        serde_json::json!({"volume":{"open":{"path":path}}}),
+        serde_json::json!({"project":{"save":{"path":folder.path().join("p"),"density":"linked"}}}),
+    ] {
+        run(&mut document, &line.to_string()).unwrap();
+    }
+    drop(document);
+    std::fs::create_dir(folder.path().join("attic")).unwrap();
+    std::fs::rename(&path, folder.path().join("attic/v.nrrd")).unwrap();
+    // No shell takes the tilde for the home folder there.
+    let source = "--source=~/attic/v.nrrd";
+    let render: [&dyn AsRef<OsStr>; 9] =
+        [&"render", &"p", &source, &"-o", &"x.png", &"--view", &"axial", &"--size", &"8x8"];
+    let run: [&dyn AsRef<OsStr>; 5] = [&"run", &"-", &"--project", &"p", &source];
+    for arguments in [&run[..], &render[..]] {
+        let (_, stderr, code) = burin(folder.path(), arguments, "");
+        assert!(code == Some(0) || stderr.contains("needs a GPU"), "{stderr}");
+    }
+}
+
+#[test]
 fn a_source_that_is_another_is_told_by_every_door() {
     use super::maker::run;
     let folder = tempfile::tempdir().unwrap();

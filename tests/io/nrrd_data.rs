@@ -137,6 +137,9 @@ fn numbers_in_text_are_taken_as_programs_write_them() {
     );
     let Voxels::F64(odd) = read("double", "nan NaN -nan 0.1").unwrap() else { panic!() };
     assert!(odd[..3].iter().all(|x| x.is_nan()) && odd[3] == 0.1);
+    // Written out in full, as C's %f does.
+    let ends = format!("{:.6} {:.1074}", f64::MAX, f64::from_bits(1));
+    assert_eq!(read("double", &ends).unwrap(), Voxels::F64(vec![f64::MAX, f64::from_bits(1)]));
     for (ty, text, found) in [
         ("uint8", "1 256", "\"256\" as number 2 is no u8"),
         ("uint8", "-1 2", "\"-1\" as number 1 is no u8"),
