@@ -76,6 +76,7 @@ pub(super) fn urgency(
                 }
                 let posed = corners.map(|c| body.pose.apply(c));
                 let (inside, distance) = seen(&sight.camera, sight.size, &posed);
+                let distance = distance.max(1e-3 * voxel);
                 let pixels = (voxel / sight.camera.mm_per_pixel(distance, sight.size[1])) as f32;
                 let eye = body.pose.unapply(toward(&sight.camera, &posed));
                 let clear = transmittance(
@@ -118,7 +119,7 @@ fn seen(camera: &Camera, size: [u32; 2], corners: &[DVec3; 8]) -> (bool, f64) {
         || points.iter().all(|p| -p.x > limit(half_x, p.z))
         || points.iter().all(|p| p.y > limit(half_y, p.z))
         || points.iter().all(|p| -p.y > limit(half_y, p.z));
-    (!outside, nearest.max(1e-3))
+    (!outside, nearest)
 }
 
 /// A point towards which the brick is seen: the eye, or its place before the brick in orthographic projection.

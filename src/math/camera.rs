@@ -47,7 +47,8 @@ impl Camera {
 
     /// The same in a projection: its angle is kept, the height of an orthographic picture becomes the sphere's.
     pub fn framing_in(bounds: &Aabb, direction: DVec3, up: DVec3, projection: Projection) -> Self {
-        let radius = bounds.half_diagonal().max(1e-6);
+        // A point is looked at as if it were something.
+        let radius = Some(bounds.half_diagonal()).filter(|r| *r > 0.0).unwrap_or(1e-6);
         let away = |fov_y_deg: f64| radius / (fov_y_deg.to_radians() * 0.5).sin();
         let (distance, projection) = match projection {
             Projection::Perspective { fov_y_deg } => (away(fov_y_deg), projection),
@@ -104,7 +105,7 @@ impl Camera {
         let v = self.view_from_world().transform_point3(world);
         let (w, h) = (f64::from(size[0]), f64::from(size[1]));
         let scale = match self.projection {
-            Projection::Perspective { .. } if v.z >= -1e-9 => return None,
+            Projection::Perspective { .. } if -v.z <= 1e-9 * v.length() => return None,
             Projection::Perspective { .. } => self.half_height() * -v.z,
             Projection::Orthographic { .. } => self.half_height(),
         };
@@ -126,7 +127,7 @@ impl Camera {
     pub fn orbited(&self, azimuth_deg: f64, elevation_deg: f64) -> Self {
         let offset = self.eye - self.target;
         let turned = DQuat::from_rotation_z(azimuth_deg.to_radians()) * offset;
-        let length = turned.length().max(1e-9);
+        let length = turned.length().max(f64::MIN_POSITIVE);
         let old = (turned.z / length).clamp(-1.0, 1.0).asin();
         let limit = 89.5_f64.to_radians();
         let new = (old + elevation_deg.to_radians()).clamp(-limit, limit);

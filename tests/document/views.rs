@@ -211,3 +211,41 @@ fn a_fitted_3d_view_keeps_its_direction_and_holds_every_part_where_it_stands() {
     run(&mut document, hide).unwrap();
     assert!(near(&mut document) < all * 0.9, "what is hidden needs no room");
 }
+
+/// What is seen of a ball of voxels of this size at first, after an orbit, from near, and in a fitted and a nearer slice.
+fn views_of_a_ball(voxel_mm: f64) -> Option<Vec<Vec<u8>>> {
+    use super::maker_gpu::made;
+    use burin::volume::Voxels;
+    let at = |i: u32| DVec3::new(f64::from(i % 12), f64::from(i / 12 % 10), f64::from(i / 120));
+    let voxel = |i: u32| if at(i).distance(DVec3::new(5.5, 4.5, 3.5)) < 3.0 { 200 } else { (i % 40) as u8 };
+    let mut document = made(Voxels::U8((0..12 * 10 * 8).map(voxel).collect()), [12, 10, 8], DVec3::splat(voxel_mm))?;
+    let function = serde_json::json!({"colour":[[0,[1,0.8,0.6]]],"opacity":[[60,0],[120,0.9]],"unit_mm":voxel_mm});
+    run(&mut document, &serde_json::json!({"transfer":{"set":{"function":function}}}).to_string()).unwrap();
+    let mut pictures = Vec::new();
+    for (view, line) in [
+        (ViewName::ThreeD, r#"{"view":{"frame":{"from":[1,-2,0.5]}}}"#),
+        (ViewName::ThreeD, r#"{"view":{"orbit":{"azimuth_deg":40,"elevation_deg":10}}}"#),
+        (ViewName::ThreeD, r#"{"view":{"zoom":{"view":"3d","factor":0.4}}}"#),
+        (ViewName::ThreeD, r#"{"view":{"fit":{"view":"3d"}}}"#),
+        (ViewName::Axial, r#"{"view":{"fit":{"view":"axial"}}}"#),
+        (ViewName::Axial, r#"{"view":{"zoom":{"view":"axial","factor":0.3}}}"#),
+    ] {
+        run(&mut document, line).unwrap();
+        pictures.push(document.picture(view, [48, 48], None).unwrap().to_rgba8(Some([0.0; 3])));
+    }
+    Some(pictures)
+}
+
+#[test]
+fn a_volume_looks_the_same_in_any_unit() {
+    let Some(expected) = views_of_a_ball(1.0) else { return };
+    for picture in &expected {
+        assert!(picture.chunks_exact(4).filter(|p| p[0] > 40).count() > 100);
+    }
+    for voxel_mm in [1e-10, 1e-9, 1e-7, 1e-6, 1e-3, 1e3, 1e6, 1e9] {
+        for (i, (found, expected)) in views_of_a_ball(voxel_mm).unwrap().iter().zip(&expected).enumerate() {
+            let apart = found.iter().zip(expected).map(|(a, b)| a.abs_diff(*b)).max().unwrap();
+            assert!(apart <= 3, "{voxel_mm} mm, picture {i}: {apart}");
+        }
+    }
+}

@@ -96,7 +96,7 @@ impl Document {
                     None => views.camera = checked(views.camera.zoomed(factor), &bounds)?,
                     Some(i) => {
                         let height = &mut views.slices[i].height_mm;
-                        *height = (*height * factor).clamp(1e-6, 1e9);
+                        *height = slice_height(*height * factor, &bounds);
                     }
                 }
                 Ok(view_answer(views, view))
@@ -210,6 +210,12 @@ fn pan(state: &mut State, view: ViewName, px: DVec2) -> Result<(), DocumentError
     Ok(())
 }
 
+/// The height of a slice's picture, mm, within what shows anything of the volume.
+fn slice_height(height_mm: f64, bounds: &Aabb) -> f64 {
+    let reach = bounds.half_diagonal();
+    height_mm.clamp(reach * 1e-8, reach * 1e8)
+}
+
 /// All of a slice, or of what is shown in 3D, as large as the picture holds.
 fn fit(state: &mut State, view: ViewName) -> Result<(), DocumentError> {
     let grid = *state.grid();
@@ -221,7 +227,7 @@ fn fit(state: &mut State, view: ViewName) -> Result<(), DocumentError> {
                 plane.in_plane.map(|a| f64::from(grid.dims[a]) * grid.world_from_index.matrix3.col(a).length());
             let [w, h] = views.slices[i].size.map(|s| f64::from(s.max(1)));
             let slice = &mut state.scene.views.slices[i];
-            slice.height_mm = height.max(width * h / w).clamp(1e-6, 1e9);
+            slice.height_mm = slice_height(height.max(width * h / w), &bounds);
             slice.centre = grid.world_from_index.transform_point3((grid.dims_f64() - 1.0) * 0.5);
         }
         _ => {
