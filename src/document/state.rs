@@ -9,6 +9,10 @@ use crate::paint::Reach;
 use crate::volume::{BrickSource, DensityMap, Field, FieldKind, Grid, Histogram, Statistics, TexelFormat, unit};
 use std::sync::Arc;
 
+/// Of a stroke in floats: of what was there, what is painted, their difference, its share and the sum, each half a unit in the last
+/// place of up to twice the largest number.
+const ROUNDINGS: f64 = 4.0;
+
 /// See the module's head. Cheap to clone: bricks are shared.
 #[derive(Clone, Debug)]
 pub struct State {
@@ -91,18 +95,37 @@ impl State {
     /// The most by which a painted value may differ from what comes back of it, anywhere in the volume as it is now. What was not
     /// painted comes back as the source has it.
     pub fn half_step(&self) -> f64 {
-        let painted = self.density.extremes().map(f64::from);
+        let map = self.density.map();
+        // Extremes are known to 32 bits; codes end where their map does.
+        let painted = match map.format {
+            TexelFormat::R32Float => self.density.extremes().map(f64::from),
+            _ => [map.lo, map.hi()],
+        };
         let largest = [self.statistics.min, self.statistics.max, painted[0], painted[1]]
             .into_iter()
             .map(f64::abs)
             .filter(|v| v.is_finite())
-            .fold(0.0, f64::max);
-        self.half_step_at(largest)
+            .fold(self.largest_painted(), f64::max);
+        self.half_step_of(largest)
     }
 
-    /// The same of a voxel painted to a value.
-    pub fn half_step_at(&self, value: f64) -> f64 {
-        self.density.map().error_at(value, unit(self.source.as_ref()).is_some())
+    /// The same of a voxel that was painted to a value from this one of the source.
+    pub fn half_step_at(&self, value: f64, own: f64) -> f64 {
+        let mixed = value.abs().max(self.largest_painted());
+        // What is so much larger than anything painted leaves no digit of it if it is mixed with that.
+        let from = if own.abs() * f64::from(f32::EPSILON) <= 2.0 * mixed { own.abs() } else { 0.0 };
+        self.half_step_of(if self.density.format() == TexelFormat::R32Float { mixed.max(from) } else { value })
+    }
+
+    fn largest_painted(&self) -> f64 {
+        self.reach.map_or(0.0, |reach| reach.largest())
+    }
+
+    /// Of numbers of this size: rounding to the texel, and in the kernel's 32 bits to that of each number which it was made from.
+    fn half_step_of(&self, size: f64) -> f64 {
+        let map = self.density.map();
+        let roundings = if map.format == TexelFormat::R32Float { ROUNDINGS } else { 1.0 };
+        map.error_at(size, unit(self.source.as_ref()).is_some()) * roundings
     }
 
     /// A field by its kind.

@@ -44,6 +44,11 @@ impl Reach {
         reached
     }
 
+    /// The largest of them without its sign.
+    pub fn largest(&self) -> f64 {
+        self.0[0].abs().max(self.0[1].abs())
+    }
+
     /// The step by which a weak brush arrives at its end.
     pub fn step(&self) -> f64 {
         (self.0[1] - self.0[0]).min(f64::MAX) / 65_535.0
@@ -63,7 +68,7 @@ impl Brush {
     pub fn floats_for(&self, map: &DensityMap, density: &Field, reach: Reach) -> Option<DensityMap> {
         let doubles = density.source().is_some_and(|s| s.voxel_type() == VoxelType::F64);
         let paints = matches!(self.effective_target(), Target::Density(_)) && self.effective() != Operation::Restore;
-        let largest = reach.0.into_iter().map(f64::abs).fold(0.0, f64::max);
+        let largest = reach.largest();
         let beyond = largest * map.codes_per_unit > f64::from(f32::MAX);
         (map.format == TexelFormat::R32Float && doubles && paints && beyond).then(|| DensityMap::floats(largest))
     }

@@ -1,7 +1,8 @@
 //! What density must be able to hold before a brush paints on it: its 16-bit codes, wider ones, or 32-bit floats.
 //!
 //! Codes are half as large and are kept for as long as they lose nothing that the brush means: they hold every value, the
-//! source's outliers too, the number painted is one of them, and a step of integer data has codes enough for what lies between.
+//! source's outliers too, the number painted is one of them, and a step of integer data has codes enough for what lies between; or
+//! the numbers are so large and so near each other that floats would lose more.
 //! Otherwise density moves to floats, which hold every value to 24 bits. Nothing is ever refused for want of room. Knows fields,
 //! neither documents nor the GPU.
 
@@ -27,16 +28,23 @@ impl Brush {
             return Some(DensityMap::FLOAT);
         }
         let unit = density.source().and_then(|s| unit(&**s));
-        let painted = density.extremes().map(f64::from);
+        let painted = held(density).unwrap_or_else(|| {
+            let map = density.map();
+            if density.edits().is_empty() { [source.min, source.max] } else { [map.lo, map.hi()] }
+        });
         let [lo, hi] = self.made([painted[0].min(source.min), painted[1].max(source.max)], density, coverage);
         let number = match self.effective() {
             Operation::Add | Operation::Subtract => value * f64::from(self.strength),
             _ => value,
         };
+        let size = lo.abs().max(hi.abs());
+        let holds = |map: &DensityMap| {
+            let slack = map.half_step() * 0.01 + size * f64::EPSILON;
+            lo >= map.lo - slack && hi <= map.hi() + slack
+        };
+        // Of large numbers near each other codes lose less than floats do.
+        let finer = |map: &DensityMap| holds(map) && map.half_step() <= size * f64::from(f32::EPSILON) * 0.5;
         let keeps = |map: &DensityMap| {
-            // Extremes are known to 32 bits.
-            let slack = map.half_step() * 0.01 + lo.abs().max(hi.abs()) * f64::from(f32::EPSILON);
-            let holds = lo >= map.lo - slack && hi <= map.hi() + slack;
             let code = match self.effective() {
                 Operation::Add | Operation::Subtract => number * map.codes_per_unit,
                 _ => (number - map.lo) * map.codes_per_unit,
@@ -44,17 +52,20 @@ impl Brush {
             let is_code = (code - code.round()).abs() <= 1e-9 * (1.0 + code.abs());
             let whole = self.falloff == Falloff::Hard && self.strength >= 1.0;
             let between = unit.is_none_or(|u| whole || map.codes_per_unit * u >= CODES_BETWEEN * (1.0 - 1e-9));
-            holds && (restores || (is_code && between))
+            finer(map) || (holds(map) && (restores || (is_code && between)))
         };
         if keeps(density.map()) {
             return None;
         }
-        let wider = unit.and_then(|unit| {
-            // Ends where the source has integers.
-            let lo = source.min + ((lo - source.min) / unit).floor() * unit;
-            let hi = source.min + ((hi - source.min) / unit).ceil() * unit;
-            ((hi - lo) / unit <= 65_535.0).then(|| DensityMap::codes(lo, hi, Some(unit)))
-        });
+        let wider = match unit {
+            Some(unit) => {
+                // Ends where the source has integers.
+                let lo = source.min + ((lo - source.min) / unit).floor() * unit;
+                let hi = source.min + ((hi - source.min) / unit).ceil() * unit;
+                ((hi - lo) / unit <= 65_535.0).then(|| DensityMap::codes(lo, hi, Some(unit)))
+            }
+            None => Some(DensityMap::codes(lo, hi, None)).filter(finer),
+        };
         Some(wider.filter(keeps).unwrap_or(DensityMap::FLOAT))
     }
 
@@ -116,10 +127,18 @@ impl Brush {
             return None;
         }
         let map = density.map();
-        let [lo, hi] = self.made(density.extremes().map(f64::from), density, 1.0);
+        let [lo, hi] = self.made(held(density)?, density, 1.0);
         let slack = map.half_step();
         (lo < map.lo - slack || hi > map.hi() + slack).then(|| [lo.min(map.lo), hi.max(map.hi())])
     }
+}
+
+/// The extremes of what density holds in its texels. They are known to 32 bits, which is none where the numbers are so large and so
+/// near each other that these are more than the codes' steps.
+fn held(density: &Field) -> Option<[f64; 2]> {
+    let (ends, map) = (density.extremes().map(f64::from), density.map());
+    let unsure = ends[0].abs().max(ends[1].abs()) * f64::from(f32::EPSILON);
+    (map.format != TexelFormat::R16Unorm || unsure <= map.half_step()).then_some(ends)
 }
 
 /// What the source's type can hold, in the volume's unit.

@@ -59,14 +59,6 @@ impl Field {
         let values = self.values(voxel, [1; 3])?;
         Ok(values.painted.first().map_or_else(|| values.unpainted(0), |&(_, value)| Number::Real(value)))
     }
-
-    /// The value that a voxel of density was painted to, if it was.
-    ///
-    /// # Errors
-    /// As [`number`](Self::number).
-    pub fn painted(&self, voxel: [u32; 3]) -> Result<Option<f64>, SourceError> {
-        Ok(self.values(voxel, [1; 3])?.painted.first().map(|&(_, value)| value))
-    }
 }
 
 impl Values {

@@ -5,6 +5,7 @@ use super::maker::run;
 use super::values_support::Data;
 use burin::document::Document;
 use burin::volume::*;
+use rand::{Rng, SeedableRng, rngs::StdRng};
 use serde_json::{Value, json};
 
 const N: u32 = 6;
@@ -176,4 +177,87 @@ fn doubles_beyond_32_bit_floats_are_painted_within_the_stated_half_step() {
     brush(&mut document, json!({"target":{"density":1e39}}));
     let refused = run(&mut document, r#"{"stroke":{"paint":{"points":[{"at":{"index":[3,3,3]}}]}}}"#).unwrap_err();
     assert!(refused.to_string().contains("target.density"), "{refused}");
+}
+
+/// Paints by an operation; the answer's step is there.
+fn paint(document: &mut Document, operation: &str, strength: f32, value: f64) {
+    let settings = json!({"radius_mm":0.5,"falloff":"hard","strength":strength,"operation":operation,
+        "target":{"density":value}});
+    brush(document, settings);
+    click(document);
+}
+
+#[test]
+fn large_integers_beside_each_other_are_painted_and_not_refused() {
+    let near = |base: i128| (0..(N * N * N) as i128).map(move |i| base + (i * 37) % 101);
+    for voxels in [
+        Voxels::U32(near((1 << 31) - 201).map(|v| v as u32).collect()),
+        Voxels::I32(near(16_777_217).map(|v| v as i32).collect()),
+        Voxels::I32(near(-(1 << 31)).map(|v| v as i32).collect()),
+        Voxels::U64(near(9_007_199_254_740_994).map(|v| v as u64).collect()),
+        Voxels::I64(near(-(1 << 60)).map(|v| v as i64).collect()),
+    ] {
+        let place = (3 + N * (3 + N * 3)) as usize;
+        let (what, own) = (format!("{:?} {}", voxels.voxel_type(), voxels.get(0)), voxels.get(place));
+        let Some(mut document) = of(voxels) else { return };
+        for (operation, value) in
+            [("replace", own + 16.0), ("add", 0.0), ("add", 1024.0), ("subtract", 4096.0), ("replace", own + 99.0)]
+        {
+            let before = number(&mut document, [3, 3, 3]);
+            paint(&mut document, operation, 1.0, value);
+            let expected = match operation {
+                "add" => before + value,
+                "subtract" => before - value,
+                _ => value,
+            };
+            let found = number(&mut document, [3, 3, 3]);
+            let half_step = run(&mut document, r#"{"ask":{"volume":{}}}"#).unwrap()["half_step"].as_f64().unwrap();
+            assert!(
+                (found - expected).abs() <= half_step,
+                "{what} {operation} {value}: {found} {expected} ± {half_step}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_stated_half_step_covers_what_large_numbers_lose_on_the_way() {
+    let mut random = StdRng::seed_from_u64(5);
+    let near = |base: i128| (0..(N * N * N) as i128).map(move |i| base + (i * 37) % 101);
+    for voxels in [
+        Voxels::U32(near((1 << 31) - 201).map(|v| v as u32).collect()),
+        Voxels::U64(near(1 << 53).map(|v| v as u64).collect()),
+        Voxels::F64(doubles(|i| spread(i) * 1e9)),
+        floats(spread),
+        Voxels::U16(doubles(|i| i as f64).into_iter().map(|v| v as u16).collect()),
+    ] {
+        let what = format!("{:?} {}", voxels.voxel_type(), voxels.get(0));
+        let (least, greatest) = (voxels.get(0) - 100.0, voxels.get(0) + 1000.0);
+        let Some(mut document) = of(voxels) else { return };
+        for _ in 0..40 {
+            let before = number(&mut document, [3, 3, 3]);
+            let value =
+                if random.random() { before + random.random::<f64>() } else { random.random_range(least..greatest) };
+            let operation = ["replace", "add", "subtract"][random.random_range(0..3)];
+            let strength = [1.0_f32, 0.5, 0.01][random.random_range(0..3)];
+            paint(&mut document, operation, strength, value);
+            let g = f64::from(strength);
+            let expected = match operation {
+                "add" => before + g * value,
+                "subtract" => before - g * value,
+                _ => before * (1.0 - g) + g * value,
+            };
+            let found = at(&mut document, [3, 3, 3]);
+            let (found, half_step) = (found["density"].as_f64().unwrap(), found["half_step"].as_f64().unwrap());
+            // A stroke that is too weak for a step leaves the voxel, and one to within its texel leaves it the source's.
+            let whole = run(&mut document, r#"{"ask":{"volume":{}}}"#).unwrap()["half_step"].as_f64().unwrap();
+            let half_step = if half_step == 0.0 || found == before { whole } else { half_step };
+            assert!(half_step <= whole, "{what}");
+            let off = (found - expected).abs();
+            assert!(
+                off <= half_step,
+                "{what} {operation} {strength} {value} on {before}: {found} {expected} ± {half_step}"
+            );
+        }
+    }
 }

@@ -103,14 +103,16 @@ fn voxel(state: &State, world: crate::math::DVec3) -> Result<Value, DocumentErro
     };
     let texel = state.colour.texel(voxel)?;
     let label = state.labels.value(voxel)? as u16;
-    let painted = state.density.painted(voxel)?;
+    let values = state.density.values(voxel, [1; 3])?;
+    let painted = values.painted.first().map(|&(_, value)| value);
+    let own = values.unpainted(0);
     Ok(json!({
         "inside": true,
         "mm": world.to_array(),
         "index": index.to_array(),
         "voxel": voxel,
-        "density": state.density.number(voxel)?,
-        "half_step": painted.map_or(0.0, |value| state.half_step_at(value)),
+        "density": painted.map_or(own, Number::Real),
+        "half_step": painted.map_or(0.0, |value| state.half_step_at(value, own.to_f64())),
         "colour": texel.map(|c| f32::from(c) / 255.0),
         "selection": state.selection.value(voxel)?,
         "label": label,
