@@ -55,6 +55,31 @@ fn a_slab_absorbs_as_beer_and_lambert_say() {
     }
 }
 
+/// A table of 4096 entries over 0 to 4095: one for every value.
+#[test]
+fn every_value_of_the_table_s_range_has_the_colour_of_its_own_entry() {
+    let Some(gpu) = gpu() else { return };
+    let (grid, _) = slab(0);
+    let colour =
+        (0..4096).map(|v| (f64::from(v), if v % 2 == 0 { [0.0, 1.0, 0.25] } else { [1.0, 0.0, 0.75] })).collect();
+    let transfer = TransferFunction { colour, opacity: vec![(0.0, 1.0), (4095.0, 1.0)], unit_mm: 1.0 };
+    for first in [0_u16, 1500, 4072] {
+        for floats in [false, true] {
+            let density = match floats {
+                true => density_f32(grid, |v| f32::from(first) + v[0] as f32),
+                false => density_u16(grid, |v| first + v[0] as u16),
+            };
+            let image = Stage::new(gpu.clone(), grid, density).image(&down(&grid, transfer.clone(), 1.0));
+            for (i, pixel) in image.colour.iter().enumerate() {
+                // Pixel x shows voxel x in its middle.
+                let value = f64::from(first) + (i % 24) as f64;
+                let expected = transfer.colour_at(value);
+                assert!((0..3).all(|c| (pixel[c] - expected[c]).abs() < 1e-5), "{value}: {pixel:?} for {expected:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn an_iso_sphere_has_its_area_and_depth() {
     let Some(gpu) = gpu() else { return };
@@ -140,15 +165,15 @@ fn rays_longer_than_software_vulkan_allows_are_marched_in_passes() {
     let Some(gpu) = gpu() else { return };
     let grid = unit_grid([20, 20, 20]);
     let mut stage = Stage::new(gpu, grid, lumps(grid));
-    let mut view = frame(&grid, tissue(), DVec3::new(0.3, -1.0, 0.4), [8, 8]);
-    view.step_mm = 0.001;
+    let mut view = frame(&grid, tissue(), DVec3::new(0.3, -1.0, 0.4), [4, 3]);
+    view.step_mm = 0.0002;
     view.camera = view.camera.zoomed(0.8);
     for mode in [Mode::Dvr, Mode::Mip, Mode::Iso(26_000.0)] {
         let d = stage.compare(&Frame { mode, ..view.clone() });
         assert!(d.covered > 0.1 && d.largest <= 1.0, "{mode:?} {d:?}");
     }
     // Merged bodies take more turns a sample, so more passes.
-    view.step_mm = 0.004;
+    view.step_mm = 0.001;
     view.bodies = (0..3)
         .map(|id| Body { pose: Pose { translation: DVec3::splat(f64::from(id)), ..Pose::IDENTITY }, ..Body::whole(id) })
         .collect();

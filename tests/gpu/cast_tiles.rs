@@ -156,3 +156,36 @@ fn cuts_divide_a_volume_without_loss() {
     assert!((block.clone().cut(&face).unwrap().volume() - 24_000.0).abs() < 1e-6);
     assert!(block.cut(&face.flipped()).is_none());
 }
+
+#[test]
+fn cuts_through_corners_and_edges_close_what_they_open() {
+    let cube = Solid::hexahedron(&Aabb { min: DVec3::ZERO, max: DVec3::splat(2.0) }.corners());
+    let halves = |solid: &Solid, plane: &Plane| [solid.clone().cut(plane), solid.clone().cut(&plane.flipped())];
+    for (normal, through, volume) in [
+        // Two edges, three corners, one edge, a corner and middles of edges.
+        (DVec3::new(1.0, -1.0, 0.0), DVec3::ZERO, 4.0),
+        (DVec3::new(1.0, 1.0, 1.0), DVec3::X * 2.0, 4.0 / 3.0),
+        (DVec3::new(1.0, -2.0, 0.0), DVec3::ZERO, 6.0),
+        (DVec3::new(1.0, 1.0, -2.0), DVec3::ZERO, 4.0),
+    ] {
+        let [inner, outer] = halves(&cube, &Plane::through(through, normal).unwrap()).map(Option::unwrap);
+        assert!((inner.volume() - volume).abs() < 1e-9, "{normal}: {}", inner.volume());
+        assert!((outer.volume() - 8.0 + volume).abs() < 1e-9, "{normal}: {}", outer.volume());
+        // The cut itself is the only face that has the other outside.
+        assert!(inner.face_before(&outer).is_some() && outer.face_before(&inner).is_some(), "{normal}");
+    }
+    // Pieces whose corners all lie on one lattice, so that most cuts go through some.
+    let mut rng = ChaCha8Rng::seed_from_u64(12);
+    let mut pieces = vec![cube];
+    while pieces.len() < 60 {
+        let mut whole = || f64::from(rng.random_range(-1..=1));
+        let normal = DVec3::new(whole(), whole(), whole());
+        let through = DVec3::splat(1.0) + DVec3::new(whole(), whole(), whole());
+        let Some(plane) = Plane::through(through, normal) else { continue };
+        pieces = pieces.iter().flat_map(|p| halves(p, &plane)).flatten().collect();
+    }
+    assert!((pieces.iter().map(Solid::volume).sum::<f64>() - 8.0).abs() < 1e-9);
+    for (i, a) in pieces.iter().enumerate() {
+        assert!(a.volume() > 1e-6 && pieces[i + 1..].iter().all(|b| a.is_apart_from(b)));
+    }
+}

@@ -13,6 +13,7 @@ mod in_place;
 mod occupancy;
 mod pools;
 mod pools_work;
+mod probe;
 mod reference;
 mod residency;
 mod shader;

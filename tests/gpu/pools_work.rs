@@ -265,3 +265,31 @@ fn the_same_view_in_fewer_pixels_is_not_chosen_anew() {
     pools.make_resident(&gpu, &fields(&density, &none), &wide).unwrap();
     assert!(pools.work().0 > before.0);
 }
+
+#[test]
+fn what_was_not_drawn_for_longest_gives_up_its_slot() {
+    let Some(gpu) = gpu() else { return };
+    let grid = unit_grid([12 * 32, 20, 20]);
+    let density = noisy(grid);
+    let none = blanks(&grid);
+    let mut pools = FieldPools::apart(&gpu, &grid, &density, budget_of(9)).unwrap();
+    // Some bricks on end, well inside of the outer ones.
+    let row = |first: u32, count: u32| {
+        let wall = |x: f64, normal: DVec3| Plane::through(DVec3::new(x, 0.0, 0.0), normal).unwrap();
+        let [lo, hi] = [first * 32 + 8, (first + count) * 32 - 8].map(f64::from);
+        let region = vec![wall(lo, DVec3::NEG_X), wall(hi, DVec3::X)];
+        let bodies = vec![Body { region, ..Body::whole(0) }];
+        Frame { bodies, ..frame(&grid, ramp(0.0, 4000.0), DVec3::NEG_Y, [32, 32]) }
+    };
+    let mut uploads = |first: u32, count: u32| {
+        let before = pools.work().1;
+        pools.make_resident(&gpu, &fields(&density, &none), &row(first, count)).unwrap();
+        pools.work().1 - before
+    };
+    assert_eq!(uploads(0, 9), 9);
+    let mut three = |first: u32| uploads(first, 3);
+    assert_eq!([0, 3, 6].map(&mut three), [0; 3], "nothing has to go");
+    assert_eq!([9, 6, 3, 9].map(&mut three), [3, 0, 0, 0], "the first three went");
+    assert_eq!([0, 3, 9].map(&mut three), [3, 0, 0], "and now the third three");
+    assert_eq!([6, 0, 3, 9].map(&mut three), [3; 4], "each time those that come next");
+}

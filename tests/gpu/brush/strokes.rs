@@ -338,3 +338,40 @@ fn near_its_end_a_weak_stroke_in_floats_goes_by_whole_steps() {
         }
     }
 }
+
+/// What adds up ends where the source's type does, or where one application does if that is further.
+#[test]
+fn sums_in_floats_end_as_those_of_the_type_do() {
+    let Some(gpu) = gpu() else { return };
+    let grid = unit_grid([36, 6, 5]);
+    let value = |v: [u32; 3]| if v[0] == 0 { 3 } else { 3 + (noise(v, 4) % 250) as u8 };
+    let source = MemorySource::new("bytes", grid, Voxels::U8(each(grid.dims, value)), (1.0, 0.0)).unwrap();
+    let field = Field::from_source(std::sync::Arc::new(source), DensityMap::FLOAT, &|_| true).unwrap().unwrap();
+    let [least, greatest] = field.extremes().map(f64::from);
+    let mut canvas = Canvas::new(&gpu, grid, field);
+    for (amount, operation, end) in [
+        (2.0, Operation::Add, 255.0),
+        (100.0, Operation::Add, greatest + 100.0),
+        (2.0, Operation::Subtract, 0.0),
+        (90.0, Operation::Subtract, least - 90.0),
+    ] {
+        let target = Target::Density(amount);
+        let brush =
+            Brush { radius_mm: 90.0, falloff: Falloff::Hard, operation, tip: Tip::BuildUp, target, ..Brush::default() };
+        let brush = Brush { strength: 1.0, ..brush };
+        let count = 7;
+        let found = canvas.paint(&brush, &vec![dab_at(&grid, DVec3::splat(3.0), 90.0); count]);
+        let mut ended = 0;
+        for (v, found) in each(grid.dims, |v| v).into_iter().zip(found.chunks_exact(4)) {
+            let found = f64::from(f32::from_le_bytes(found.try_into().unwrap()));
+            let sum = amount * count as f64;
+            let expected = match operation {
+                Operation::Add => (f64::from(value(v)) + sum).min(end),
+                _ => (f64::from(value(v)) - sum).max(end),
+            };
+            ended += u32::from(expected == end);
+            assert!((found - expected).abs() < 1e-3, "{operation:?} {amount}: {found} for {expected}");
+        }
+        assert!(ended > 20, "{ended}");
+    }
+}
