@@ -186,7 +186,8 @@ pub(super) fn map_over(min: f64, max: f64, unit: Option<f64>, middle: Option<f64
     let map = DensityMap::codes(min, max, unit);
     let exact = unit.is_some_and(|u| (max - min) / u <= 65_535.0);
     let fine = middle.is_none_or(|m| map.half_step() <= m / 2000.0);
-    if exact || (unit.is_none() && fine) {
+    // Steps near the smallest number have no codes per unit.
+    if map.codes_per_unit.is_finite() && (exact || (unit.is_none() && fine)) {
         map
     } else {
         DensityMap { format: TexelFormat::R32Float, ..DensityMap::FLOAT }

@@ -65,7 +65,8 @@ impl DensityMap {
         let span = (max - min).max(1e-300);
         let codes_per_unit = match unit {
             Some(unit) if unit > 0.0 && max > min && span / unit <= 65_535.0 => {
-                (65_535.0 / (span / unit).round()).floor() / unit
+                // A range may be narrower than the distance of two values.
+                (65_535.0 / (span / unit).round().max(1.0)).floor() / unit
             }
             Some(unit) if unit > 0.0 && max <= min => 1.0 / unit,
             _ if max > min => 65_535.0 / span,

@@ -1,7 +1,7 @@
 //! Projects on disk: what is saved comes back, and a save writes what changed.
 
 use super::keep_support::*;
-use burin::document::{DensityKeeping, KeepError, Keeper, KeptDocument, LoadedDensity, State};
+use burin::document::{DensityKeeping, KeepError, Keeper, KeptDocument, LoadedDensity, Origin, State};
 use burin::math::DVec3;
 use burin::volume::*;
 use std::collections::BTreeMap;
@@ -265,4 +265,32 @@ fn a_new_project_takes_no_folder_with_something_in_it() {
     let stopped = keeper.save(Some(&elsewhere), &state, None, &|_| false).unwrap_err();
     assert!(matches!(stopped, KeepError::Stopped) && !elsewhere.exists());
     keeper.discard().unwrap();
+}
+
+#[test]
+fn a_range_narrower_than_a_step_of_the_data_and_steps_near_nothing_have_codes_that_are_kept() {
+    let dir = tempfile::tempdir().unwrap();
+    let dims = [8, 4, 3];
+    let byte = source(dims, random_voxels(VoxelType::U8, dims, 3), (1.0, 0.0));
+    let least = source(dims, random_voxels(VoxelType::U8, dims, 4), (1e-310, 0.0));
+    for (n, (source, range)) in
+        [(&byte, Some([0.0, 0.4])), (&byte, Some([10.2, 10.3])), (&byte, Some([-0.1, 0.1])), (&least, None)]
+            .into_iter()
+            .enumerate()
+    {
+        let (slope, _) = source.scaling();
+        let statistics = Statistics { min: 0.0, max: 255.0 * slope, sum: 1.0, nan_count: 0, ..Statistics::default() };
+        let histogram = Histogram { min: 0.0, max: 255.0 * slope, bins: vec![3, 0, 9, 1], ..Histogram::default() };
+        let origin = Origin { path: dir.path().join("byte.nrrd"), component: 0, frame: 0 };
+        let state = State::new(source.clone(), origin, statistics, histogram, range, &|_| true).unwrap();
+        let map = *state.density.map();
+        assert!(map.codes_per_unit.is_finite() && map.hi() > map.lo, "{range:?}: {map:?}");
+        for end in range.into_iter().flatten() {
+            assert!((map.decode(map.encode(end)) - end).abs() <= map.half_step() * 1.001, "{range:?}: {map:?}");
+        }
+        // A number that JSON has no word for would keep all of it from being saved.
+        let project = dir.path().join(format!("p{n}"));
+        Keeper::create(&project, &state, None, &|_| true).unwrap();
+        assert_eq!(Keeper::open(&project).unwrap().1.map, map);
+    }
 }
