@@ -110,7 +110,7 @@ pub(super) fn slider(
     rail | text
 }
 
-/// A number that is dragged or typed, in a place that is never wider: `show` writes it in so many characters, which `beside` stands
+/// A number that is dragged, or typed and entered, in a place that is never wider: `show` writes it in so many characters, which `beside` stands
 /// before or behind.
 pub(super) fn number<'a>(
     ui: &mut Ui,
@@ -134,8 +134,20 @@ pub(super) fn number<'a>(
         beside => ui.painter().layout_no_wrap(beside.to_owned(), text, theme::TEXT).size().x + GAP,
     };
     let chars = ((width - 4.0 - beside) / digit).floor().max(4.0) as usize;
+    // What is typed counts when it is entered: its first digits are another number.
+    let field = field.update_while_editing(false);
+    let field = if escaped(ui) { field.custom_parser(|_| None) } else { field };
     let field = field.clip_text(true).custom_formatter(move |x, _| show(x, chars));
     tipped(inner.add(field).accessible_name(name), tip)
+}
+
+/// Whether Escape was hit in this frame or the one before: the toolkit would enter a frame later what it left.
+fn escaped(ui: &Ui) -> bool {
+    let (id, now) = (egui::Id::unique("escape in a number"), ui.ctx().cumulative_pass_nr());
+    if ui.input(|i| i.key_pressed(egui::Key::Escape)) {
+        ui.data_mut(|d| d.insert_temp(id, now));
+    }
+    ui.data(|d| d.get_temp::<u64>(id)).is_some_and(|at| now <= at + 1)
 }
 
 /// A button of this size with its tooltip.

@@ -29,6 +29,7 @@ mod slices;
 mod surface;
 mod swatches;
 mod tooltips;
+mod typed;
 mod untouched;
 mod window;
 mod worker;
