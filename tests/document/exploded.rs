@@ -27,6 +27,12 @@ fn a_pixel_on_a_moved_part_is_its_voxel_at_rest() {
     let rest: Vec<f64> = serde_json::from_value(hit["rest_mm"].clone()).unwrap();
     // Within a step of the ray.
     assert!(DVec3::from_slice(&rest).distance(DVec3::new(45.0, 39.5, 22.0)) < 1.5, "{rest:?}");
+    // Whatever is asked or put at a pixel is asked and put where the part rests.
+    let at = json!({"pixel":{"view":"3d","px":px.to_array()}});
+    let voxel = run(&mut document, &json!({"ask":{"voxel":{"at":at}}}).to_string()).unwrap();
+    assert_eq!(voxel["voxel"], json!([45, 39, 22]), "{voxel}");
+    let crosshair = run(&mut document, &json!({"view":{"crosshair":{"at":at}}}).to_string()).unwrap();
+    assert!((crosshair["index"][2].as_f64().unwrap() - 22.0).abs() < 1.5, "{crosshair}");
     run(&mut document, r#"{"brush":{"set":{"target":{"label":4},"radius_mm":2,"falloff":"hard"}}}"#).unwrap();
     let stroke = json!({"stroke":{"paint":{"points":[{"at":{"pixel":{"view":"3d","px":px.to_array()}}}]}}});
     assert_eq!(run(&mut document, &stroke.to_string()).unwrap()["missed"], 0);

@@ -326,3 +326,14 @@ fn an_export_is_on_disk_before_it_takes_its_name_and_has_the_rights_of_any_new_f
         }
     }
 }
+
+#[test]
+fn density_without_a_source_leaves_as_floats() {
+    let folder = tempfile::tempdir().unwrap();
+    let grid = Grid::aligned([5, 4, 3], DVec3::ONE, DVec3::ZERO);
+    let field = Field::blank(FieldKind::Density, &grid);
+    let path = folder.path().join("out.nrrd");
+    let exported = io::export(&path, &field, &grid, &Segments::default(), Compression::Raw, &go_on()).unwrap();
+    assert_eq!(exported.voxel_type, VoxelType::F32);
+    assert_eq!(read(&path, 0).1, Voxels::F32(vec![0.0; 60]));
+}

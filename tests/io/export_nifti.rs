@@ -406,3 +406,17 @@ fn edits_are_there_also_in_slabs_that_begin_inside_a_brick() {
         }
     }
 }
+
+#[test]
+fn the_second_version_says_its_unit_too() {
+    let folder = tempfile::tempdir().unwrap();
+    // No float holds 0.3, but 300 micrometres.
+    let grid = Grid::aligned([40_000, 1, 1], DVec3::splat(0.3), DVec3::new(0.9, 0.6, 0.3));
+    let field = Field::blank(FieldKind::Selection, &grid);
+    let (_, bytes) = write(&folder, "out.nii", &field, &grid, &Segments::default());
+    assert_eq!(i32::from_le_bytes(bytes[..4].try_into().unwrap()), 540);
+    let read = io::open(folder.path().join("out.nii")).unwrap().grid;
+    let far = |a: DVec3, b: DVec3| (a - b).abs().max_element();
+    assert!(far(read.spacing(), grid.spacing()) < 1e-9, "{read:?}");
+    assert!(far(read.world_from_index.translation, grid.world_from_index.translation) < 1e-9, "{read:?}");
+}

@@ -226,3 +226,25 @@ fn what_can_be_opened_instead_is_listed_where_that_helps() {
         assert!(!mesh(triangles, bytes).contains("STL"), "{triangles} {bytes}");
     }
 }
+
+#[test]
+fn a_dicom_file_is_known_by_what_comes_before_a_sequence_without_a_length() {
+    let folder = tempfile::tempdir().unwrap();
+    for explicit in [false, true] {
+        let sequence = |mut file: Vec<u8>| {
+            file.extend_from_slice(&[8, 0, 0x40, 0x11]);
+            file.extend_from_slice(if explicit { b"SQ\0\0" } else { b"" });
+            file.extend_from_slice(&[0xff; 4]);
+            file.extend_from_slice(b"items, who knows how many");
+            file
+        };
+        let first = element(false, explicit, (8, 5), b"CS", b"ISO_IR 100");
+        let second = element(false, explicit, (8, 8), b"CS", b"ORIGINAL");
+        // No element of DICOM is of odd length.
+        let odd = element(false, explicit, (8, 8), b"CS", b"ODD");
+        assert!(!said(&keep(&folder, "a", &sequence([first.clone(), odd].concat()))).contains("DICOM"));
+        let text = said(&keep(&folder, "a", &sequence([first, second].concat())));
+        assert!(text.contains("this is a DICOM file (without"), "{explicit}: {text}");
+        assert!(!said(&keep(&folder, "a", &sequence(Vec::new()))).contains("DICOM"));
+    }
+}

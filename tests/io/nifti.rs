@@ -266,3 +266,19 @@ fn only_the_types_of_colours_are_colours() {
         assert_eq!(opened.colours(0, &|_| true).unwrap().is_some(), colour, "{code}");
     }
 }
+
+#[test]
+fn axes_that_are_not_there_are_as_long_as_those_that_are() {
+    let folder = tempfile::tempdir().unwrap();
+    for (dims, pixdim, spacing) in [
+        (&[60][..], [2.0, 0.0, 0.0], [2.0, 2.0, 2.0]),
+        (&[12, 5], [2.0, 3.0, 0.0], [2.0, 3.0, 2.0]),
+        (&[12, 5], [4.0, 3.0, 0.0], [4.0, 3.0, 3.0]),
+        (&[3, 4, 5], [2.0, 3.0, 4.0], [2.0, 3.0, 4.0]),
+    ] {
+        let mut header = Nifti::new(VoxelType::I16, dims, false);
+        header.f32s(80, &pixdim);
+        let opened = io::open(keep(&folder, "a.nii", &header.with(&voxels()))).unwrap();
+        assert_eq!(opened.grid.spacing().to_array(), spacing, "{dims:?}");
+    }
+}

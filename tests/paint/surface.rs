@@ -97,3 +97,21 @@ fn a_stroke_that_goes_on_does_not_paint_its_last_place_again() {
     let off = rule.follow(last, &[(None, 1.0), (met(30.0, 0.0, 1), 1.0)], 1);
     assert_eq!(off.iter().map(|s| (s.position.x, s.breaks)).collect::<Vec<_>>(), [(30.0, true)]);
 }
+
+#[test]
+fn the_slots_that_show_a_voxel_are_its_brick_s_and_those_beside_it() {
+    use burin::paint::VoxelSet;
+    use burin::volume::BrickIndex;
+    let dims = [96, 96, 40];
+    for (voxel, beside) in [
+        ([31, 5, 5], [[0, 0, 0], [1, 0, 0]]),
+        ([5, 31, 5], [[0, 0, 0], [0, 1, 0]]),
+        ([64, 5, 5], [[1, 0, 0], [2, 0, 0]]),
+        ([95, 95, 31], [[2, 2, 0], [2, 2, 1]]),
+    ] {
+        let mut set = VoxelSet::default();
+        set.insert(voxel);
+        let slots = set.slots(dims);
+        assert!(beside.iter().all(|b| slots.contains(&BrickIndex(*b))), "{voxel:?}: {slots:?}");
+    }
+}

@@ -199,6 +199,11 @@ fn no_folder_is_made_unless_it_is_wanted() {
     assert!(!home.path().join("fresh").exists());
     assert_eq!(path(&window), before, "what was typed for the project is not touched");
     typed(&mut window);
+    window.key(Modifiers::NONE, Key::Enter);
+    assert!(home.path().join("fresh").is_dir(), "Enter makes it");
+    std::fs::remove_dir(home.path().join("fresh")).unwrap();
+    go(&mut window, home.path());
+    typed(&mut window);
     window.click("Make the folder");
     assert!(home.path().join("fresh").is_dir());
     assert!(window.harness.query_by_label("Name of the new folder").is_none());

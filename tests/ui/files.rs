@@ -413,3 +413,21 @@ fn words_wait_until_a_question_is_answered() {
     window.harness.run_steps(9 * second);
     assert!(window.harness.query_by_label("Saved picture a.png").is_none());
 }
+
+#[test]
+fn imports_that_failed_come_back_with_the_reason() {
+    for (entry, import) in [("Import labels…", "segment"), ("Import selection…", "selection")] {
+        let mut window = Window::open(SMALL);
+        window.click("More…");
+        window.click(entry);
+        window.harness.get_by_label("Path").type_text("/nowhere/mask.nrrd");
+        window.harness.run_steps(2);
+        let sent = window.key(Modifiers::NONE, egui::Key::Enter);
+        let wanted = serde_json::json!({ import: { "import": { "path": "/nowhere/mask.nrrd" } } });
+        assert_eq!(sent, [serde_json::from_value::<Command>(wanted).unwrap()]);
+        assert!(window.harness.query_by_label("Path").is_none());
+        window.report(Report::Refused(Box::new(sent[0].clone()), "it is not there".into()));
+        assert_eq!(window.harness.get_by_label("Path").value().as_deref(), Some("/nowhere/mask.nrrd"), "{entry}");
+        assert!(window.harness.query_by_label("it is not there").is_some(), "{entry}");
+    }
+}

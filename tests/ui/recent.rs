@@ -166,3 +166,20 @@ fn the_sample_is_laid_whole_and_opens() {
     let error = Sample::below(&taken).lay().unwrap_err();
     assert!(error.contains("The sample needs the folder") && !error.contains("os error"), "{error}");
 }
+
+#[test]
+fn a_list_that_somebody_else_wrote_is_no_longer_and_names_nothing_twice() {
+    let dir = tempfile::tempdir().unwrap();
+    let entry = |i: u32| serde_json::json!({ "path": format!("/data/{i}.nii"), "project": false, "when": 1000 - i });
+    let entries: Vec<_> = (0..200).flat_map(|i| [entry(i), entry(i)]).collect();
+    let list = serde_json::json!({ "version": 1, "entries": entries });
+    std::fs::write(dir.path().join("recent.json"), list.to_string()).unwrap();
+    let read = paths(&Recent::kept_in(dir.path().into()));
+    // As many as one of this program's own has, in their order.
+    let own = tempfile::tempdir().unwrap();
+    let mut recent = Recent::kept_in(own.path().into());
+    (0..200).for_each(|i| recent.note_volume(Path::new(&format!("/data/{i}.nii")), OpenAs::Image));
+    let most = recent.entries().len();
+    assert!((5..100).contains(&most));
+    assert_eq!(read, (0..most).map(|i| PathBuf::from(format!("/data/{i}.nii"))).collect::<Vec<_>>());
+}

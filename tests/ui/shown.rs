@@ -4,6 +4,7 @@ use super::driver::{SMALL, Window};
 use burin::document::{BrushCommand, Command, PartCommand, StrokeCommand};
 use burin::explode::PartId;
 use burin::paint::{Target, Tip};
+use burin::volume::Mode;
 use egui::accesskit::Toggled;
 use egui::{Modifiers, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -122,4 +123,106 @@ fn e_that_is_held_before_the_button_erases_for_this_stroke() {
     assert_eq!(sent.last().and_then(erases), Some(false), "{sent:?}");
     let ends = sent.iter().position(|c| *c == Command::Stroke(StrokeCommand::End {}));
     assert_eq!(ends, Some(sent.len() - 2), "{sent:?}");
+}
+
+/// Puts the pointer down at a share of a slider.
+fn slide(window: &mut Window, name: &str, share: f32) -> Vec<Command> {
+    let rail = window.rect(name);
+    let at = egui::pos2(rail.left() + rail.width() * share, rail.center().y);
+    window.harness.hover_at(at);
+    window.harness.run_steps(1);
+    window.harness.drag_at(at);
+    window.harness.run_steps(2);
+    window.harness.drop_at(at);
+    window.harness.run_steps(2);
+    window.sent()
+}
+
+#[test]
+fn sliders_of_the_paint_set_what_they_show() {
+    let mut window = Window::open(SMALL);
+    for (target, name) in
+        [(Target::Selection(0.9), "Interest"), (Target::Colour([0.1, 0.2, 0.3, 0.9]), "Colour opacity")]
+    {
+        window.scene.brush.target = target;
+        window.snapshot(|_| {});
+        let sent = slide(&mut window, name, 0.25);
+        let painted = sent.iter().rev().find_map(|c| match c {
+            Command::Brush(BrushCommand::Set { target: Some(Target::Selection(x)), .. }) => Some(*x),
+            Command::Brush(BrushCommand::Set { target: Some(Target::Colour([0.1, 0.2, 0.3, x])), .. }) => Some(*x),
+            _ => None,
+        });
+        let painted = painted.unwrap_or_else(|| panic!("{name}: {sent:?}"));
+        assert!((painted - 0.25).abs() < 0.06, "{name}: {painted}");
+    }
+}
+
+#[test]
+fn buttons_of_the_explosion_and_of_the_light_ask_for_what_they_say() {
+    let mut window = Window::open(SMALL);
+    let command = |json: serde_json::Value| serde_json::from_value::<Command>(json).unwrap();
+    assert_eq!(window.click("Settle"), [command(serde_json::json!({ "explosion": { "settle": {} } }))]);
+    assert_eq!(window.click("Join all parts"), [command(serde_json::json!({ "part": { "reset": {} } }))]);
+    for lit in [true, false] {
+        window.scene.look.lighting = lit.then(Default::default);
+        window.snapshot(|_| {});
+        let wanted = command(serde_json::json!({ "view": { "look": { "shaded": !lit } } }));
+        assert_eq!(window.click("Headlight"), [wanted]);
+    }
+}
+
+#[test]
+fn a_click_with_the_line_cuts_nothing_and_a_drag_on_a_slice_does() {
+    for (by, cuts) in [(0.0, false), (2.0, false), (60.0, true)] {
+        let mut window = Window::open(SMALL);
+        window.click("Line split");
+        let at = window.harness.get_by_label("Axial view").rect().center();
+        window.harness.hover_at(at);
+        window.harness.run_steps(1);
+        window.harness.drag_at(at);
+        window.harness.run_steps(1);
+        window.harness.hover_at(at + vec2(by, 0.0));
+        window.harness.run_steps(1);
+        window.harness.drop_at(at + vec2(by, 0.0));
+        window.harness.run_steps(2);
+        let sent = window.sent();
+        let splits = sent.iter().filter(|c| matches!(c, Command::Part(PartCommand::Split { .. }))).count();
+        assert_eq!(splits > 0, cuts, "{by}: {sent:?}");
+    }
+}
+
+#[test]
+fn escape_takes_a_stroke_back_whatever_else_is_held() {
+    for modifiers in [Modifiers::NONE, Modifiers::SHIFT] {
+        let mut window = Window::open(SMALL);
+        window.click("Brush");
+        let at = window.harness.get_by_label("Axial view").rect().center();
+        window.harness.drag_at(at);
+        window.harness.run_steps(2);
+        let sent = window.key(modifiers, egui::Key::Escape);
+        assert_eq!(sent.last(), Some(&Command::Stroke(StrokeCommand::Cancel {})), "{modifiers:?}: {sent:?}");
+    }
+}
+
+#[test]
+fn arrows_move_the_slice_under_the_pointer_and_nothing_in_3d() {
+    let mut window = Window::open(SMALL);
+    for (view, moves) in [("3D view", false), ("Axial view", true), ("Coronal view", true)] {
+        let at = window.harness.get_by_label(view).rect().center();
+        window.harness.hover_at(at);
+        window.harness.run_steps(2);
+        window.sent();
+        let sent = window.key(Modifiers::NONE, egui::Key::ArrowUp);
+        assert_eq!(sent.len(), usize::from(moves), "{view}: {sent:?}");
+    }
+}
+
+#[test]
+fn the_light_can_be_set_where_it_does_anything() {
+    let mut window = Window::open(SMALL);
+    for (mode, light) in [(Mode::Dvr, true), (Mode::Mip, false), (Mode::Iso(40.0), true)] {
+        window.scene.look.mode = mode;
+        window.snapshot(|_| {});
+        assert_eq!(window.harness.get_by_label("Headlight").accesskit_node().is_disabled(), !light, "{mode:?}");
+    }
 }
