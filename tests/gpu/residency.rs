@@ -202,7 +202,15 @@ fn what_is_held_is_what_is_asked_for_whatever_was_before() {
             match turn % 9 {
                 0 => picture.camera.eye = middle + any(&mut rng, 260.0),
                 1 => picture.size = [[64, 64], [200, 50], [50, 200]][rng.random_range(0..3)],
-                2 | 6 => picture.bodies = parts(&mut rng, middle),
+                2 => picture.bodies = parts(&mut rng, middle),
+                6 => {
+                    // All but the last stay as they are.
+                    picture.bodies.push(Body::whole(7));
+                    let last = parts(&mut rng, middle).remove(0);
+                    *picture.bodies.last_mut().unwrap() = Body { mask: Mask::None, ..last };
+                    pools.make_resident(&gpu, &fields(&density, &rest), &picture).unwrap();
+                    picture.bodies.last_mut().unwrap().region = parts(&mut rng, middle).remove(0).region;
+                }
                 3 => picture.mode = [Mode::Dvr, Mode::Mip, Mode::Iso(2500.0)][rng.random_range(0..3)],
                 4 => picture.transfer = ramp(rng.random_range(-100.0..3900.0), 4000.0),
                 5 => {
