@@ -5,7 +5,7 @@
 use super::{Histogram, Segment, TransferFunction};
 
 /// The largest value of a point that is found from data: room for one above it.
-const MOST: f64 = 1e308;
+pub(super) const MOST: f64 = 1e308;
 /// Ids that get a step of colour each; of more, a point.
 const STEPS: usize = 128;
 
@@ -63,7 +63,7 @@ fn of_measurements(histogram: &Histogram) -> (Points<[f32; 3]>, Points<f32>) {
 }
 
 /// Two ends a bin apart at least, and no nearer than 32-bit floats can tell them; both well within all numbers.
-fn apart(lo: f64, hi: f64, bin: f64) -> (f64, f64) {
+pub(super) fn apart(lo: f64, hi: f64, bin: f64) -> (f64, f64) {
     let lo = lo.clamp(-MOST, MOST * 0.5);
     let least = bin.max(lo.abs() * 1e-5).max(f64::from(f32::MIN_POSITIVE));
     let hi = hi.clamp(-MOST, MOST);

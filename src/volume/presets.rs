@@ -3,6 +3,8 @@
 //! CT in Hounsfield units is known by its air and has looks by value; any other data has looks by how its values are spread, since
 //! an MR value has no unit. Knows the histogram only.
 
+use super::first_transfer::{MOST, apart};
+use super::transfer::mix;
 use super::{Histogram, TransferFunction};
 
 /// A look that is chosen by name.
@@ -34,16 +36,14 @@ impl Histogram {
 
     /// Values counted in bins that reach into `[lo, hi]`.
     fn count_in(&self, lo: f64, hi: f64) -> u64 {
-        let width = (self.max - self.min) / self.bins.len().max(1) as f64;
-        let edges = (0..self.bins.len()).map(|i| self.min + width * i as f64);
-        edges.zip(&self.bins).filter(|&(edge, _)| edge + width >= lo && edge <= hi).map(|(_, n)| n).sum()
+        let reaches = |i: usize| self.value_at((i + 1) as f64) >= lo && self.value_at(i as f64) <= hi;
+        (0..self.bins.len()).filter(|&i| reaches(i)).map(|i| self.bins[i]).sum()
     }
 
     /// The value that a share of all values above `floor` lie below.
     fn quantile_above(&self, floor: f64, share: f64) -> f64 {
-        let width = (self.max - self.min) / self.bins.len().max(1) as f64;
         let above: Vec<(f64, u64)> = (0..self.bins.len())
-            .map(|i| (self.min + width * (i + 1) as f64, self.bins[i]))
+            .map(|i| (self.value_at((i + 1) as f64), self.bins[i]))
             .filter(|&(edge, _)| edge > floor)
             .collect();
         let total: u64 = above.iter().map(|b| b.1).sum();
@@ -95,7 +95,7 @@ impl TransferFunction {
         }
         let clear = histogram.clear_value();
         let [low, middle, high, top] = [0.2, 0.5, 0.9, 0.99].map(|share| histogram.quantile_above(clear, share));
-        let begin = clear + (middle - clear) * 0.3;
+        let begin = mix(clear, middle, 0.3);
         vec![
             make("Skin", "The outer surface, opaque", &ramp([clear, begin, middle.max(begin)], SKIN, [0.0, 0.3, 0.6])),
             make(
@@ -106,7 +106,7 @@ impl TransferFunction {
             make(
                 "Brightest",
                 "Only the brightest tenth",
-                &ramp([high, (high + top) * 0.5, top], BONE, [0.0, 0.3, 0.6]),
+                &ramp([high, mix(high, top, 0.5), top], BONE, [0.0, 0.3, 0.6]),
             ),
             make("See-through", "Everything, as thin as mist", &ramp([clear, middle, top], LUNG, [0.0, 0.01, 0.05])),
         ]
@@ -123,7 +123,7 @@ impl TransferFunction {
             let [r, g, b] = self.colour_at(value);
             0.2126 * r + 0.7152 * g + 0.0722 * b
         };
-        let values = (1..=32).map(|i| start + (end - start) * f64::from(i) / 32.0);
+        let values = (1..=32).map(|i| mix(start, end, f64::from(i) / 32.0));
         let light = values.clone().find(|&v| luminance(v) >= 0.34);
         light.or_else(|| values.max_by(|a, b| luminance(*a).total_cmp(&luminance(*b)))).unwrap_or(end)
     }
@@ -131,12 +131,13 @@ impl TransferFunction {
 
 /// A function through stops, moved apart where the data leave them no room.
 fn function(stops: &[Stop], histogram: &Histogram, unit_mm: f64) -> TransferFunction {
-    let scale = (histogram.max - histogram.min).max(histogram.min.abs() * 1e-9).max(1e-12);
-    let mut last = f64::NEG_INFINITY;
+    let step = histogram.max * 1e-3 - histogram.min * 1e-3;
     let mut function = TransferFunction { colour: Vec::new(), opacity: Vec::new(), unit_mm };
     for &(value, colour, opacity) in stops {
-        let value = value.max(last + scale * 1e-3);
-        last = value;
+        // Room above for all that have to move.
+        let value = value.clamp(-0.4 * MOST, 0.4 * MOST);
+        let last = function.opacity.last().copied();
+        let value = last.map_or(value, |(last, _)| apart(last, value, step).1);
         function.colour.push((value, colour));
         function.opacity.push((value, opacity));
     }
