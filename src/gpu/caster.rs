@@ -1,36 +1,16 @@
 //! The ray caster: pictures of bodies through the field pools.
 //!
-//! Owns the pipelines, specialised by mode, light, painted fields and merging instead of branching, and group 0. Frames become
+//! Owns the kernels, specialised by mode, light, painted fields and merging instead of branching, and group 0. Frames become
 //! numbers in `scene`; what a pixel costs is in `shaders/cast_*.wgsl` (after Bruckner and Gröller 2006, section 4).
 
 use super::drawn::{Drawn, drawn, resolve};
-use super::pass::{COLOUR, DEPTH, LIST_WIDTH, NO_DEPTH, OBJECT, Targets, data, full_screen, layout, write};
+use super::kernel::{Draw, Kernel, group};
+use super::pass::{COLOUR, DEPTH, LIST_WIDTH, NO_DEPTH, OBJECT, Targets, data, layout, write};
 use super::scene::{MOST_BODIES, MOST_PLANES, Scene, View, table};
-use super::shader::{self, Def};
 use super::tiles::{Tiles, Window};
 use super::{FieldPools, Fields, Frame, Gpu, GpuError, Image, Mask};
 use crate::math::DVec2;
 use crate::volume::{FieldKind, Mode, Segments, TABLE_ENTRIES};
-use std::collections::HashMap;
-
-/// What a pipeline is specialised for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct Key {
-    file: &'static str,
-    lit: bool,
-    tinted: bool,
-    colour: bool,
-    labels: bool,
-    selection: bool,
-    /// Intervals that are merged per ray; 0: bodies follow one another.
-    capacity: u32,
-    resume: bool,
-    continues: bool,
-    plain: bool,
-    float_density: bool,
-    manual_filter: bool,
-    in_place: bool,
-}
 
 /// See the module's head.
 #[derive(Debug)]
@@ -42,7 +22,8 @@ pub struct Caster {
     table: (Vec<[f32; 4]>, wgpu::Texture),
     segments: (Option<Segments>, wgpu::Texture),
     pub(super) nothing: Targets,
-    pipelines: HashMap<Key, wgpu::RenderPipeline>,
+    /// By mode: see [`kernel`].
+    kernels: [Kernel<Draw>; 3],
     pub(super) visibility: Option<super::visibility::Counter>,
     /// Whether empty space is skipped and equal bodies are united; tests turn both off to compare pictures.
     pub shortcuts: bool,
@@ -71,7 +52,8 @@ impl Caster {
                 table: (Vec::new(), data(gpu, "transfer table", [TABLE_ENTRIES as u32, 1], COLOUR)),
                 segments: (None, data(gpu, "segment colours", [256, 1], wgpu::TextureFormat::Rgba8Unorm)),
                 nothing: Targets::new(gpu, [1; 2]),
-                pipelines: HashMap::new(),
+                kernels: ["cast_dvr.wgsl", "cast_iso.wgsl", "cast_mip.wgsl"]
+                    .map(|file| Kernel::new(gpu, file, Draw::cover("march_pixel", &[COLOUR, DEPTH, OBJECT]), &[])),
                 visibility: None,
                 shortcuts: true,
             })
@@ -182,8 +164,12 @@ impl Caster {
             let draws = areas
                 .iter()
                 .map(|(capacity, areas)| {
-                    let key = self.key(gpu, pools, frame, drawn, *capacity, i > 0, i + 1 < count);
-                    Ok((self.pipeline(gpu, pools, key)?, areas.as_slice()))
+                    let conditions = self.conditions(gpu, pools, frame, drawn, *capacity, i > 0, i + 1 < count);
+                    let groups = [&self.layout, pools.layout()];
+                    Ok((
+                        kernel(&mut self.kernels, frame.mode).pipeline(gpu, &conditions, &groups, &[])?,
+                        areas.as_slice(),
+                    ))
                 })
                 .collect::<Result<Vec<_>, GpuError>>()?;
             // The second pass is the first into its targets.
@@ -231,7 +217,8 @@ impl Caster {
         gpu.queue.submit([encoder.finish()]);
     }
 
-    fn key(
+    /// What the kernel of a frame is compiled for. `capacity`: intervals that are merged per ray; 0: bodies follow one another.
+    fn conditions(
         &self,
         gpu: &Gpu,
         pools: &FieldPools,
@@ -240,68 +227,30 @@ impl Caster {
         capacity: u32,
         resume: bool,
         continues: bool,
-    ) -> Key {
+    ) -> Vec<&'static str> {
         let painted = |kind, opacity: f32| pools.texture(kind).is_some() && opacity > 0.0;
+        let lit = frame.lighting.is_some() && frame.mode != Mode::Mip;
+        let colour = painted(FieldKind::Colour, frame.overlay.colour);
+        let labels = painted(FieldKind::Labels, frame.overlay.labels);
         let masked = drawn.iter().any(|d| d.mask != Mask::None || d.selected.is_some());
-        let defs = pools.defs(gpu);
-        let has = |name: &str| defs.iter().any(|(n, _)| *n == name);
-        Key {
-            file: match frame.mode {
-                Mode::Dvr => "cast_dvr.wgsl",
-                Mode::Iso(_) => "cast_iso.wgsl",
-                Mode::Mip => "cast_mip.wgsl",
-            },
-            lit: frame.lighting.is_some() && frame.mode != Mode::Mip,
-            tinted: drawn.iter().any(|d| d.tint.is_some()),
-            colour: painted(FieldKind::Colour, frame.overlay.colour),
-            labels: painted(FieldKind::Labels, frame.overlay.labels),
-            selection: masked || painted(FieldKind::Selection, frame.overlay.selection),
-            capacity,
-            resume,
-            continues: continues && frame.mode == Mode::Mip,
-            plain: !self.shortcuts,
-            float_density: has("FLOAT_DENSITY"),
-            manual_filter: has("MANUAL_FILTER"),
-            in_place: has("IN_PLACE"),
-        }
-    }
-
-    fn pipeline(&mut self, gpu: &Gpu, pools: &FieldPools, key: Key) -> Result<wgpu::RenderPipeline, GpuError> {
-        if let Some(pipeline) = self.pipelines.get(&key) {
-            return Ok(pipeline.clone());
-        }
-        let defs: Vec<(&str, Def)> = [
-            ("LIT", key.lit),
-            ("COLOUR", key.colour),
-            ("LABELS", key.labels),
-            ("SELECTION", key.selection),
-            ("STAGED", key.lit || key.tinted || key.colour || key.labels || key.selection),
-            ("MERGE", key.capacity > 0),
-            ("UP_TO_16", key.capacity == 16),
-            ("UP_TO_64", key.capacity == 64),
-            ("UP_TO_ALL", key.capacity == MOST_BODIES as u32),
-            ("RESUME", key.resume),
-            ("CONTINUES", key.continues),
-            ("PLAIN", key.plain),
-            ("FLOAT_DENSITY", key.float_density),
-            ("MANUAL_FILTER", key.manual_filter),
-            ("IN_PLACE", key.in_place),
-        ]
-        .into_iter()
-        .filter(|d| d.1)
-        .map(|(name, on)| (name, Def::Bool(on)))
-        .collect();
-        let module = shader::compile(gpu, key.file, &defs)?;
-        let pipeline = full_screen(
-            gpu,
-            key.file,
-            &module,
-            &[&self.layout, pools.layout()],
-            &[COLOUR, DEPTH, OBJECT],
-            "march_pixel",
-        );
-        self.pipelines.insert(key, pipeline.clone());
-        Ok(pipeline)
+        let selection = masked || painted(FieldKind::Selection, frame.overlay.selection);
+        let tinted = drawn.iter().any(|d| d.tint.is_some());
+        let own = [
+            ("LIT", lit),
+            ("COLOUR", colour),
+            ("LABELS", labels),
+            ("SELECTION", selection),
+            ("STAGED", lit || tinted || colour || labels || selection),
+            ("MERGE", capacity > 0),
+            ("UP_TO_16", capacity == 16),
+            ("UP_TO_64", capacity == 64),
+            ("UP_TO_ALL", capacity == MOST_BODIES as u32),
+            ("RESUME", resume),
+            ("CONTINUES", continues && frame.mode == Mode::Mip),
+            ("PLAIN", !self.shortcuts),
+        ];
+        let own = own.into_iter().filter(|c| c.1).map(|c| c.0);
+        own.chain(pools.defs(gpu).into_iter().map(|d| d.0)).collect()
     }
 
     pub(super) fn set_table(&mut self, gpu: &Gpu, frame: &Frame) {
@@ -342,21 +291,18 @@ impl Caster {
         let textures =
             [&lists[0], &lists[1], &self.table.1, &self.segments.1, &before.colour, &before.depth, &before.object];
         let views = textures.map(view);
-        let mut entries: Vec<_> = [&self.view, &self.bodies, &self.planes]
-            .into_iter()
-            .zip(0..)
-            .map(|(buffer, binding)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
-            .collect();
-        entries.extend(views.iter().zip(3..).map(|(view, binding)| wgpu::BindGroupEntry {
-            binding,
-            resource: wgpu::BindingResource::TextureView(view),
-        }));
-        gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("caster"),
-            layout: &self.layout,
-            entries: &entries,
-        })
+        let buffers = [&self.view, &self.bodies, &self.planes].map(|b| b.as_entire_binding());
+        let resources = buffers.into_iter().chain(views.iter().map(wgpu::BindingResource::TextureView));
+        group(gpu, "caster", &self.layout, resources)
     }
+}
+
+fn kernel(kernels: &mut [Kernel<Draw>; 3], mode: Mode) -> &mut Kernel<Draw> {
+    &mut kernels[match mode {
+        Mode::Dvr => 0,
+        Mode::Iso(_) => 1,
+        Mode::Mip => 2,
+    }]
 }
 
 /// What is drawn where: the intervals that a ray must hold (0: bodies follow one another), and rectangles of pixels. A pixel that

@@ -18,6 +18,7 @@ mod device;
 mod drawn;
 mod error;
 mod image;
+mod kernel;
 pub mod layout;
 mod occupancy;
 pub mod order;

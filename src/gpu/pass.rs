@@ -1,8 +1,9 @@
-//! What the caster draws into and with: targets, one-triangle pipelines, small data textures, the layout of group 0.
+//! What the caster draws into and with: targets, small data textures, the layout of group 0.
 //!
 //! Knows the formats and labels, nothing of bodies or frames.
 
 use super::Gpu;
+use super::kernel::{Binding, group_layout};
 
 /// Colour, depth and object of a picture on the GPU.
 #[derive(Debug)]
@@ -38,52 +39,13 @@ impl Targets {
     }
 }
 
-/// A pipeline that covers the target with one triangle; entry points `cover` and `fragment`.
-pub(super) fn full_screen(
-    gpu: &Gpu,
-    label: &str,
-    module: &wgpu::ShaderModule,
-    groups: &[&wgpu::BindGroupLayout],
-    targets: &[wgpu::TextureFormat],
-    fragment: &str,
-) -> wgpu::RenderPipeline {
-    let groups: Vec<_> = groups.iter().map(|g| Some(*g)).collect();
-    let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some(label),
-        bind_group_layouts: &groups,
-        immediate_size: 0,
-    });
-    let targets: Vec<_> = targets.iter().map(|&format| Some(format.into())).collect();
-    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(label),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module,
-            entry_point: Some("cover"),
-            compilation_options: Default::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: None,
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module,
-            entry_point: Some(fragment),
-            compilation_options: Default::default(),
-            targets: &targets,
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
-}
-
-/// Draws such a pipeline over all of a target.
+/// Draws one triangle over all of a target.
 pub(super) fn draw_over(
     gpu: &Gpu,
     label: &str,
     target: &wgpu::TextureView,
     pipeline: &wgpu::RenderPipeline,
-    groups: &[&wgpu::BindGroup],
+    groups: &[Option<&wgpu::BindGroup>],
 ) {
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(label) });
     {
@@ -107,32 +69,15 @@ pub(super) fn draw_over(
     gpu.queue.submit([encoder.finish()]);
 }
 
+/// Group 0 of everything that marches, as shaders/lib/body.wgsl, shaders/lib/look.wgsl and resumed pictures number it.
 pub(super) fn layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
-    let float = wgpu::TextureSampleType::Float { filterable: false };
-    let uint = wgpu::TextureSampleType::Uint;
-    let uniform = wgpu::BindingType::Buffer {
-        ty: wgpu::BufferBindingType::Uniform,
-        has_dynamic_offset: false,
-        min_binding_size: None,
-    };
-    let texture = |sample_type| wgpu::BindingType::Texture {
-        sample_type,
-        view_dimension: wgpu::TextureViewDimension::D2,
-        multisampled: false,
-    };
-    let kinds = [uint, uint, float, float, float, float, uint].map(texture);
-    let entries: Vec<_> = [uniform; 3]
-        .into_iter()
-        .chain(kinds)
-        .zip(0..)
-        .map(|(ty, binding)| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::FRAGMENT | wgpu::ShaderStages::COMPUTE,
-            ty,
-            count: None,
-        })
-        .collect();
-    gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("caster"), entries: &entries })
+    use Binding::Uniform;
+    let stages = wgpu::ShaderStages::FRAGMENT | wgpu::ShaderStages::COMPUTE;
+    let lists = [Binding::UINT_2D; 2];
+    let colours = [Binding::FLOAT_2D; 2];
+    let before = [Binding::FLOAT_2D, Binding::FLOAT_2D, Binding::UINT_2D];
+    let bindings: Vec<_> = [Uniform(0); 3].into_iter().chain(lists).chain(colours).chain(before).collect();
+    group_layout(gpu, "caster", stages, &bindings)
 }
 
 /// A plain 2D texture.

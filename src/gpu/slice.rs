@@ -1,15 +1,14 @@
 //! Slices: one voxel deep, along a voxel axis, linear in the plane, through the same pools as the 3D picture.
 //!
-//! Owns [`SliceFrame`] (what is drawn) and [`SliceCaster`] (its pipelines). Where a slice's pixels lie in the world is the
+//! Owns [`SliceFrame`] (what is drawn) and [`SliceCaster`] (its kernel). Where a slice's pixels lie in the world is the
 //! caller's: a frame takes any affine map from pixels to the slice. Knows no window.
 
-use super::pass::{COLOUR, data, draw_over, full_screen, texture, write};
-use super::shader::{self, Def};
+use super::kernel::{Binding, Draw, Kernel};
+use super::pass::{COLOUR, data, draw_over, texture, write};
 use super::{FieldPools, Fields, Gpu, GpuError, Overlay};
 use crate::math::{DVec2, DVec3};
 use crate::shared_struct;
 use crate::volume::{FieldKind, Grid, Segments};
-use std::collections::HashMap;
 
 /// One slice picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,17 +94,13 @@ shared_struct! {
     }
 }
 
-/// What a pipeline is specialised by.
-type Key = Vec<&'static str>;
-
 /// See the module's head.
 #[derive(Debug)]
 pub struct SliceCaster {
-    layout: wgpu::BindGroupLayout,
+    kernel: Kernel<Draw>,
     uniform: wgpu::Buffer,
     colours: wgpu::Texture,
     segments: Option<Segments>,
-    pipelines: HashMap<Key, wgpu::RenderPipeline>,
 }
 
 impl SliceCaster {
@@ -115,32 +110,8 @@ impl SliceCaster {
     /// Out of memory, or a lost device.
     pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
         gpu.scoped("slices", || {
-            let stage = wgpu::ShaderStages::FRAGMENT;
-            let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: Some("slice"),
-                entries: &[
-                    wgpu::BindGroupLayoutEntry {
-                        binding: 0,
-                        visibility: stage,
-                        ty: wgpu::BindingType::Buffer {
-                            ty: wgpu::BufferBindingType::Uniform,
-                            has_dynamic_offset: false,
-                            min_binding_size: wgpu::BufferSize::new(size_of::<Slice>() as u64),
-                        },
-                        count: None,
-                    },
-                    wgpu::BindGroupLayoutEntry {
-                        binding: 1,
-                        visibility: stage,
-                        ty: wgpu::BindingType::Texture {
-                            sample_type: wgpu::TextureSampleType::Float { filterable: false },
-                            view_dimension: wgpu::TextureViewDimension::D2,
-                            multisampled: false,
-                        },
-                        count: None,
-                    },
-                ],
-            });
+            let bindings = [Binding::Uniform(size_of::<Slice>()), Binding::FLOAT_2D];
+            let kernel = Kernel::new(gpu, "slice.wgsl", Draw::cover("draw", &[COLOUR]), &bindings);
             let uniform = gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("slice"),
                 size: size_of::<Slice>() as u64,
@@ -148,7 +119,7 @@ impl SliceCaster {
                 mapped_at_creation: false,
             });
             let colours = data(gpu, "segment colours", [256; 2], wgpu::TextureFormat::Rgba8Unorm);
-            Ok(Self { layout, uniform, colours, segments: None, pipelines: HashMap::new() })
+            Ok(Self { kernel, uniform, colours, segments: None })
         })
     }
 
@@ -162,12 +133,7 @@ impl SliceCaster {
         target: &wgpu::TextureView,
     ) -> Result<(), GpuError> {
         pools.make_slice_resident(gpu, fields, frame.axis, frame.index)?;
-        let key = defs(gpu, pools, frame);
-        if !self.pipelines.contains_key(&key) {
-            let pipeline = self.pipeline(gpu, pools, &key)?;
-            self.pipelines.insert(key.clone(), pipeline);
-        }
-        let Some(pipeline) = self.pipelines.get(&key) else { return Ok(()) };
+        let pipeline = self.kernel.pipeline(gpu, &conditions(gpu, pools, frame), &[], &[pools.layout()])?;
         gpu.scoped("a slice", || {
             if self.segments.as_ref() != Some(&frame.overlay.segments) {
                 write_colours(gpu, &self.colours, &frame.overlay.segments);
@@ -175,15 +141,9 @@ impl SliceCaster {
             }
             gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform(frame, pools.value_of_texel())));
             let colours = self.colours.create_view(&wgpu::TextureViewDescriptor::default());
-            let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("slice"),
-                layout: &self.layout,
-                entries: &[
-                    wgpu::BindGroupEntry { binding: 0, resource: self.uniform.as_entire_binding() },
-                    wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(&colours) },
-                ],
-            });
-            draw_over(gpu, "slice", target, pipeline, &[&group, pools.group()]);
+            let colours = wgpu::BindingResource::TextureView(&colours);
+            let group = self.kernel.group(gpu, [self.uniform.as_entire_binding(), colours]);
+            draw_over(gpu, "slice", target, &pipeline, &[group.as_ref(), Some(pools.group())]);
             Ok(())
         })
     }
@@ -234,17 +194,10 @@ impl SliceCaster {
         let row = |y: u32| &bytes[(y * pitch) as usize..(y * pitch + width * 16) as usize];
         Ok((0..height).flat_map(|y| row(y).chunks_exact(16).map(bytemuck::pod_read_unaligned)).collect())
     }
-
-    fn pipeline(&self, gpu: &Gpu, pools: &FieldPools, key: &Key) -> Result<wgpu::RenderPipeline, GpuError> {
-        let defs: Vec<_> = key.iter().map(|&name| (name, Def::Bool(true))).collect();
-        let module = shader::compile(gpu, "slice.wgsl", &defs)?;
-        gpu.scoped("the slices' pipeline", || {
-            Ok(full_screen(gpu, "slice", &module, &[&self.layout, pools.layout()], &[COLOUR], "draw"))
-        })
-    }
 }
 
-fn defs(gpu: &Gpu, pools: &FieldPools, frame: &SliceFrame) -> Key {
+/// What the shader is compiled for.
+fn conditions(gpu: &Gpu, pools: &FieldPools, frame: &SliceFrame) -> Vec<&'static str> {
     let layers = [
         ("COLOUR", FieldKind::Colour, frame.overlay.colour),
         ("LABELS", FieldKind::Labels, frame.overlay.labels),

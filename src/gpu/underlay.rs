@@ -4,8 +4,8 @@
 //! whatever covers much of a window belongs here. Owns the pictures' textures on the window's device, and draws within a pass of
 //! the window's. Knows nothing of views or panels.
 
+use super::kernel::{Binding, Draw, Kernel};
 use super::pass::{data, write};
-use super::shader::{self, Def};
 use super::{Gpu, GpuError};
 use std::collections::BTreeMap;
 use wgpu::util::DeviceExt;
@@ -28,13 +28,16 @@ pub struct Shown {
     pub picture: u32,
 }
 
+const FILE: &str = "underlay.wgsl";
+
 /// See the module's head.
 #[derive(Debug)]
 pub struct Underlay {
     gpu: Gpu,
     fill: wgpu::RenderPipeline,
     show: wgpu::RenderPipeline,
-    layout: wgpu::BindGroupLayout,
+    /// Of `show`, which binds a picture and a sampler.
+    kernel: Kernel<Draw>,
     /// Where a texel is a pixel, and elsewhere.
     samplers: [wgpu::Sampler; 2],
     pictures: BTreeMap<u32, Held>,
@@ -44,7 +47,7 @@ pub struct Underlay {
 struct Held {
     size: [u32; 2],
     texture: wgpu::Texture,
-    groups: [wgpu::BindGroup; 2],
+    groups: [Option<wgpu::BindGroup>; 2],
 }
 
 /// One frame's fills and pictures, ready to be drawn.
@@ -54,7 +57,7 @@ pub struct Sheet {
     show: wgpu::RenderPipeline,
     places: wgpu::Buffer,
     under: u32,
-    pictures: Vec<wgpu::BindGroup>,
+    pictures: Vec<Option<wgpu::BindGroup>>,
     over: u32,
 }
 
@@ -71,12 +74,13 @@ impl Underlay {
     /// # Errors
     /// What the device refuses.
     pub fn new(gpu: Gpu, format: wgpu::TextureFormat) -> Result<Self, GpuError> {
-        let defs: &[(&str, Def)] = if format.is_srgb() { &[("LINEAR_TARGET", Def::Bool(true))] } else { &[] };
-        let module = shader::compile(&gpu, "underlay.wgsl", defs)?;
+        let conditions: &[&str] = if format.is_srgb() { &["LINEAR_TARGET"] } else { &[] };
+        let filtered = wgpu::TextureSampleType::Float { filterable: true };
+        let picture = [Binding::Texture(wgpu::TextureViewDimension::D2, filtered), Binding::Sampler];
         gpu.clone().scoped("the window's ground", || {
-            let layout = layout(&gpu);
-            let fill = pipeline(&gpu, &module, None, format, "fill");
-            let show = pipeline(&gpu, &module, Some(&layout), format, "show");
+            let fill = Kernel::new(&gpu, FILE, draw("fill", format), &[]).pipeline(&gpu, conditions, &[], &[])?;
+            let mut kernel = Kernel::new(&gpu, FILE, draw("show", format), &picture);
+            let show = kernel.pipeline(&gpu, conditions, &[], &[])?;
             let samplers = [wgpu::FilterMode::Nearest, wgpu::FilterMode::Linear].map(|filter| {
                 gpu.device.create_sampler(&wgpu::SamplerDescriptor {
                     label: Some("window pictures"),
@@ -85,7 +89,7 @@ impl Underlay {
                     ..Default::default()
                 })
             });
-            Ok(Self { gpu, fill, show, layout, samplers, pictures: BTreeMap::new() })
+            Ok(Self { gpu, fill, show, kernel, samplers, pictures: BTreeMap::new() })
         })
     }
 
@@ -101,11 +105,11 @@ impl Underlay {
             let reason = format!("{} bytes found, 4 for each of {width} × {height} pixels expected", rgba.len());
             return Err(GpuError::Refused { what: what.into(), reason });
         }
-        let Self { gpu, layout, samplers, pictures, .. } = self;
+        let Self { gpu, kernel, samplers, pictures, .. } = self;
         let held = gpu.scoped(what, || {
             let held = match pictures.remove(&picture).filter(|held| held.size == size) {
                 Some(held) => held,
-                None => Held::new(gpu, layout, samplers, size),
+                None => Held::new(gpu, kernel, samplers, size),
             };
             write(gpu, &held.texture, rgba, 4);
             Ok(held)
@@ -161,7 +165,7 @@ impl Sheet {
         pass.draw(0..4, 0..self.under);
         pass.set_pipeline(&self.show);
         for (i, group) in (self.under..).zip(&self.pictures) {
-            pass.set_bind_group(0, group, &[]);
+            pass.set_bind_group(0, group.as_ref(), &[]);
             pass.draw(0..4, i..i + 1);
         }
         let over = self.under + self.pictures.len() as u32;
@@ -171,77 +175,32 @@ impl Sheet {
 }
 
 impl Held {
-    fn new(gpu: &Gpu, layout: &wgpu::BindGroupLayout, samplers: &[wgpu::Sampler; 2], size: [u32; 2]) -> Self {
+    fn new(gpu: &Gpu, kernel: &Kernel<Draw>, samplers: &[wgpu::Sampler; 2], size: [u32; 2]) -> Self {
         let texture = data(gpu, "window picture", size, wgpu::TextureFormat::Rgba8Unorm);
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
         let groups = [0, 1].map(|i| {
-            gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("window picture"),
-                layout,
-                entries: &[
-                    wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) },
-                    wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&samplers[i]) },
-                ],
-            })
+            let sampler = wgpu::BindingResource::Sampler(&samplers[i]);
+            kernel.group(gpu, [wgpu::BindingResource::TextureView(&view), sampler])
         });
         Self { size, texture, groups }
     }
 }
 
-fn layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
-    let entry =
-        |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::FRAGMENT, ty, count: None };
-    let texture = wgpu::BindingType::Texture {
-        sample_type: wgpu::TextureSampleType::Float { filterable: true },
-        view_dimension: wgpu::TextureViewDimension::D2,
-        multisampled: false,
-    };
-    let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
-    gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some("window picture"),
-        entries: &[entry(0, texture), entry(1, sampler)],
-    })
-}
-
-fn pipeline(
-    gpu: &Gpu,
-    module: &wgpu::ShaderModule,
-    group: Option<&wgpu::BindGroupLayout>,
-    format: wgpu::TextureFormat,
-    fragment: &str,
-) -> wgpu::RenderPipeline {
-    let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("window ground"),
-        bind_group_layouts: if group.is_some() { std::slice::from_ref(&group) } else { &[] },
-        immediate_size: 0,
-    });
-    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("window ground"),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module,
-            entry_point: Some("corner"),
-            compilation_options: Default::default(),
-            buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: size_of::<Instance>() as u64,
-                step_mode: wgpu::VertexStepMode::Instance,
-                attributes: &wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32x4],
-            })],
-        },
-        primitive: wgpu::PrimitiveState { topology: wgpu::PrimitiveTopology::TriangleStrip, ..Default::default() },
-        depth_stencil: None,
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module,
-            entry_point: Some(fragment),
-            compilation_options: Default::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format,
-                blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
+/// Rectangles, one an instance, over what the target holds.
+fn draw(fragment: &'static str, format: wgpu::TextureFormat) -> Draw {
+    Draw {
+        vertex: "corner",
+        fragment,
+        buffers: vec![wgpu::VertexBufferLayout {
+            array_stride: size_of::<Instance>() as u64,
+            step_mode: wgpu::VertexStepMode::Instance,
+            attributes: &const { wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32x4] },
+        }],
+        topology: wgpu::PrimitiveTopology::TriangleStrip,
+        targets: vec![wgpu::ColorTargetState {
+            format,
+            blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+            write_mask: wgpu::ColorWrites::ALL,
+        }],
+    }
 }

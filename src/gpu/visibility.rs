@@ -3,12 +3,11 @@
 //! Feeds the viewing force's gain (ERRATA, Exploded Views). Counts pixels; the smaller the frame, the cheaper.
 
 use super::drawn::drawn;
+use super::kernel::{Binding, Compute, Kernel};
 use super::scene::{MOST_BODIES, Scene};
-use super::shader::{self, Def};
 use super::tiles::{TILE, Window};
 use super::{Caster, FieldPools, Fields, Frame, Gpu, GpuError, Mask};
 use crate::volume::{FieldKind, Mode};
-use std::collections::HashMap;
 
 /// Samples along a ray are held below this by a longer step.
 const MOST_SAMPLES: f64 = 6000.0;
@@ -34,10 +33,9 @@ impl Visibility {
 /// What counting needs on the GPU.
 #[derive(Debug)]
 pub(super) struct Counter {
-    layout: wgpu::BindGroupLayout,
+    kernel: Kernel<Compute>,
     counts: wgpu::Buffer,
     answer: wgpu::Buffer,
-    pipelines: HashMap<Vec<&'static str>, wgpu::ComputePipeline>,
 }
 
 impl Counter {
@@ -51,25 +49,11 @@ impl Counter {
                 mapped_at_creation: false,
             })
         };
-        let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("visibility counts"),
-            entries: &[wgpu::BindGroupLayoutEntry {
-                binding: 0,
-                visibility: wgpu::ShaderStages::COMPUTE,
-                ty: wgpu::BindingType::Buffer {
-                    ty: wgpu::BufferBindingType::Storage { read_only: false },
-                    has_dynamic_offset: false,
-                    min_binding_size: None,
-                },
-                count: None,
-            }],
-        });
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
         Self {
-            layout,
+            kernel: Kernel::new(gpu, "cast_visibility.wgsl", Compute("count"), &[Binding::Storage]),
             counts: buffer("visibility counts", usage),
             answer: buffer("visibility answer", wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST),
-            pipelines: HashMap::new(),
         }
     }
 }
@@ -127,39 +111,17 @@ impl Caster {
         let counter = self.visibility.get_or_insert_with(|| Counter::new(gpu));
         let mut names: Vec<&'static str> = pools.defs(gpu).into_iter().map(|d| d.0).collect();
         names.push("SELECTION");
-        if !counter.pipelines.contains_key(&names) {
-            let file = "cast_visibility.wgsl";
-            let defs: Vec<_> = names.iter().map(|&n| (n, Def::Bool(true))).collect();
-            let module = shader::compile(gpu, file, &defs)?;
-            let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some(file),
-                bind_group_layouts: &[Some(&self.layout), Some(pools.layout()), Some(&counter.layout)],
-                immediate_size: 0,
-            });
-            let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some(file),
-                layout: Some(&layout),
-                module: &module,
-                entry_point: Some("count"),
-                compilation_options: Default::default(),
-                cache: None,
-            });
-            counter.pipelines.insert(names.clone(), pipeline);
-        }
-        let counts = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("visibility counts"),
-            layout: &counter.layout,
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: counter.counts.as_entire_binding() }],
-        });
+        let pipeline = counter.kernel.pipeline(gpu, &names, &[&self.layout, pools.layout()], &[])?;
+        let counts = counter.kernel.group(gpu, [counter.counts.as_entire_binding()]);
         let mut encoder =
             gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("visibility") });
         encoder.clear_buffer(&counter.counts, 0, None);
         {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            pass.set_pipeline(&counter.pipelines[&names]);
+            pass.set_pipeline(&pipeline);
             pass.set_bind_group(0, group, &[]);
             pass.set_bind_group(1, pools.group(), &[]);
-            pass.set_bind_group(2, &counts, &[]);
+            pass.set_bind_group(2, counts.as_ref(), &[]);
             pass.dispatch_workgroups(size[0].div_ceil(TILE), size[1].div_ceil(TILE), 1);
         }
         encoder.copy_buffer_to_buffer(&counter.counts, 0, &counter.answer, 0, counter.counts.size());
