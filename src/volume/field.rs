@@ -41,6 +41,16 @@ impl FieldKind {
             Self::Labels => "labels",
         }
     }
+
+    /// The format of such a field's texels, in a volume whose density has texels of `density`.
+    pub const fn format(self, density: TexelFormat) -> TexelFormat {
+        match self {
+            Self::Density => density,
+            Self::Colour => TexelFormat::Rgba8Unorm,
+            Self::Selection => TexelFormat::R8Unorm,
+            Self::Labels => TexelFormat::R16Uint,
+        }
+    }
 }
 
 /// What is known of a slot (a brick and its apron) without reading it.
@@ -122,15 +132,9 @@ const EMPTY: (BrickSummary, Cells) =
 impl Field {
     /// A field with nothing painted: all texels 0.
     pub fn blank(kind: FieldKind, grid: &Grid) -> Self {
-        let format = match kind {
-            FieldKind::Density => TexelFormat::R32Float,
-            FieldKind::Colour => TexelFormat::Rgba8Unorm,
-            FieldKind::Selection => TexelFormat::R8Unorm,
-            FieldKind::Labels => TexelFormat::R16Uint,
-        };
         Self {
             kind,
-            format,
+            format: kind.format(TexelFormat::R32Float),
             map: DensityMap::FLOAT,
             dims: grid.dims,
             level_count: grid.level_count(),

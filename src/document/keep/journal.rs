@@ -12,7 +12,7 @@ use super::store_files::sync_dir;
 use super::{Command, KeepError, Past, PastDelta, Scene, State, VolumeCommand};
 use crate::io::disk;
 use crate::paint::Sample;
-use crate::volume::{BrickIndex, DensityMap, FieldKind, TexelFormat};
+use crate::volume::{BrickIndex, DensityMap, FieldKind};
 use rayon::prelude::*;
 use serde_json::{Map, Value};
 use std::collections::{BTreeSet, HashMap, VecDeque};
@@ -309,16 +309,6 @@ impl Journal {
         self.found = self.found.filter(|&found| found == HEADER);
         noted.iter().for_each(|(entries, body_at)| self.note(entries, *body_at));
         self.path.parent().map_or(Ok(()), sync_dir)
-    }
-}
-
-/// Format of a field's texels under a density map.
-pub(in crate::document) fn texel_format(kind: FieldKind, map: &DensityMap) -> TexelFormat {
-    match kind {
-        FieldKind::Density => map.format,
-        FieldKind::Colour => TexelFormat::Rgba8Unorm,
-        FieldKind::Selection => TexelFormat::R8Unorm,
-        FieldKind::Labels => TexelFormat::R16Uint,
     }
 }
 

@@ -3,7 +3,7 @@
 //! Nothing is executed: the latest content of every touched brick and the latest parts of the scene are found, and laid over
 //! the generation. Memory follows the bricks touched, never what a damaged length claims.
 
-use super::journal::{HEADER, Journal, MAGIC, Now, VERSION, texel_format};
+use super::journal::{HEADER, Journal, MAGIC, Now, VERSION};
 use super::journal_record::{
     BrickEntry, Kind, RECORD_HEAD, Record, SamplesHead, StepHead, checksum, decode, decode_brick,
 };
@@ -214,7 +214,7 @@ impl Journal {
             bytes.resize(length, 0);
             let read = reader.seek(SeekFrom::Start(at)).and_then(|_| reader.read_exact(&mut bytes));
             read.map_err(KeepError::io("read", self.path()))?;
-            let brick = decode_brick(&bytes, texel_format(kind, self.now.map())).map_err(|found| {
+            let brick = decode_brick(&bytes, kind.format(self.now.map().format)).map_err(|found| {
                 let field = format!("{} brick {:?}", kind.name(), index.0);
                 KeepError::malformed(self.path(), field, found, "a brick that unpacks to 32³ texels")
             })?;

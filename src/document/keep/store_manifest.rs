@@ -5,7 +5,7 @@ use super::store_fields::Shards;
 use super::store_link::Link;
 use super::{KeepError, Past, Scene, State, inside};
 use crate::math::{DAffine3, DMat3, DVec3};
-use crate::volume::{DensityMap, FieldKind, Grid, Histogram, Number, Statistics, TexelFormat, VoxelType};
+use crate::volume::{DensityMap, Grid, Histogram, Number, Statistics, TexelFormat, VoxelType};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -221,16 +221,6 @@ impl Manifest {
     pub fn shards_of(&self, array: &str) -> &Shards {
         static NONE: Shards = Shards::new();
         self.shards.get(array).unwrap_or(&NONE)
-    }
-
-    /// Format of a field's texels.
-    pub fn texel_format(&self, kind: FieldKind) -> TexelFormat {
-        match kind {
-            FieldKind::Density => self.volume.map.format,
-            FieldKind::Colour => TexelFormat::Rgba8Unorm,
-            FieldKind::Selection => TexelFormat::R8Unorm,
-            FieldKind::Labels => TexelFormat::R16Uint,
-        }
     }
 }
 

@@ -168,7 +168,7 @@ fn read_generation(dir: &Path, generation: u64, given: Option<&Path>) -> Result<
     for kind in FieldKind::ALL {
         let shards = manifest.shards_of(array_name(kind));
         let only = (kind == FieldKind::Density).then_some(&edited[..]);
-        edits.insert(kind, read_field(&at, kind, manifest.texel_format(kind), grid.dims, shards, only)?);
+        edits.insert(kind, read_field(&at, kind, kind.format(manifest.volume.map.format), grid.dims, shards, only)?);
     }
     Ok(Loaded { manifest, density, edits, files, told, is_current: true })
 }
