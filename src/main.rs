@@ -6,7 +6,8 @@ use burin::document::{
     Document, DocumentError, KeepError, OpenAs, Opened, Origin, ProjectCommand, USUAL_COMPONENT, Wanted, at_home,
 };
 use burin::interact::readout;
-use burin::script::{self, json_line, plain};
+use burin::script;
+use burin::script::{json_line, plain};
 use clap::{Parser, Subcommand};
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Write};

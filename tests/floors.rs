@@ -17,7 +17,7 @@ const FLOORS: &[&[&str]] = &[
 
 /// Where a library may be named, as a prefix of the path below `src`.
 const LIBRARIES: &[(&str, &[&str])] = &[
-    ("wgpu", &["gpu/", "ui/viewport"]),
+    ("wgpu", &["gpu/", "ui/views/viewport"]),
     ("naga", &["gpu/"]),
     ("naga_oil", &["gpu/"]),
     ("egui", &["ui/"]),

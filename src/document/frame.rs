@@ -1,6 +1,9 @@
 //! From the scene to what the GPU is asked to draw: one place for the window, renders, picks and measurements.
 
-use super::{DocumentError, SlicePlane, State, ViewName};
+use crate::document::error::DocumentError;
+use crate::document::scene::ViewName;
+use crate::document::slice_plane::SlicePlane;
+use crate::document::state::State;
 use crate::explode::{Explosion, PartId};
 use crate::gpu::{Body, Frame, Mask, Overlay, SliceFrame};
 use crate::math::{Camera, DVec3, Pose};

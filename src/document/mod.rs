@@ -5,73 +5,53 @@
 //! tools: they are saved, and undo leaves both alone. Views, looks, layers and window have a past of their own (`view.back`). Everything
 //! else is undone.
 
-mod area;
-mod check;
-mod colours;
+mod apply;
 mod command;
-mod command_brush;
-mod command_files;
-mod command_parts;
-mod command_paths;
-mod command_views;
-mod defaults;
-mod edit;
 mod error;
-mod first_look;
 mod frame;
-mod graphics;
-mod handle;
-mod histogram;
 mod history;
-mod keep;
-mod motion;
-mod open;
-mod outliers;
-mod packed;
-mod past;
+pub(crate) mod journal;
+pub(crate) mod live;
 mod place;
+pub mod project;
 mod scene;
 mod slice_plane;
-mod spill;
 mod state;
-mod step;
-mod trail;
-mod visible;
 mod watch;
 
+pub use apply::open::Opened;
+pub use command::brush::*;
+pub use command::files::*;
+pub use command::parts::*;
+pub use command::paths::at_home;
+pub use command::views::*;
 pub use command::*;
-pub use command_brush::*;
-pub use command_files::*;
-pub use command_parts::*;
-pub use command_paths::at_home;
-pub use command_views::*;
 pub use error::DocumentError;
 pub use frame::SELECTION_COLOUR;
+pub use history::past::Past;
+pub use history::spill::remove_dead_history;
 pub use history::{DEFAULT_BUDGET_BYTES, History};
-pub use keep::keep_error::KeepError;
-pub use keep::keeper::Keeper;
-pub use keep::kept::{KeptDocument, Recovered};
-pub use keep::recovery;
-pub use keep::source_files::SourceFiles;
-pub use keep::store::{DensityKeeping, Saved};
-pub use keep::store_read::{LoadedDensity, Wanted};
-pub use keep::store_source::ZarrSource;
-pub use open::Opened;
-pub use past::Past;
+pub use journal::autosave::Keeper;
+pub use journal::loaded::{KeptDocument, Recovered};
+pub use journal::recovery;
+pub use project::error::KeepError;
+pub use project::read::{LoadedDensity, Wanted};
+pub use project::source::ZarrSource;
+pub use project::source_files::SourceFiles;
+pub use project::store::{DensityKeeping, Saved};
 pub use scene::*;
 pub use slice_plane::{SlicePlane, side_letter};
-pub use spill::remove_dead_history;
 pub use state::State;
 pub use watch::Watch;
 
-use edit::Edit;
-use graphics::Graphics;
-use handle::stroke::Running;
-use motion::Motion;
-use past::{PastDelta, PastGroup};
+use crate::document::apply::stroke::Running;
+use crate::document::history::edit::Edit;
+use crate::document::history::past::PastGroup;
+use crate::document::history::step::Refreshed;
+use crate::document::live::graphics::Graphics;
+use crate::document::live::motion::Motion;
 use serde_json::{Value, json};
 use std::path::PathBuf;
-use step::Refreshed;
 
 /// See the module's head.
 #[derive(Debug, Default)]
@@ -141,7 +121,7 @@ impl Document {
     /// If the command cannot be done; nothing was changed then.
     pub fn apply(&mut self, command: Command) -> Result<Value, DocumentError> {
         let command = command.at_home()?;
-        if self.running.is_some() && !handle::stroke::leaves_running(&command) {
+        if self.running.is_some() && !apply::stroke::leaves_running(&command) {
             self.settle()?;
         }
         let answer = match command {

@@ -1,6 +1,11 @@
 //! From what a command says of a place to a point of the volume at rest.
 
-use super::{Document, DocumentError, Place, SlicePlane, State, ViewName};
+use crate::document::Document;
+use crate::document::command::Place;
+use crate::document::error::DocumentError;
+use crate::document::scene::ViewName;
+use crate::document::slice_plane::SlicePlane;
+use crate::document::state::State;
 use crate::gpu::Hit;
 use crate::math::{DVec2, DVec3};
 use crate::paint::Sample;

@@ -4,7 +4,7 @@
 //! needs a slice's pixels (pointer, picture, crosshair, side letters) asks here. Axial is seen from the feet, coronal from the
 //! front (patient's right on the picture's left in both), sagittal from the left (anterior on the picture's left).
 
-use super::{ViewName, Views};
+use crate::document::scene::{ViewName, Views};
 use crate::math::{DVec2, DVec3};
 use crate::volume::Grid;
 

@@ -3,7 +3,10 @@
 //! This is all that a save writes and all that undo brings back. Knows neither history nor the GPU, and can be built on a
 //! thread of its own, since reading a volume takes seconds.
 
-use super::{DocumentError, Past, Scene, SourceFiles};
+use crate::document::error::DocumentError;
+use crate::document::history::past::Past;
+use crate::document::project::source_files::SourceFiles;
+use crate::document::scene::Scene;
 use crate::io::FileMark;
 use crate::paint::Reach;
 use crate::volume::{BrickSource, DensityMap, Field, FieldKind, Grid, Histogram, Statistics, TexelFormat, unit};
@@ -48,7 +51,7 @@ impl State {
     /// If the source fails, the range is not one, or `progress` said no.
     pub fn new(
         source: Arc<dyn BrickSource>,
-        origin: super::Origin,
+        origin: crate::document::scene::Origin,
         statistics: Statistics,
         histogram: Histogram,
         range: Option<[f64; 2]>,
@@ -61,7 +64,7 @@ impl State {
     /// The same with all files that the source reads, as they were when they were opened.
     pub(super) fn over(
         source: Arc<dyn BrickSource>,
-        origin: super::Origin,
+        origin: crate::document::scene::Origin,
         files: Vec<FileMark>,
         statistics: Statistics,
         histogram: Histogram,

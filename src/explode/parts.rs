@@ -3,7 +3,8 @@
 //! Splitting metaphor of Exploded Views (2006), 3.1. Parts partition the volume's box at every moment; hiding a part leaves
 //! it in place. Knows no camera (see `splitters`) and no forces.
 
-use super::convex::{self, area, polygon, volume};
+use super::convex;
+use super::convex::{area, polygon, volume};
 use super::{ExplodeError, Explosion, Face, Forces, Part, PartId};
 use crate::math::{DVec3, Plane, Pose};
 use crate::volume::Grid;

@@ -3,9 +3,12 @@
 //! Owns [`SliceFrame`] (what is drawn) and [`SliceCaster`] (its kernel). Where a slice's pixels lie in the world is the
 //! caller's: a frame takes any affine map from pixels to the slice. Knows no window.
 
-use super::kernel::{Binding, Draw, Kernel};
-use super::pass::{COLOUR, data, draw_over, texture, write};
-use super::{FieldPools, Fields, Gpu, GpuError, Overlay};
+use crate::gpu::cast::pass::{COLOUR, data, draw_over, texture, write};
+use crate::gpu::device::error::GpuError;
+use crate::gpu::device::gpu::Gpu;
+use crate::gpu::device::kernel::{Binding, Draw, Kernel};
+use crate::gpu::fields::pools::{FieldPools, Fields};
+use crate::gpu::picture::frame::Overlay;
 use crate::math::{DVec2, DVec3};
 use crate::shared_struct;
 use crate::volume::{FieldKind, Grid, Segments};

@@ -1,6 +1,8 @@
 //! What every format gives: a trait for its reader, the list of readers, and what an opened file offers.
 
-use super::{FileMark, IoError, foreign, inflate, nifti::Nifti, nrrd::Nrrd};
+use super::nifti::Nifti;
+use super::nrrd::Nrrd;
+use super::{FileMark, IoError, foreign, inflate};
 use crate::volume::{BrickSource, Grid, Statistics, VoxelType};
 use std::io::Read;
 use std::path::Path;

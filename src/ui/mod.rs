@@ -3,51 +3,23 @@
 //! Owns layout, theme and the thread that the document lives on. Knows the document by its commands and snapshots only: whatever
 //! a control or a tool wants done goes through `Document::apply`, as a script's line does.
 
-mod app;
-mod borders;
 pub mod browse;
-mod changes;
-mod colour;
 mod dialogs;
-mod echo;
-mod errand;
-mod folds;
-mod glance;
-mod icons;
-mod layout;
-mod lesson;
-mod naming;
-mod notes;
-mod outlines;
-mod overlay;
 mod panels;
-mod pictures;
-mod pointer;
-mod progress;
-mod recent;
-mod reports;
-mod rescue;
-mod sample;
-mod saving;
-mod session;
-mod start;
-mod stir;
-mod studio;
-pub mod theme;
-mod trail;
-mod viewport;
-mod widgets;
-mod worker;
+pub mod style;
+pub(crate) mod thread;
+pub(crate) mod views;
+pub(crate) mod window;
 
-pub use app::App;
-pub use glance::{Glance, glance};
-pub use layout::Layout;
-pub use progress::Stop;
-pub use recent::{Recent, Seen};
-pub use sample::Sample;
-pub use session::{Far, Gravity, Offer, Opened, Picture, Report, Request, Session, Snapshot, Then};
-pub use viewport::Canvas;
-pub use worker::spawn;
+pub use dialogs::glance::{Glance, glance};
+pub use thread::progress::Stop;
+pub use thread::session::{Far, Gravity, Offer, Opened, Picture, Report, Request, Session, Snapshot, Then};
+pub use thread::worker::spawn;
+pub use views::viewport::canvas::Canvas;
+pub use window::app::App;
+pub use window::layout::Layout;
+pub use window::recent::{Recent, Seen};
+pub use window::sample::Sample;
 
 use crate::document::{Document, recovery};
 use std::path::PathBuf;
@@ -90,7 +62,7 @@ pub fn run(options: Options) -> Result<(), String> {
         "burin",
         native,
         Box::new(move |cc| {
-            let (session, thread) = worker::spawn(document, cc.egui_ctx.clone())?;
+            let (session, thread) = spawn(document, cc.egui_ctx.clone())?;
             if let Ok(mut place) = started.lock() {
                 *place = Some(thread);
             }

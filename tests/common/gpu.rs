@@ -1,6 +1,7 @@
 //! A device for tests, and a kernel that samples fields at given points through `burin::field`.
 
-use burin::gpu::{FieldPools, Gpu, shader};
+use burin::gpu::device::shader;
+use burin::gpu::{FieldPools, Gpu};
 use std::sync::OnceLock;
 
 /// Says that a test cannot run for want of something. That fails, unless `BURIN_WITHOUT_GPU=1` says that it is known: a suite

@@ -1,8 +1,8 @@
 //! Solids, order of sight and tiles against brute force over rays.
 
-use burin::gpu::order::{Order, Sight};
-use burin::gpu::solid::Solid;
-use burin::gpu::tiles::{TILE, Tiles, Window};
+use burin::gpu::cast::order::{Order, Sight};
+use burin::gpu::cast::solid::Solid;
+use burin::gpu::cast::tiles::{TILE, Tiles, Window};
 use burin::math::{Aabb, Camera, DQuat, DVec2, DVec3, Plane, Pose, Projection, Ray};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -1,7 +1,7 @@
 //! Every shader under every condition: it composes, validates, and its buffers hold what Rust declares.
 
-use burin::gpu::layout::{Declared, Kind, all};
-use burin::gpu::shader::{Def, compose, conditions, kernels, one_of};
+use burin::gpu::device::shader::{Def, compose, conditions, kernels, one_of};
+use burin::gpu::device::shared::{Declared, Kind, all};
 use wgpu::naga;
 
 /// All subsets of few conditions; of many: none, all, each alone, each left out. Of those that exclude each other one each time.
@@ -104,8 +104,8 @@ fn every_shader_composes_validates_and_shares_its_structs_with_rust() {
 
 #[test]
 fn a_shader_that_does_not_compose_says_which_and_why() {
-    let error =
-        burin::gpu::shader::compose_source("broken.wgsl", "fn f() -> u32 { return nothing; }", &[]).unwrap_err();
+    let error = burin::gpu::device::shader::compose_source("broken.wgsl", "fn f() -> u32 { return nothing; }", &[])
+        .unwrap_err();
     let text = error.to_string();
     assert!(text.contains("broken.wgsl") && text.contains("nothing"), "{text}");
     let text = compose("missing.wgsl", &[]).unwrap_err().to_string();

@@ -1,7 +1,8 @@
 //! Components and frames: wherever their axes lie in the file, a component of a frame is the same volume.
 
 use super::files::*;
-use burin::io::{self, IoError};
+use burin::io;
+use burin::io::IoError;
 use burin::volume::{Value, VoxelType, Voxels};
 use burin::with_voxels;
 

@@ -3,7 +3,8 @@
 
 use super::files::*;
 use super::places::{axis_orders, oblique};
-use burin::io::{self, Compression, Exported, IoError};
+use burin::io;
+use burin::io::{Compression, Exported, IoError};
 use burin::math::{DAffine3, DVec3};
 use burin::volume::*;
 use std::sync::Arc;

@@ -3,7 +3,8 @@
 use super::export::{density, paint};
 use super::files::*;
 use super::places::{axis_orders, oblique};
-use burin::io::{self, Compression, Exported};
+use burin::io;
+use burin::io::{Compression, Exported};
 use burin::math::{DAffine3, DMat3, DQuat, DVec3};
 use burin::volume::*;
 

@@ -2,7 +2,8 @@
 //! bytes make a reader panic.
 
 use super::files::*;
-use burin::io::{self, IoError};
+use burin::io;
+use burin::io::IoError;
 use burin::volume::VoxelType;
 use rand::Rng;
 use std::path::Path;

@@ -1,7 +1,8 @@
 //! Voxels of NRRD files in every encoding, behind every skip, in one file and in series of them.
 
 use super::files::*;
-use burin::io::{self, IoError};
+use burin::io;
+use burin::io::IoError;
 use burin::volume::{VoxelType, Voxels};
 use burin::with_voxels;
 use rand::Rng;

@@ -1,7 +1,8 @@
 //! Where volumes lie: affines in closed form, 48 axis orders, oblique grids, both formats.
 
 use super::files::*;
-use burin::io::{self, Opened};
+use burin::io;
+use burin::io::Opened;
 use burin::math::{DAffine3, DMat3, DQuat, DVec3};
 use burin::volume::{VoxelType, Voxels};
 use rand::Rng;

@@ -1,6 +1,7 @@
 //! What is no regular file is refused at once, by name; and every file behind a volume is known.
 
-use burin::io::{self, FileMark};
+use burin::io;
+use burin::io::FileMark;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 

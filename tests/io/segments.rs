@@ -1,7 +1,8 @@
 //! Segments that a NRRD header names as 3D Slicer does.
 
 use super::files::*;
-use burin::io::{self, NamedLabel, Opened};
+use burin::io;
+use burin::io::{NamedLabel, Opened};
 
 fn open(components: usize, keys: &[&str]) -> Opened {
     let folder = tempfile::tempdir().unwrap();

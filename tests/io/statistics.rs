@@ -1,7 +1,8 @@
 //! Minimum, maximum, sum and NaN count, pinned to closed forms.
 
 use super::files::*;
-use burin::io::{self, Info};
+use burin::io;
+use burin::io::Info;
 use burin::math::DVec3;
 use burin::volume::{Grid, MemorySource, Number, VoxelType, Voxels};
 use burin::with_voxel_type;

@@ -1,6 +1,7 @@
 //! Which files are asked about: those whose values look like regions, and no others.
 
-use burin::ui::{Glance, glance};
+use burin::ui::Glance;
+use burin::ui::glance;
 use std::path::Path;
 
 /// Writes 24 × 24 × 24 voxels of a type, each by its place; `more` is added to the header.

@@ -1,7 +1,7 @@
 //! What is read: contrast of the theme, lengths and values as text.
 
 use burin::interact::readout::{LengthUnit, field, fixed, length, place, round_length, short};
-use burin::ui::theme::{
+use burin::ui::style::theme::{
     ACCENT, ACCENT_FILL, BAR, CONTROL, CONTROL_HOVER, DEEP, ERROR, PANEL, TEXT, TEXT_WEAK, WARNING,
 };
 use egui::Color32;

@@ -3,7 +3,8 @@
 use super::driver::{SMALL, Window};
 use burin::document::{Command, ProjectCommand, ViewName};
 use burin::math::DVec3;
-use burin::ui::{Canvas, Picture, Report, theme};
+use burin::ui::style::theme;
+use burin::ui::{Canvas, Picture, Report};
 use eframe::egui_wgpu::{RenderState, RendererOptions};
 use egui::Color32;
 use egui_kittest::kittest::Queryable;

@@ -3,7 +3,8 @@
 use super::scene;
 use burin::document::{SlicePlane, ViewName};
 use burin::explode::Axis;
-use burin::interact::preview::{self, Aim};
+use burin::interact::preview;
+use burin::interact::preview::Aim;
 use burin::interact::{CutSlice, Gesture, Hit, Tool};
 use burin::math::{DVec2, DVec3, Plane, Pose};
 

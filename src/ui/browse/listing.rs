@@ -1,9 +1,9 @@
 //! What is in a folder: read on a thread of its own and in pieces, so that neither ten thousand files nor a disk that has to wake
 //! up first hold the window.
 
-use super::Wake;
-use super::names::in_order;
 use crate::io::in_words;
+use crate::ui::browse::Wake;
+use crate::ui::browse::names::in_order;
 use std::cmp::Ordering;
 use std::ffi::{OsStr, OsString};
 use std::path::Path;

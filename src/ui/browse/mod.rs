@@ -4,10 +4,10 @@
 //! through the list, Enter takes what was touched last. Owns the folder that is shown, what was typed and what is wrong with it;
 //! an error never takes the text away. Knows no document and no egui.
 
-mod listing;
-mod names;
-mod places;
-mod taking;
+pub(crate) mod listing;
+pub(crate) mod names;
+pub(crate) mod places;
+pub(crate) mod taking;
 
 pub use listing::{By, Entry, Kind, Listing, Order, Reading};
 pub use names::{date, ends_with, resolve, shown, size, with_ending};

@@ -1,6 +1,6 @@
 //! Where one goes often: home and its usual folders, disks that were plugged in, folders used lately.
 
-use super::shown;
+use crate::ui::browse::names::shown;
 use std::path::{Path, PathBuf};
 
 /// A folder with a name of its own.

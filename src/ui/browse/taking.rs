@@ -1,7 +1,9 @@
 //! What Enter means: a folder is gone into, a file is taken, a name that is written over is asked about.
 
-use super::{Asks, Browser, Kind, Purpose, Wake, ends_with, listing, resolve, shown, with_ending};
 use crate::io::in_words;
+use crate::ui::browse::listing::Kind;
+use crate::ui::browse::names::{ends_with, resolve, shown, with_ending};
+use crate::ui::browse::{Asks, Browser, Purpose, Wake, listing};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
@@ -39,7 +41,7 @@ impl Browser {
     }
 
     /// The ending of the name that is offered, which stays while the rest is typed over; empty if it has none.
-    pub(in crate::ui) fn ending_offered(&self) -> &'static str {
+    pub(crate) fn ending_offered(&self) -> &'static str {
         let known = self.purpose.endings.iter().copied().chain([PROJECT]);
         known.filter(|e| ends_with(self.suggested.as_ref(), &[e])).max_by_key(|e| e.len()).unwrap_or_default()
     }

@@ -1,12 +1,16 @@
 //! The file browser as it is drawn: places, the list, the field that takes names and paths. What it does is `ui::browse`.
 
-use super::browser_list::{entry_row, list, paint_name};
-use super::{Browse, Dialog, cancel, plain, primary};
-use crate::ui::app::App;
-use crate::ui::browse::{Asks, Browser, Place, Reading, shown};
-use crate::ui::icons::Icon;
-use crate::ui::theme::{self, GAP};
-use crate::ui::widgets::{Face, from_right_row, icon_button, tipped};
+use crate::ui::browse::listing::Reading;
+use crate::ui::browse::names::shown;
+use crate::ui::browse::places::Place;
+use crate::ui::browse::{Asks, Browser};
+use crate::ui::dialogs::browser_list::{entry_row, list, paint_name};
+use crate::ui::dialogs::{Browse, Dialog, cancel, plain, primary};
+use crate::ui::style::icons::Icon;
+use crate::ui::style::theme;
+use crate::ui::style::theme::GAP;
+use crate::ui::style::widgets::{Face, from_right_row, icon_button, tipped};
+use crate::ui::window::app::App;
 use egui::text::{CCursor, CCursorRange};
 use egui::text_edit::TextEditState;
 use egui::{Button, Color32, Event, Id, Key, Modifiers, RichText, ScrollArea, TextEdit, TextStyle, Ui, vec2};

@@ -1,9 +1,13 @@
 //! The browser's list as it is drawn: what a folder holds, with size and date, sorted by a click on a column.
 
-use crate::ui::browse::{Asks, Browser, By, Entry, Kind, Order, Reading, date, shown, size};
-use crate::ui::icons::{self, Icon};
-use crate::ui::theme::{self, ROW};
-use crate::ui::widgets::{cut_text, tipped};
+use crate::ui::browse::listing::{By, Entry, Kind, Order, Reading};
+use crate::ui::browse::names::{date, shown, size};
+use crate::ui::browse::{Asks, Browser};
+use crate::ui::style::icons;
+use crate::ui::style::icons::Icon;
+use crate::ui::style::theme;
+use crate::ui::style::theme::ROW;
+use crate::ui::style::widgets::{cut_text, tipped};
 use egui::{Align2, Color32, Key, Response, RichText, Role, ScrollArea, Sense, TextStyle, Ui, WidgetInfo, vec2};
 use std::path::PathBuf;
 use std::time::SystemTime;

@@ -1,10 +1,11 @@
 //! What is exported, and to which format; the path is asked next.
 
-use super::{Dialog, What, cancel, primary};
 use crate::io::export_endings;
-use crate::ui::app::App;
-use crate::ui::theme;
-use crate::ui::widgets::{choice, from_right_row, row};
+use crate::ui::dialogs::what::What;
+use crate::ui::dialogs::{Dialog, cancel, primary};
+use crate::ui::style::theme;
+use crate::ui::style::widgets::{choice, from_right_row, row};
+use crate::ui::window::app::App;
 use crate::volume::FieldKind;
 use egui::{RichText, Ui};
 
@@ -21,7 +22,7 @@ fn about(endings: &'static [&'static str]) -> (&'static str, &'static str) {
 
 /// The question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::ui) struct Export {
+pub(crate) struct Export {
     pub(super) field: FieldKind,
     /// The endings of the format, the usual one first.
     pub(super) endings: &'static [&'static str],
@@ -29,14 +30,14 @@ pub(in crate::ui) struct Export {
 
 impl Export {
     /// Of a field, in the format that keeps most of it.
-    pub(in crate::ui) fn of(field: FieldKind) -> Self {
+    pub(crate) fn of(field: FieldKind) -> Self {
         Self { field, endings: export_endings(field).first().copied().unwrap_or_default() }
     }
 }
 
 impl App {
     /// Asks what is exported.
-    pub(in crate::ui) fn ask_export(&mut self) {
+    pub(crate) fn ask_export(&mut self) {
         if self.opened().is_some() {
             self.dialog = Some(Dialog::Export(self.export_wish));
         }

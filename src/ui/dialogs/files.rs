@@ -2,14 +2,17 @@
 //!
 //! The browser is put aside while the document does what was asked, and comes back with what was typed if that fails.
 
-use super::{Browse, Dialog, Export, What};
 use crate::document::{Command, ProjectCommand, SegmentCommand, SelectionCommand, VolumeCommand};
 use crate::io::without_numbers;
-use crate::ui::app::App;
-use crate::ui::browse::{Asks, Browser, Wake, places, shown};
-use crate::ui::glance::Glance;
-use crate::ui::saving::AfterSave;
-use crate::ui::session::Gravity;
+use crate::ui::browse::names::shown;
+use crate::ui::browse::{Asks, Browser, Wake, places};
+use crate::ui::dialogs::export::Export;
+use crate::ui::dialogs::glance::Glance;
+use crate::ui::dialogs::what::What;
+use crate::ui::dialogs::{Browse, Dialog};
+use crate::ui::thread::session::Gravity;
+use crate::ui::window::app::App;
+use crate::ui::window::saving::AfterSave;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -18,7 +21,7 @@ use std::time::{Duration, Instant};
 const TOO_FAST: Duration = Duration::from_millis(400);
 
 /// What a dialog that runs beside the window came back with.
-pub(in crate::ui) enum Chosen {
+pub(crate) enum Chosen {
     /// A path, and what for.
     Path(What, PathBuf),
     /// The system showed no dialog after all.
@@ -28,14 +31,14 @@ pub(in crate::ui) enum Chosen {
 }
 
 /// A browser whose path was taken, until it is known whether it served.
-pub(in crate::ui) struct Parked {
+pub(crate) struct Parked {
     browse: Box<Browse>,
     after_save: Option<AfterSave>,
 }
 
 impl App {
     /// Asks for a path.
-    pub(in crate::ui) fn ask(&mut self, what: What) {
+    pub(crate) fn ask(&mut self, what: What) {
         self.parked = None;
         if !self.system_dialogs {
             self.browse(what);
@@ -84,7 +87,7 @@ impl App {
     }
 
     /// Draws the window again when something has come from another thread.
-    pub(in crate::ui) fn wake(&self) -> Wake {
+    pub(crate) fn wake(&self) -> Wake {
         let ctx = self.context.clone();
         Arc::new(move || ctx.request_repaint())
     }
@@ -138,17 +141,17 @@ impl App {
     }
 
     /// What a browser's path was taken for is done.
-    pub(in crate::ui) fn file_done(&mut self, command: &Command) {
+    pub(crate) fn file_done(&mut self, command: &Command) {
         self.parked.take_if(|parked| serves(&parked.browse.what, command));
     }
 
     /// Whether a project's volume is being named: the browser comes back if it is another one.
-    pub(in crate::ui) fn names_source(&self) -> bool {
+    pub(crate) fn names_source(&self) -> bool {
         self.parked.as_ref().is_some_and(|parked| matches!(parked.browse.what, What::Source(_)))
     }
 
     /// It failed: the browser comes back as it was, with the reason. Answers whether it did.
-    pub(in crate::ui) fn file_failed(&mut self, command: &Command, reason: &str) -> bool {
+    pub(crate) fn file_failed(&mut self, command: &Command, reason: &str) -> bool {
         let Some(parked) = self.parked.take_if(|parked| serves(&parked.browse.what, command)) else { return false };
         if self.dialog.is_some() {
             return false;
@@ -179,7 +182,7 @@ impl App {
     }
 
     /// What came from outside the window since the last frame.
-    pub(in crate::ui) fn take_files(&mut self, ctx: &egui::Context) {
+    pub(crate) fn take_files(&mut self, ctx: &egui::Context) {
         self.take_choices();
         self.take_drops(ctx);
         self.recent.poll();
@@ -220,7 +223,7 @@ fn by_system(what: &What, folder: &Path, name: &std::ffi::OsStr) -> Option<PathB
 
 /// Whether the system can show a file dialog: on Linux that takes a session bus with a portal on it.
 /// `BURIN_WITHOUT_PORTAL` says no.
-pub(in crate::ui) fn has_file_dialog() -> bool {
+pub(crate) fn has_file_dialog() -> bool {
     let set = |name: &str| std::env::var_os(name).is_some_and(|a| !a.is_empty());
     if set("BURIN_WITHOUT_PORTAL") {
         return false;

@@ -1,19 +1,20 @@
 //! What the values of a file mean: asked only where they may name regions.
 
-use super::{Chosen, Dialog, cancel};
 use crate::document::{Command, OpenAs, SegmentCommand, SelectionCommand};
-use crate::ui::app::{App, Busy};
-use crate::ui::browse::shown;
-use crate::ui::glance::{Glance, glance};
-use crate::ui::saving::Coming;
-use crate::ui::theme;
-use crate::ui::widgets::{from_right_row, tipped};
+use crate::ui::browse::names::shown;
+use crate::ui::dialogs::files::Chosen;
+use crate::ui::dialogs::glance::{Glance, glance};
+use crate::ui::dialogs::{Dialog, cancel};
+use crate::ui::style::theme;
+use crate::ui::style::widgets::{from_right_row, tipped};
+use crate::ui::window::app::{App, Busy};
+use crate::ui::window::saving::Coming;
 use egui::{Align, Button, Layout, RichText, Ui, vec2};
 use std::path::{Path, PathBuf};
 
 /// The question.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::ui) struct Meaning {
+pub(crate) struct Meaning {
     pub(super) path: PathBuf,
     /// The header says so itself.
     pub(super) named: bool,
@@ -29,7 +30,7 @@ enum Means {
 
 impl App {
     /// Opens what was chosen without a dialog.
-    pub(in crate::ui) fn open_asked(&mut self, path: PathBuf) {
+    pub(crate) fn open_asked(&mut self, path: PathBuf) {
         self.parked = None;
         self.open_after_glance(path);
     }

@@ -3,32 +3,34 @@
 //! Each has a file of its own here; this one holds which is asked, and lays it over the window. While one is asked keys and
 //! pointer reach nothing else.
 
-mod browser;
-mod browser_list;
-mod export;
-mod files;
-mod meaning;
-mod offer;
-mod picture;
-mod questions;
-mod what;
+pub(crate) mod browser;
+pub(crate) mod browser_list;
+pub(crate) mod export;
+pub(crate) mod files;
+pub(crate) mod glance;
+pub(crate) mod meaning;
+pub(crate) mod offer;
+pub(crate) mod picture;
+pub(crate) mod questions;
+pub(crate) mod what;
 
-use super::app::App;
-use super::browse::{Browser, Place};
-use super::saving::Coming;
-use super::session::Offer;
-use super::theme;
-use super::widgets::tipped;
+use crate::ui::browse::Browser;
+use crate::ui::browse::places::Place;
+use crate::ui::style::theme;
+use crate::ui::style::widgets::tipped;
+use crate::ui::thread::session::Offer;
+use crate::ui::window::app::App;
+use crate::ui::window::saving::Coming;
 use egui::{Align2, Color32, Id, Modal, RichText, Ui, vec2};
 pub(super) use export::Export;
-pub(super) use files::{Chosen, Parked, has_file_dialog};
+
 pub(super) use meaning::Meaning;
-pub(super) use picture::{Picturing, Wish};
+use picture::Picturing;
 pub(super) use questions::Lost;
 pub(super) use what::What;
 
 /// What is asked.
-pub(super) enum Dialog {
+pub(crate) enum Dialog {
     /// A path for something, where the system has no dialog for that.
     Browse(Box<Browse>),
     /// The window closes with unsaved changes.
@@ -50,7 +52,7 @@ pub(super) enum Dialog {
 }
 
 /// The file browser, and what for.
-pub(super) struct Browse {
+pub(crate) struct Browse {
     pub(super) what: What,
     pub(super) browser: Browser,
     pub(super) places: Vec<Place>,

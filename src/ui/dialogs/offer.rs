@@ -1,11 +1,12 @@
 //! What went wrong and can be put right: said in a sentence, with the one button that does it.
 
-use super::{Dialog, What, cancel, primary};
 use crate::io::without_numbers;
-use crate::ui::app::App;
-use crate::ui::session::{Offer, Then};
-use crate::ui::theme;
-use crate::ui::widgets::from_right_row;
+use crate::ui::dialogs::what::What;
+use crate::ui::dialogs::{Dialog, cancel, primary};
+use crate::ui::style::theme;
+use crate::ui::style::widgets::from_right_row;
+use crate::ui::thread::session::{Offer, Then};
+use crate::ui::window::app::App;
 use egui::{RichText, ScrollArea, Ui};
 
 impl App {

@@ -2,13 +2,15 @@
 //!
 //! The small one is made by the very command that writes the large one, with fewer pixels.
 
-use super::{Dialog, What, cancel, primary};
 use crate::document::{RenderCommand, Scene, ViewName};
-use crate::ui::app::App;
-use crate::ui::colour::colour_button;
-use crate::ui::session::Request;
-use crate::ui::theme::{self, view_title};
-use crate::ui::widgets::{choice, from_right_row, row, spinner, tipped};
+use crate::ui::dialogs::what::What;
+use crate::ui::dialogs::{Dialog, cancel, primary};
+use crate::ui::style::colour::colour_button;
+use crate::ui::style::theme;
+use crate::ui::style::theme::view_title;
+use crate::ui::style::widgets::{choice, from_right_row, row, spinner, tipped};
+use crate::ui::thread::session::Request;
+use crate::ui::window::app::App;
 use egui::{Color32, ColorImage, DragValue, Rect, RichText, Sense, TextureHandle, TextureOptions, Ui, pos2, vec2};
 use std::path::PathBuf;
 
@@ -20,7 +22,7 @@ const PIXELS: u64 = 1 << 26;
 
 /// How large a picture is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::ui) enum Extent {
+pub(crate) enum Extent {
     Shown,
     Double,
     Hd,
@@ -30,7 +32,7 @@ pub(in crate::ui) enum Extent {
 
 /// What lies behind it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::ui) enum Ground {
+pub(crate) enum Ground {
     Shown,
     Colour,
     Clear,
@@ -38,7 +40,7 @@ pub(in crate::ui) enum Ground {
 
 /// What is wished.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::ui) struct Wish {
+pub(crate) struct Wish {
     pub(super) view: ViewName,
     extent: Extent,
     custom: [u32; 2],
@@ -103,7 +105,7 @@ impl Wish {
 }
 
 /// The question.
-pub(in crate::ui) struct Picturing {
+pub(crate) struct Picturing {
     wish: Wish,
     /// What the small picture was asked for.
     asked: Option<RenderCommand>,
@@ -112,7 +114,7 @@ pub(in crate::ui) struct Picturing {
 
 impl App {
     /// Asks how a picture shall be.
-    pub(in crate::ui) fn ask_picture(&mut self) {
+    pub(crate) fn ask_picture(&mut self) {
         if self.opened().is_none() {
             return;
         }
@@ -121,7 +123,7 @@ impl App {
     }
 
     /// The small picture has come, or not.
-    pub(in crate::ui) fn take_sketch(&mut self, command: &RenderCommand, sketch: Result<([u32; 2], Vec<u8>), String>) {
+    pub(crate) fn take_sketch(&mut self, command: &RenderCommand, sketch: Result<([u32; 2], Vec<u8>), String>) {
         let Some(Dialog::Picture(picturing)) = &mut self.dialog else { return };
         if picturing.asked.as_ref() != Some(command) {
             return;

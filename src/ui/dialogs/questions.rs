@@ -1,18 +1,18 @@
 //! Questions about what would be lost: before the window closes, before something else is opened, and what a crash left.
 
-use super::{Dialog, plain, primary};
 use crate::document::{Command, ProjectCommand};
 use crate::interact::readout;
-use crate::ui::app::App;
-use crate::ui::saving::{AfterSave, Coming};
-use crate::ui::theme;
-use crate::ui::widgets::{from_right_row, tipped};
+use crate::ui::dialogs::{Dialog, plain, primary};
+use crate::ui::style::theme;
+use crate::ui::style::widgets::{from_right_row, tipped};
+use crate::ui::window::app::App;
+use crate::ui::window::saving::{AfterSave, Coming};
 use egui::{RichText, Ui, vec2};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 /// A document that a crash left behind.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::ui) struct Lost {
+pub(crate) struct Lost {
     id: String,
     /// The file that was open.
     origin: String,
@@ -34,7 +34,7 @@ impl From<&serde_json::Value> for Lost {
 
 impl App {
     /// Holds the window open while there is something to lose.
-    pub(in crate::ui) fn guard_close(&mut self, ctx: &egui::Context) {
+    pub(crate) fn guard_close(&mut self, ctx: &egui::Context) {
         if ctx.input(|i| i.viewport().close_requested()) && self.snapshot.unsaved && !self.closing {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
             self.dialog = Some(Dialog::Close);

@@ -1,10 +1,10 @@
 //! What a path is asked for: its words, its endings, the name that is offered first.
 
-use super::export::Export;
-use super::picture::Wish;
 use crate::document::ViewName;
-use crate::ui::app::App;
 use crate::ui::browse::{Asks, Purpose};
+use crate::ui::dialogs::export::Export;
+use crate::ui::dialogs::picture::Wish;
+use crate::ui::window::app::App;
 use crate::volume::FieldKind;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ const VOLUMES: &[&str] = &[".nii", ".nii.gz", ".nrrd", ".nhdr", ".hdr", ".dcm"];
 
 /// What a path is for.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::ui) enum What {
+pub(crate) enum What {
     Open,
     SaveAs,
     Export(Export),

@@ -2,12 +2,12 @@
 
 use crate::document::HistoryCommand;
 use crate::interact::{Action, Tool};
-use crate::ui::app::App;
-use crate::ui::dialogs::What;
-use crate::ui::icons::Icon;
-use crate::ui::session::Gravity;
-use crate::ui::theme;
-use crate::ui::widgets::{Face, from_right, icon_button, tipped};
+use crate::ui::dialogs::what::What;
+use crate::ui::style::icons::Icon;
+use crate::ui::style::theme;
+use crate::ui::style::widgets::{Face, from_right, icon_button, tipped};
+use crate::ui::thread::session::Gravity;
+use crate::ui::window::app::App;
 use egui::{Frame, Margin, Panel, RichText, Ui};
 
 const fn icon_of(tool: Tool) -> Icon {
@@ -22,7 +22,7 @@ const fn icon_of(tool: Tool) -> Icon {
 }
 
 impl App {
-    pub(in crate::ui) fn top_bar(&mut self, ui: &mut Ui) {
+    pub(crate) fn top_bar(&mut self, ui: &mut Ui) {
         let frame = Frame::new().inner_margin(Margin::symmetric(8, 4));
         let bar = Panel::top("bar").exact_size(42.0).frame(frame).show(ui, |ui| {
             ui.horizontal_centered(|ui| {

@@ -1,14 +1,16 @@
 //! The brush: what it paints, its footprint, and where it may.
 
 use crate::document::Scene;
-use crate::interact::readout::{self, LengthUnit};
+use crate::interact::readout;
+use crate::interact::readout::LengthUnit;
 use crate::interact::{Tool, brush_change};
 use crate::paint::{Brush, EraseDensity, Falloff, Operation, Shape, Target, Tip};
-use crate::ui::app::App;
-use crate::ui::colour::colour_button;
-use crate::ui::session::Opened;
-use crate::ui::theme::{self, GAP, LABEL, ROW};
-use crate::ui::widgets::{Scale, choice, number, pick, row, slider, tick, tipped};
+use crate::ui::style::colour::colour_button;
+use crate::ui::style::theme;
+use crate::ui::style::theme::{GAP, LABEL, ROW};
+use crate::ui::style::widgets::{Scale, choice, number, pick, row, slider, tick, tipped};
+use crate::ui::thread::session::Opened;
+use crate::ui::window::app::App;
 use crate::volume::Number;
 use egui::{ComboBox, DragValue, Label, Response, RichText, Ui, vec2};
 
@@ -38,7 +40,7 @@ const fn kind(target: Target) -> &'static str {
 
 impl App {
     /// Paints with this from now on, and takes the brush in hand.
-    pub(in crate::ui) fn paint_with(&mut self, target: Target) {
+    pub(crate) fn paint_with(&mut self, target: Target) {
         let Some(scene) = &self.scene else { return };
         let new = Brush { target, ..scene.brush };
         let change = brush_change(&scene.brush, &new);
@@ -162,11 +164,11 @@ fn label_box(ui: &mut Ui, scene: &Scene, id: &mut u16) {
     let named =
         |id: u16| scene.segments.get(id).map_or_else(|| format!("{id}  new segment"), |s| format!("{id}  {}", s.name));
     let (swatch, shown) = ui.allocate_exact_size(vec2(14.0, 14.0), egui::Sense::hover());
-    let colour = crate::ui::overlay::paint_colour(Target::Label(*id), scene);
+    let colour = crate::ui::views::overlay::paint_colour(Target::Label(*id), scene);
     ui.painter().rect_filled(swatch, 2.0, colour);
     shown.widget_info(|| {
         let mut info = egui::WidgetInfo::labeled(egui::Role::Image, true, "Colour of the label to paint");
-        info.current_text_value = Some(crate::ui::colour::hex(scene.segments.colour_of(*id)));
+        info.current_text_value = Some(crate::ui::style::colour::hex(scene.segments.colour_of(*id)));
         info
     });
     shown.on_hover_text("What is painted gets this colour; it is changed in the list of segments");

@@ -2,10 +2,10 @@
 
 use crate::document::{Command, ExplosionCommand, PartCommand};
 use crate::explode::Forces;
-use crate::ui::app::App;
-use crate::ui::folds::subsection;
-use crate::ui::theme::{GAP, ROW};
-use crate::ui::widgets::{Scale, button, empty, row, slider, tick};
+use crate::ui::style::theme::{GAP, ROW};
+use crate::ui::style::widgets::{Scale, button, empty, row, slider, tick};
+use crate::ui::window::app::App;
+use crate::ui::window::folds::subsection;
 use egui::{Ui, vec2};
 
 impl App {

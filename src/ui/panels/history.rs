@@ -1,9 +1,9 @@
 //! Every step that can be taken back, by name; a click goes there.
 
 use crate::document::HistoryCommand;
-use crate::ui::app::App;
-use crate::ui::theme;
-use crate::ui::widgets::list;
+use crate::ui::style::theme;
+use crate::ui::style::widgets::list;
+use crate::ui::window::app::App;
 use egui::{Align2, Rect, Sense, Ui, vec2};
 
 /// Height of a step.

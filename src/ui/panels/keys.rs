@@ -1,10 +1,10 @@
 //! The page of keys.
 
 use crate::interact::SHORTCUTS;
-use crate::ui::app::App;
-use crate::ui::icons::Icon;
-use crate::ui::theme;
-use crate::ui::widgets::{Face, from_right, icon_button};
+use crate::ui::style::icons::Icon;
+use crate::ui::style::theme;
+use crate::ui::style::widgets::{Face, from_right, icon_button};
+use crate::ui::window::app::App;
 use egui::{Align2, Color32, Grid, Id, RichText, ScrollArea, Ui, vec2};
 
 /// Width of the page with its groups in two columns, and in one.
@@ -13,7 +13,7 @@ const WIDTHS: [f32; 2] = [1040.0, 540.0];
 const COLUMNS: [(&[&str], f32); 2] = [(&["Paint", "Parts", "Panels"], 0.46), (&["Look", "Document"], 0.54)];
 
 impl App {
-    pub(in crate::ui) fn key_page(&mut self, ctx: &egui::Context) {
+    pub(crate) fn key_page(&mut self, ctx: &egui::Context) {
         if !self.keys_open {
             return;
         }

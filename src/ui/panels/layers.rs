@@ -2,10 +2,11 @@
 
 use crate::document::{Command, Layer, ViewCommand, Window};
 use crate::interact::readout;
-use crate::ui::app::App;
-use crate::ui::icons::Icon;
-use crate::ui::theme::{self, LABEL, ROW};
-use crate::ui::widgets::{Face, Scale, icon_button, menu, number, slider};
+use crate::ui::style::icons::Icon;
+use crate::ui::style::theme;
+use crate::ui::style::theme::{LABEL, ROW};
+use crate::ui::style::widgets::{Face, Scale, icon_button, menu, number, slider};
+use crate::ui::window::app::App;
 use crate::volume::FieldKind;
 use egui::{Align2, DragValue, Sense, Ui, vec2};
 

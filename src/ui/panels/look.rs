@@ -2,10 +2,11 @@
 
 use crate::document::{Command, ViewCommand};
 use crate::interact::readout;
-use crate::ui::app::App;
-use crate::ui::colour::colour_button;
-use crate::ui::theme::{self, ROW};
-use crate::ui::widgets::{Scale, choice, from_right, row, slider, tick};
+use crate::ui::style::colour::colour_button;
+use crate::ui::style::theme;
+use crate::ui::style::theme::ROW;
+use crate::ui::style::widgets::{Scale, choice, from_right, row, slider, tick};
+use crate::ui::window::app::App;
 use crate::volume::{Lighting, Mode};
 use egui::{RichText, Ui};
 

@@ -3,12 +3,12 @@
 //! A message about a command that failed goes when the same command has worked. Nothing here lies over a control.
 
 use crate::io::without_numbers;
-use crate::ui::app::App;
-use crate::ui::browse::shown;
-use crate::ui::icons::Icon;
-use crate::ui::session::Gravity;
-use crate::ui::theme;
-use crate::ui::widgets::{Face, from_right, icon_button};
+use crate::ui::browse::names::shown;
+use crate::ui::style::icons::Icon;
+use crate::ui::style::theme;
+use crate::ui::style::widgets::{Face, from_right, icon_button};
+use crate::ui::thread::session::Gravity;
+use crate::ui::window::app::App;
 use egui::{Align2, Area, Context, Frame, Id, Margin, Order, Panel, Rect, RichText, ScrollArea, Ui, pos2};
 use std::path::{Path, PathBuf};
 
@@ -24,18 +24,18 @@ const MOST: usize = 200;
 
 /// A message of the list.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::ui) struct Message {
-    pub(in crate::ui) gravity: Gravity,
-    pub(in crate::ui) text: String,
+pub(crate) struct Message {
+    pub(crate) gravity: Gravity,
+    pub(crate) text: String,
     /// What was written.
-    pub(in crate::ui) path: Option<PathBuf>,
+    pub(crate) path: Option<PathBuf>,
     /// The command that failed, as `noun.verb`.
-    pub(in crate::ui) topic: Option<String>,
+    pub(crate) topic: Option<String>,
 }
 
 /// The word over the views.
 #[derive(Clone, Debug)]
-pub(in crate::ui) struct Toast {
+pub(crate) struct Toast {
     message: Message,
     /// Seconds of egui's clock; `None` before it is first seen.
     until: Option<f64>,
@@ -51,7 +51,7 @@ const fn colour(gravity: Gravity) -> egui::Color32 {
 
 impl App {
     /// Adds to the list of messages; errors open it, warnings are shown over the views.
-    pub(in crate::ui) fn say(&mut self, gravity: Gravity, text: String) {
+    pub(crate) fn say(&mut self, gravity: Gravity, text: String) {
         let message = Message { gravity, text: in_one_line(&text), path: None, topic: None };
         if gravity == Gravity::Warning {
             self.word(message.clone());
@@ -68,22 +68,22 @@ impl App {
     }
 
     /// The gravest message of the list.
-    pub(in crate::ui) fn gravest(&self) -> Option<Gravity> {
+    pub(crate) fn gravest(&self) -> Option<Gravity> {
         self.messages.iter().map(|m| m.gravity).max_by_key(|gravity| *gravity as u8)
     }
 
     /// An error that goes when what failed has worked.
-    pub(in crate::ui) fn complain(&mut self, topic: &str, text: String) {
+    pub(crate) fn complain(&mut self, topic: &str, text: String) {
         self.add_message(Message { gravity: Gravity::Error, text, path: None, topic: Some(topic.into()) });
     }
 
     /// A warning that goes when something is done.
-    pub(in crate::ui) fn warn_until(&mut self, topic: &str, text: String) {
+    pub(crate) fn warn_until(&mut self, topic: &str, text: String) {
         self.add_message(Message { gravity: Gravity::Warning, text, path: None, topic: Some(topic.into()) });
     }
 
     /// A short word about what was written, with a way to it.
-    pub(in crate::ui) fn confirm(&mut self, text: String, path: Option<PathBuf>) {
+    pub(crate) fn confirm(&mut self, text: String, path: Option<PathBuf>) {
         let message = Message { gravity: Gravity::Note, text, path, topic: None };
         self.word(message.clone());
         self.add_message(message);
@@ -101,18 +101,18 @@ impl App {
     }
 
     /// What failed has worked: complaints about it are gone.
-    pub(in crate::ui) fn mended(&mut self, topic: &str) {
+    pub(crate) fn mended(&mut self, topic: &str) {
         self.messages.retain(|m| m.topic.as_deref() != Some(topic));
         self.messages_open &= !self.messages.is_empty();
     }
 
     /// Another document is open: complaints about commands on the last one are gone.
-    pub(in crate::ui) fn all_mended(&mut self) {
+    pub(crate) fn all_mended(&mut self) {
         self.messages.retain(|m| m.topic.is_none() || m.gravity != Gravity::Error);
         self.messages_open &= !self.messages.is_empty();
     }
 
-    pub(in crate::ui) fn message_list(&mut self, ui: &mut Ui) {
+    pub(crate) fn message_list(&mut self, ui: &mut Ui) {
         if !self.messages_open || self.messages.is_empty() {
             return;
         }
@@ -171,7 +171,7 @@ impl App {
     }
 
     /// Words over the views, in the middle of their lower edge, where no control is; the last one lowest.
-    pub(in crate::ui) fn show_words(&mut self, ctx: &Context, views: Rect) {
+    pub(crate) fn show_words(&mut self, ctx: &Context, views: Rect) {
         let now = ctx.input(|i| i.time);
         // Not over a question; they are shown for their time afterwards.
         if self.dialog.is_some() {

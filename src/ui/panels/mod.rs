@@ -3,24 +3,25 @@
 //! A side panel is a column: sections that scroll, and below a border the lists, which have what height is left and scroll for
 //! themselves. So nothing moves when a list grows or another thing is chosen to paint.
 
-mod bar;
-mod brush;
-mod explosion;
-mod history;
-mod keys;
-mod layers;
-mod look;
-pub(super) mod messages;
-mod parts;
-mod segments;
-mod status;
-pub(super) mod transfer;
+pub(crate) mod bar;
+pub(crate) mod brush;
+pub(crate) mod explosion;
+pub(crate) mod history;
+pub(crate) mod keys;
+pub(crate) mod layers;
+pub(crate) mod look;
+pub(crate) mod messages;
+pub(crate) mod parts;
+pub(crate) mod segments;
+pub(crate) mod status;
+pub(crate) mod transfer;
 
-use super::app::App;
-use super::borders::{Border, Edge};
-use super::folds::{is_unfolded, list_heading, section};
-use super::layout::{BORDER, HEAD, LIST, Layout};
-use super::theme::{self, ROW};
+use crate::ui::style::theme;
+use crate::ui::style::theme::ROW;
+use crate::ui::window::app::App;
+use crate::ui::window::borders::{Border, Edge};
+use crate::ui::window::folds::{is_unfolded, list_heading, section};
+use crate::ui::window::layout::{BORDER, HEAD, LIST, Layout};
 use egui::{Frame, Id, Panel, Rect, ScrollArea, Ui, UiBuilder, pos2, vec2};
 
 /// Between a column's side and its contents, points.

@@ -2,12 +2,13 @@
 
 use crate::document::{Command, PartCommand};
 use crate::explode::Part;
-use crate::ui::app::App;
-use crate::ui::colour::{colour_button_with, strike_out};
-use crate::ui::icons::Icon;
-use crate::ui::naming::{Named, name_field};
-use crate::ui::theme::{self, ROW};
-use crate::ui::widgets::{Face, from_right, icon_button, list, tipped};
+use crate::ui::style::colour::{colour_button_with, strike_out};
+use crate::ui::style::icons::Icon;
+use crate::ui::style::naming::{Named, name_field};
+use crate::ui::style::theme;
+use crate::ui::style::theme::ROW;
+use crate::ui::style::widgets::{Face, from_right, icon_button, list, tipped};
+use crate::ui::window::app::App;
 use egui::{Button, Rect, Ui, vec2};
 
 impl App {

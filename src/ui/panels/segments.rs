@@ -2,12 +2,13 @@
 
 use crate::document::{Command, SegmentCommand};
 use crate::paint::Target;
-use crate::ui::app::App;
-use crate::ui::colour::colour_button;
-use crate::ui::icons::Icon;
-use crate::ui::naming::{Named, name_field};
-use crate::ui::theme::{self, ROW};
-use crate::ui::widgets::{Face, empty, from_right, icon_button, list};
+use crate::ui::style::colour::colour_button;
+use crate::ui::style::icons::Icon;
+use crate::ui::style::naming::{Named, name_field};
+use crate::ui::style::theme;
+use crate::ui::style::theme::ROW;
+use crate::ui::style::widgets::{Face, empty, from_right, icon_button, list};
+use crate::ui::window::app::App;
 use crate::volume::Segment;
 use egui::{Rect, Sense, Ui, vec2};
 

@@ -4,9 +4,9 @@ use crate::document::{Scene, SlicePlane, ViewName};
 use crate::explode::PartId;
 use crate::interact::readout;
 use crate::math::DVec3;
-use crate::ui::app::{App, Busy};
-use crate::ui::theme;
-use crate::ui::widgets::{from_right, spinner};
+use crate::ui::style::theme;
+use crate::ui::style::widgets::{from_right, spinner};
+use crate::ui::window::app::{App, Busy};
 use crate::volume::Number;
 use egui::{Button, Frame, Label, Margin, Panel, ProgressBar, RichText, Ui};
 use serde::Deserialize;
@@ -16,7 +16,7 @@ use serde_json::Value;
 const AT_ONCE: f64 = 0.1;
 
 impl App {
-    pub(in crate::ui) fn status_bar(&mut self, ui: &mut Ui) {
+    pub(crate) fn status_bar(&mut self, ui: &mut Ui) {
         let frame = Frame::new().inner_margin(Margin::symmetric(10, 2));
         let bar = Panel::bottom("status").exact_size(26.0).frame(frame).show(ui, |ui| {
             ui.horizontal_centered(|ui| {
@@ -41,7 +41,7 @@ impl App {
     }
 
     /// The part under the pointer in the 3D view.
-    pub(in crate::ui) fn hovered_part(&self) -> Option<PartId> {
+    pub(crate) fn hovered_part(&self) -> Option<PartId> {
         let (view, px) = self.viewports.hovered?;
         let size = *self.viewports.sizes.get(&view)?;
         (view == ViewName::ThreeD).then(|| self.pictures.hit(px, size, self.scene.as_ref()?)?.part)?

@@ -6,10 +6,11 @@
 use crate::document::{Command, TransferCommand};
 use crate::interact::curve;
 use crate::interact::readout;
-use crate::ui::app::App;
-use crate::ui::colour::colour_button;
-use crate::ui::theme::{self, GAP, ROW};
-use crate::ui::widgets::{button, menu, number, row};
+use crate::ui::style::colour::colour_button;
+use crate::ui::style::theme;
+use crate::ui::style::theme::{GAP, ROW};
+use crate::ui::style::widgets::{button, menu, number, row};
+use crate::ui::window::app::App;
 use crate::volume::{Histogram, Preset, TransferFunction};
 use egui::{
     Color32, DragValue, Label, Mesh, Pos2, Rect, Response, RichText, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
@@ -35,7 +36,7 @@ enum Point {
 
 /// What of the editor outlives a frame.
 #[derive(Debug, Default)]
-pub(in crate::ui) struct TransferEditor {
+pub(crate) struct TransferEditor {
     selected: Option<Point>,
     /// Heights 0..1 of the histogram, and the histogram they are of.
     bars: Option<(Arc<Histogram>, Vec<f32>)>,

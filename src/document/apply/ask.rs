@@ -1,0 +1,216 @@
+//! Questions; they change nothing.
+
+use crate::document::Document;
+use crate::document::apply::view::checked;
+use crate::document::command::Question;
+use crate::document::command::views::PastOf;
+use crate::document::error::DocumentError;
+use crate::document::frame::WHOLE;
+use crate::document::place::check_size;
+use crate::document::state::State;
+use crate::math::DVec2;
+use crate::volume::{BrickIndex, FieldKind, Number, SourceError, Total};
+use rayon::prelude::*;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+impl Document {
+    pub(crate) fn ask(&mut self, question: Question) -> Result<Value, DocumentError> {
+        match question {
+            Question::Volume {} => Ok(volume(self.open()?)),
+            Question::Scene {} => Ok(json!({ "scene": self.open()?.scene })),
+            Question::Parts {} => {
+                let explosion = &self.open()?.scene.explosion;
+                Ok(json!({ "degree": explosion.degree, "parts": explosion.parts }))
+            }
+            Question::Voxel { at } => {
+                let world = self.resolve(at)?.map(|sample| sample.position);
+                world.map_or(Ok(json!({ "inside": false })), |world| voxel(self.open()?, world))
+            }
+            Question::Field { field } => Ok(sums(self.open()?, field)?),
+            Question::History {} => {
+                let (memory, disk) = self.history.bytes();
+                let past = |of| {
+                    let (back, forward) = self.state.as_ref().map_or((0, 0), |s| s.past.counts(Some(of)));
+                    json!({ "back": back, "forward": forward })
+                };
+                Ok(json!({
+                    "undo": self.history.undo_names().rev().collect::<Vec<_>>(),
+                    "redo": self.history.redo_names().collect::<Vec<_>>(),
+                    "memory": memory,
+                    "disk": disk,
+                    "budget": self.history.budget_bytes(),
+                    "views": past(PastOf::Views),
+                    "looks": past(PastOf::Looks),
+                }))
+            }
+            Question::Pick { px, size } => {
+                let Some(hit) = self.pick(DVec2::from_array(px), size)? else { return Ok(json!({ "hit": null })) };
+                let state = self.open()?;
+                let index = state.grid().index_from_world().transform_point3(hit.rest);
+                Ok(json!({ "hit": {
+                    "mm": hit.world.to_array(),
+                    "rest_mm": hit.rest.to_array(),
+                    "index": index.to_array(),
+                    "part": state.part_at(hit.body, hit.rest)?,
+                    "selection": hit.body == WHOLE && !state.selection.is_blank(),
+                    "depth_mm": hit.depth_mm,
+                } }))
+            }
+            Question::Visibility { camera, size } => {
+                let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
+                let views = &state.scene.views;
+                let camera = checked(camera.unwrap_or(views.camera), &state.grid().world_bounds())?;
+                let size = check_size(size.unwrap_or(views.size))?;
+                let frame = state.parted_frame(&state.scene.explosion, &camera, size);
+                let seen = self.graphics.visibility(state, &frame)?;
+                let hidden: Vec<Value> =
+                    seen.hidden_by.iter().map(|(id, px)| json!({ "part": id, "pixels": px })).collect();
+                Ok(json!({
+                    "share": seen.share(),
+                    "selected": seen.selected,
+                    "visible": seen.visible,
+                    "hidden_by": hidden,
+                }))
+            }
+        }
+    }
+}
+
+pub(crate) fn volume(state: &State) -> Value {
+    let grid = state.grid();
+    let m = grid.world_from_index;
+    let rows: [[f64; 4]; 3] = std::array::from_fn(|r| {
+        let row = m.matrix3.row(r);
+        [row.x, row.y, row.z, m.translation[r]]
+    });
+    let [min, max, sum] = state.statistics.numbers();
+    // Of a volume without a finite value there is neither.
+    let [min, max] = [min, max].map(|n| (!n.is_nan()).then_some(n));
+    json!({
+        "name": state.source.name(),
+        "dims": grid.dims,
+        "voxel_type": state.source.voxel_type(),
+        "world_from_index": rows,
+        "spacing_mm": grid.spacing().to_array(),
+        "min": min, "max": max, "sum": sum, "nan_count": state.statistics.nan_count,
+        "texels": state.density.format(),
+        "half_step": state.half_step(),
+        "levels": state.density.level_count(),
+    })
+}
+
+fn voxel(state: &State, world: crate::math::DVec3) -> Result<Value, DocumentError> {
+    let index = state.grid().index_from_world().transform_point3(world);
+    let Some(voxel) = state.grid().voxel_at(index) else {
+        return Ok(json!({ "inside": false, "mm": world.to_array(), "index": index.to_array() }));
+    };
+    let texel = state.colour.texel(voxel)?;
+    let label = state.labels.value(voxel)? as u16;
+    let values = state.density.values(voxel, [1; 3])?;
+    let painted = values.painted.first().map(|&(_, value)| value);
+    let own = values.unpainted(0);
+    Ok(json!({
+        "inside": true,
+        "mm": world.to_array(),
+        "index": index.to_array(),
+        "voxel": voxel,
+        "density": painted.map_or(own, Number::Real),
+        "half_step": painted.map_or(0.0, |value| state.half_step_at(value, own.to_f64())),
+        "colour": texel.map(|c| f32::from(c) / 255.0),
+        "selection": state.selection.value(voxel)?,
+        "label": label,
+        "segment": state.scene.segments.get(label).map(|s| s.name.clone()),
+    }))
+}
+
+#[derive(Default)]
+struct Sums {
+    /// Of integers, which lose nothing, and of all other numbers.
+    whole: i128,
+    real: Total,
+    nonzero: u64,
+    ends: Option<[Number; 2]>,
+    /// Whether any number was not an integer.
+    fractions: bool,
+    labels: BTreeMap<u16, u64>,
+}
+
+impl Sums {
+    fn add(&mut self, number: Number) {
+        match number {
+            Number::Real(x) if !x.is_finite() => return,
+            Number::Real(x) => {
+                self.real.add(x);
+                self.fractions = true;
+            }
+            Number::Whole(n) => self.whole += n,
+        }
+        self.nonzero += u64::from(number != Number::Whole(0));
+        self.widen([number; 2]);
+    }
+
+    fn widen(&mut self, [least, greatest]: [Number; 2]) {
+        let [min, max] = self.ends.unwrap_or([least, greatest]);
+        self.ends = Some([if least < min { least } else { min }, if greatest > max { greatest } else { max }]);
+    }
+
+    fn join(mut self, other: Self) -> Self {
+        self.whole += other.whole;
+        self.real.merge(&other.real);
+        self.nonzero += other.nonzero;
+        self.fractions |= other.fractions;
+        other.ends.into_iter().for_each(|ends| self.widen(ends));
+        for (label, count) in other.labels {
+            *self.labels.entry(label).or_default() += count;
+        }
+        self
+    }
+
+    fn sum(&self) -> Number {
+        if self.fractions { Number::Real(self.whole as f64 + self.real.value()) } else { Number::Whole(self.whole) }
+    }
+}
+
+/// Sum, count of non-zero, smallest and largest of the finite values; colour counts by its alpha. Brick by brick in order, so
+/// that the answer is the same on every run.
+fn sums(state: &State, kind: FieldKind) -> Result<Value, SourceError> {
+    let field = state.field(kind);
+    let one = |index: BrickIndex| -> Result<Sums, SourceError> {
+        let mut sums = Sums::default();
+        if kind == FieldKind::Density {
+            field.values(index.origin(), field.valid(0, index))?.each(|_, number| sums.add(number));
+            return Ok(sums);
+        }
+        let bytes = field.format().bytes();
+        let texels = field.read(0, index.origin().map(i64::from), field.valid(0, index))?;
+        for texel in texels.chunks_exact(bytes) {
+            match kind {
+                FieldKind::Labels => {
+                    let label = u16::from_le_bytes([texel[0], texel[1]]);
+                    sums.add(Number::Whole(label.into()));
+                    if label != 0 {
+                        *sums.labels.entry(label).or_default() += 1;
+                    }
+                }
+                // A colour's alpha, or the selection itself.
+                _ => sums.add(Number::Real(f64::from(texel[bytes - 1]) / 255.0)),
+            }
+        }
+        Ok(sums)
+    };
+    let bricks = field.brick_indices(0).into_par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
+    let sums = bricks.into_iter().fold(Sums::default(), Sums::join);
+    let mut answer = json!({
+        "field": kind.name(),
+        "sum": sums.sum(),
+        "nonzero": sums.nonzero,
+        "min": sums.ends.map(|[min, _]| min),
+        "max": sums.ends.map(|[_, max]| max),
+        "edited_bricks": field.edits().len(),
+    });
+    if kind == FieldKind::Labels {
+        answer["voxels_by_label"] = json!(sums.labels);
+    }
+    Ok(answer)
+}

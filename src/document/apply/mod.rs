@@ -1,0 +1,26 @@
+//! What each command does: one file per noun, every one a part of `Document`.
+//!
+//! A handler changes the state through an `Edit`, which remembers what was there; whoever calls it makes the step of history and
+//! the record of the journal.
+
+pub(crate) mod ask;
+pub(crate) mod brush;
+pub(crate) mod colours;
+pub(crate) mod explosion;
+pub(crate) mod labels;
+pub(crate) mod open;
+pub(crate) mod overlap;
+pub(crate) mod part;
+pub(crate) mod project;
+pub(crate) mod render;
+pub(crate) mod segment;
+pub(crate) mod selection;
+pub(crate) mod selection_import;
+pub(crate) mod stroke;
+pub(crate) mod stroke_nothing;
+pub(crate) mod trail;
+pub(crate) mod transfer;
+pub(crate) mod undo;
+pub(crate) mod view;
+pub(crate) mod visible;
+pub(crate) mod volume;

@@ -1,0 +1,75 @@
+//! Commands on the selection as a whole.
+
+use crate::document::Document;
+use crate::document::apply::selection_import::import;
+use crate::document::apply::view::finite;
+use crate::document::command::SelectionCommand;
+use crate::document::error::DocumentError;
+use crate::document::history::edit::Edit;
+use crate::document::state::State;
+use crate::io;
+use crate::volume::{Brick, BrickIndex, Changes, FieldKind};
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+/// The widest soft border, in voxels: blocks and what is around them have to fit into memory.
+const MAX_SOFTEN_VOXELS: f64 = 128.0;
+
+impl Document {
+    pub(crate) fn selection(&mut self, command: SelectionCommand, edit: &mut Edit) -> Result<Value, DocumentError> {
+        let watch = self.watch.clone();
+        let state = self.open_mut()?;
+        let mut answer = json!({});
+        let changes = match command {
+            SelectionCommand::FromLabel { label } => {
+                edit.name(format!("Select label {label}"));
+                from_label(state, label)?
+            }
+            SelectionCommand::Clear {} => {
+                edit.name("Clear selection");
+                Changes::new()
+            }
+            SelectionCommand::Import { path, threshold, soften_mm } => {
+                edit.name("Import selection");
+                finite("threshold", threshold)?;
+                let most = (state.grid().spacing() * MAX_SOFTEN_VOXELS).min_element();
+                if !(0.0..=most).contains(&soften_mm) {
+                    return Err(DocumentError::invalid("soften_mm", soften_mm, format!("0 to {most} mm")));
+                }
+                let opened = io::open(&path)?;
+                let other = opened.source(0, 0, &|x| watch.go_on(x * 0.3))?;
+                let imported = import(state, other.as_ref(), threshold, soften_mm, &|x| watch.go_on(0.3 + x * 0.7))?;
+                answer["covered"] = json!(imported.covered);
+                answer["warnings"] = json!([opened.warnings, imported.warnings].concat());
+                imported.changes
+            }
+        };
+        replace(state, edit, changes)?;
+        answer["selected_bricks"] = json!(state.selection.edits().len());
+        Ok(answer)
+    }
+}
+
+/// Makes `changes` all that is selected.
+fn replace(state: &mut State, edit: &mut Edit, mut changes: Changes) -> Result<(), DocumentError> {
+    let given: std::collections::BTreeSet<BrickIndex> = changes.iter().map(|(index, _)| *index).collect();
+    changes.extend(state.selection.edits().into_keys().filter(|index| !given.contains(index)).map(|i| (i, None)));
+    Ok(edit.swap(state, FieldKind::Selection, changes)?)
+}
+
+fn from_label(state: &State, label: u16) -> Result<Changes, DocumentError> {
+    if label == 0 || state.scene.segments.get(label).is_none() {
+        return Err(DocumentError::no_segment("label", label, &state.scene.segments));
+    }
+    let wanted = label.to_le_bytes();
+    let bytes = state.labels.format().bytes();
+    let edits: Vec<(BrickIndex, &Brick)> = state.labels.edits().into_iter().collect();
+    Ok(edits
+        .into_par_iter()
+        .map(|(index, brick)| {
+            let texels =
+                brick.to_texels(bytes).chunks_exact(bytes).map(|t| if t == wanted { 255 } else { 0 }).collect();
+            (index, Some(Brick::from_texels(texels, 1)))
+        })
+        .collect())
+}

@@ -1,0 +1,341 @@
+//! Painting: from the points of a command to a step of history.
+//!
+//! While a stroke runs, questions, moves of the view and steps of the simulation leave it running; every other command ends it
+//! first, as `stroke.end` would. The GPU holds its texels until [`Document::settle`], which is the one place that waits for them.
+
+use crate::document::apply::stroke_nothing::why_nothing;
+use crate::document::apply::trail::{Resolved, Trail};
+use crate::document::command::brush::{StrokeCommand, StrokePoint};
+use crate::document::command::parts::ExplosionCommand;
+use crate::document::command::{Command, Place};
+use crate::document::error::DocumentError;
+use crate::document::history::edit::Edit;
+use crate::document::state::State;
+use crate::document::{Document, warn};
+use crate::gpu::GpuError;
+use crate::paint::{Brush, Dab, Pile, Reach, Sample, StrokePath, Target, VoxelSet};
+use crate::volume::{DensityMap, FieldKind};
+use serde_json::{Value, json};
+
+/// A stroke that has begun.
+#[derive(Debug)]
+pub(crate) struct Running {
+    brush: Brush,
+    path: StrokePath,
+    /// Of a brush that adds up on density: what may have, and for how much of it the map has room.
+    pile: Option<(Pile, f64)>,
+    /// That of density before the stroke, and with all that the brush makes.
+    reach: [Reach; 2],
+    /// What came before the first dab: a segment that was missing, a map that was too narrow.
+    edit: Edit,
+    /// Where it has got to in the 3D view.
+    trail: Option<Trail>,
+    /// What of the visible surface it has come to, if it keeps to that.
+    seen: VoxelSet,
+    samples: Vec<Sample>,
+    dabs: u64,
+    missed: u64,
+}
+
+impl Running {
+    /// The field that it paints.
+    pub(crate) fn field(&self) -> FieldKind {
+        self.brush.target.field()
+    }
+}
+
+/// Whether a command leaves a running stroke running.
+pub(crate) fn leaves_running(command: &Command) -> bool {
+    match command {
+        Command::Ask(_) | Command::Stroke(_) | Command::Explosion(ExplosionCommand::Step { .. }) => true,
+        Command::View(view) => {
+            view.moves_view() || matches!(view, crate::document::command::views::ViewCommand::Size { .. })
+        }
+        _ => false,
+    }
+}
+
+impl Document {
+    pub(crate) fn stroke(&mut self, command: StrokeCommand) -> Result<Value, DocumentError> {
+        self.open()?;
+        let running = self.running.is_some();
+        match command {
+            StrokeCommand::Begin { .. } | StrokeCommand::Paint { .. } if running => {
+                Err(DocumentError::NotNow("a stroke is running; end it (stroke.end) or cancel it first".into()))
+            }
+            StrokeCommand::Begin { points } => {
+                let resolved = self.follow(&points, None)?;
+                self.begin_stroke(resolved)
+            }
+            StrokeCommand::Paint { points } => {
+                let resolved = self.follow(&points, None)?;
+                self.begin_stroke(resolved)?;
+                self.settle()
+            }
+            StrokeCommand::Extend { .. } | StrokeCommand::End {} | StrokeCommand::Cancel {} if !running => {
+                Err(DocumentError::NotNow("no stroke is running; stroke.begin starts one".into()))
+            }
+            StrokeCommand::Extend { points } => {
+                let trail = self.running.as_ref().and_then(|r| r.trail.clone());
+                let resolved = self.follow(&points, trail)?;
+                self.extend_stroke(resolved)
+            }
+            StrokeCommand::End {} => self.settle(),
+            StrokeCommand::Cancel {} => {
+                self.drop_stroke();
+                Ok(json!({ "cancelled": true, "step": null }))
+            }
+        }
+    }
+
+    /// Whether a stroke runs.
+    pub fn is_painting(&self) -> bool {
+        self.running.is_some()
+    }
+
+    /// Ends the running stroke: waits for the GPU, takes its bricks into the field and makes a step of them. The answer is that
+    /// of `stroke.end`. Without a stroke it does nothing.
+    ///
+    /// # Errors
+    /// If the device fails or the source does; the stroke then still runs.
+    pub fn settle(&mut self) -> Result<Value, DocumentError> {
+        let cut_short = self.end_path()?;
+        let (Some(running), Some(state)) = (&mut self.running, &mut self.state) else { return Ok(json!({})) };
+        let kind = running.brush.target.field();
+        let changes: Vec<_> =
+            self.graphics.finish(state)?.into_iter().map(|(index, brick)| (index, Some(brick))).collect();
+        let Some(mut running) = self.running.take() else { return Ok(json!({})) };
+        let swapped = running.edit.swap(state, kind, changes);
+        let (voxels, bricks) = running.edit.counts();
+        if swapped.is_err() || voxels == 0 {
+            // Nothing painted: the segment or the wider map that was made for it goes too.
+            running.edit.motion_is_not_mine(&state.scene);
+            let refreshed = running.edit.roll_back(state)?;
+            self.mirror(&refreshed);
+            self.no_stroke();
+            swapped?;
+            let why = why_nothing(self.open()?, &running.brush, &running.samples, running.missed, &running.seen)?;
+            return Ok(json!({
+                "step": null,
+                "dabs": running.dabs,
+                "missed": running.missed,
+                "voxels_changed": 0,
+                "nothing": why,
+            }));
+        }
+        if kind == FieldKind::Density {
+            let [before, after] = running.reach;
+            state.reach = Some(after.within(before, &state.density));
+        }
+        running.edit.motion_is_not_mine(&state.scene);
+        let (step, mut refreshed) = running.edit.finish(state);
+        // The GPU took a wider map over at the stroke's beginning.
+        (refreshed.painted, refreshed.remapped) = (true, false);
+        let mut answer = json!({
+            "step": step.as_ref().map(|s| s.name.clone()),
+            "dabs": running.dabs,
+            "missed": running.missed,
+            "voxels_changed": voxels,
+            "bricks_touched": bricks,
+        });
+        self.mirror(&refreshed);
+        let mut warnings: Vec<String> = cut_short.into_iter().collect();
+        if let Some(step) = step {
+            self.unsaved = true;
+            warnings.extend(self.history.push(step)?);
+        }
+        let at = |s: &Sample| {
+            let Sample { position, pressure, breaks, .. } = *s;
+            StrokePoint { at: Place::Mm(position.to_array()), pressure, breaks }
+        };
+        let said = Command::Stroke(StrokeCommand::Paint { points: running.samples.iter().map(at).collect() });
+        warnings.extend(self.note(&said, &refreshed.bricks, true));
+        warn(&mut answer, warnings);
+        self.revision += 1;
+        Ok(answer)
+    }
+
+    /// Paints what is left of the running stroke: what the pointer passed since its last whole pixel, and the dab at its last sample.
+    /// Where there is no room for it the stroke ends without, and the answer says so.
+    fn end_path(&mut self) -> Result<Option<String>, DocumentError> {
+        let Some(running) = &self.running else { return Ok(None) };
+        let mut path = running.path.clone();
+        let samples = running.trail.as_ref().map_or_else(Vec::new, Trail::end);
+        let mut dabs = path.extend(&samples)?;
+        dabs.extend(path.end());
+        if dabs.is_empty() {
+            return Ok(None);
+        }
+        self.make_room(&dabs)?;
+        self.keep_to_surface(&dabs)?;
+        let (Some(running), Some(state)) = (&mut self.running, &self.state) else { return Ok(None) };
+        match self.graphics.extend(state, &dabs) {
+            Ok(_) => running.dabs += dabs.len() as u64,
+            Err(DocumentError::Gpu(error @ (GpuError::StrokeTooLarge { .. } | GpuError::PoolFull { .. }))) => {
+                return Ok(Some(format!("the stroke ends before its last point: {error}")));
+            }
+            Err(error) => return Err(error),
+        }
+        running.path = path;
+        running.samples.extend(samples);
+        running.trail = None;
+        Ok(None)
+    }
+
+    /// Takes the running stroke back.
+    pub(crate) fn drop_stroke(&mut self) {
+        let (Some(mut running), Some(state)) = (self.running.take(), &mut self.state) else { return };
+        self.graphics.cancel(state, running.field());
+        running.edit.motion_is_not_mine(&state.scene);
+        // Of a stroke there is at most a segment and a map to take back; a source that fails leaves the wider map.
+        match running.edit.roll_back(state) {
+            Ok(refreshed) => self.mirror(&refreshed),
+            Err(error) => tracing::warn!("{error}"),
+        }
+        self.motion.forget_points();
+        self.no_stroke();
+        self.revision += 1;
+    }
+
+    /// Starts a stroke with resolved samples.
+    pub(crate) fn begin_stroke(&mut self, resolved: Resolved) -> Result<Value, DocumentError> {
+        let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
+        let mut brush = state.scene.brush;
+        brush.visible_only &= !resolved.on_slice;
+        let path = StrokePath::new(&brush, state.grid())?;
+        // What a straight stroke piles up, since a wider map costs the whole volume; one application without building up.
+        let pile = brush.piles_up().then(|| Pile::new(&brush, state.grid()));
+        let room = pile.as_ref().map_or(1.0, |pile| pile.of_a_line(path.step_mm()).max(1.0));
+        let pile = pile.map(|pile| (pile, room));
+        let mut edit = Edit::new(Some(state));
+        edit.name(format!("{} {}", if brush.erase { "Erase" } else { "Paint" }, brush.target.field().name()));
+        if let (Target::Label(id), false) = (brush.target, brush.erase) {
+            state.scene.segments.ensure(id);
+        }
+        let before = match (state.reach, brush.target.field()) {
+            (Some(reach), _) => reach,
+            (None, FieldKind::Density) => Reach::new([state.histogram.min, state.histogram.max], &state.density)?,
+            _ => Reach([0.0; 2]),
+        };
+        let reach = [before, before.after(&brush, &state.density, room)];
+        let mut begun = Ok(());
+        if let Some(map) = map_for(&brush, state, room, reach[1]) {
+            begun = edit.remap(state, map).map_err(DocumentError::from);
+            self.graphics.remap(state);
+        }
+        let begun = begun.and_then(|()| self.graphics.begin(state, &brush, reach[1]));
+        self.running = Some(Running {
+            brush,
+            path,
+            pile,
+            reach,
+            edit,
+            trail: None,
+            seen: VoxelSet::default(),
+            samples: Vec::new(),
+            dabs: 0,
+            missed: 0,
+        });
+        let first = begun.and_then(|()| self.extend_stroke(resolved));
+        if first.is_err() {
+            self.drop_stroke();
+        }
+        first
+    }
+
+    /// Widens the density's map before dabs add up beyond it, and paints anew what the stroke had painted.
+    ///
+    /// # Errors
+    /// If the device fails or the source does; the stroke is then taken back.
+    fn make_room(&mut self, dabs: &[Dab]) -> Result<(), DocumentError> {
+        let (Some(running), Some(state)) = (&mut self.running, &mut self.state) else { return Ok(()) };
+        let Some((pile, room)) = &mut running.pile else { return Ok(()) };
+        let most = pile.add(dabs);
+        if most <= *room {
+            return Ok(());
+        }
+        // Twice as much as before at least: to paint anew costs the whole volume.
+        *room = most.max(*room * 2.0);
+        let [before, reach] = &mut running.reach;
+        *reach = before.after(&running.brush, &state.density, *room);
+        let Some(map) = map_for(&running.brush, state, *room, *reach) else { return Ok(()) };
+        let before = self.graphics.dabs();
+        self.graphics.cancel(state, FieldKind::Density);
+        let mut widened = running.edit.remap(state, map).map_err(DocumentError::from);
+        self.graphics.remap(state);
+        widened = widened.and_then(|()| self.graphics.begin(state, &running.brush, running.reach[1]));
+        self.graphics.open(&running.seen);
+        let painted = widened
+            .and_then(|()| if before.is_empty() { Ok(()) } else { self.graphics.extend(state, &before).map(drop) });
+        if painted.is_err() {
+            self.drop_stroke();
+        }
+        painted
+    }
+
+    /// Before dabs are painted by a stroke that keeps to the visible surface: finds what that is under them.
+    fn keep_to_surface(&mut self, dabs: &[Dab]) -> Result<(), DocumentError> {
+        let Some(running) = self.running.as_mut().filter(|r| r.brush.visible_only && !dabs.is_empty()) else {
+            return Ok(());
+        };
+        let mut seen = std::mem::take(&mut running.seen);
+        let found = self.see(dabs, &mut seen);
+        self.graphics.open(&seen);
+        if let Some(running) = &mut self.running {
+            running.seen = seen;
+        }
+        found
+    }
+
+    fn extend_stroke(&mut self, resolved: Resolved) -> Result<Value, DocumentError> {
+        let Resolved { samples, missed, trail, .. } = resolved;
+        let Some(running) = &self.running else { return Ok(json!({})) };
+        let mut path = running.path.clone();
+        let dabs = path.extend(&samples)?;
+        self.make_room(&dabs)?;
+        self.keep_to_surface(&dabs)?;
+        let (Some(running), Some(state)) = (&mut self.running, &self.state) else { return Ok(json!({})) };
+        let bricks = if dabs.is_empty() { Vec::new() } else { self.graphics.extend(state, &dabs)? };
+        running.path = path;
+        running.samples.extend_from_slice(&samples);
+        running.trail = trail;
+        running.dabs += dabs.len() as u64;
+        running.missed += missed;
+        let mut answer = json!({
+            "dabs": dabs.len(),
+            "missed": missed,
+            "bricks_touched": bricks.len(),
+            "length_mm": running.path.length_mm(),
+        });
+        let noted = if samples.is_empty() { None } else { self.keeper.as_mut().map(|k| k.samples(&samples)) };
+        if let Some(Err(error)) = noted {
+            warn(&mut answer, vec![error.to_string()]);
+        }
+        self.revision += 1;
+        Ok(answer)
+    }
+
+    /// Lets explosion points follow a running stroke. Answers whether more of it is to come.
+    pub(crate) fn follow_stroke(&mut self) -> Result<bool, DocumentError> {
+        let (Some(running), Some(state)) = (&self.running, &self.state) else { return Ok(false) };
+        let kind = running.field();
+        if matches!(kind, FieldKind::Density | FieldKind::Selection) {
+            let live = self.graphics.live(state)?;
+            self.motion.follow(state, kind, &live)?;
+        }
+        Ok(self.graphics.is_due())
+    }
+
+    /// Says that no stroke runs any more.
+    pub(crate) fn no_stroke(&mut self) {
+        if let Some(Err(error)) = self.keeper.as_mut().map(crate::document::journal::autosave::Keeper::no_stroke) {
+            tracing::warn!("{error}");
+        }
+    }
+}
+
+/// The map that density needs for a brush, if it is another than it has.
+fn map_for(brush: &Brush, state: &State, coverage: f64, reach: Reach) -> Option<DensityMap> {
+    let wider = brush.map_for(&state.density, &state.statistics, coverage);
+    brush.floats_for(wider.as_ref().unwrap_or(state.density.map()), &state.density, reach).or(wider)
+}

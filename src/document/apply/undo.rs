@@ -1,0 +1,98 @@
+//! Commands on history: undo, redo, groups, budget.
+
+use crate::document::command::{Command, HistoryCommand};
+use crate::document::error::DocumentError;
+use crate::document::history::step::Refreshed;
+use crate::document::{Document, warn};
+use serde_json::{Value, json};
+
+impl Document {
+    pub(crate) fn travel(&mut self, command: HistoryCommand) -> Result<Value, DocumentError> {
+        let mut warnings = Vec::new();
+        let mut answer = match command {
+            HistoryCommand::Undo { steps } => self.walk(steps, true, &mut warnings)?,
+            HistoryCommand::Redo { steps } => self.walk(steps, false, &mut warnings)?,
+            HistoryCommand::Budget { bytes } => {
+                warnings.extend(self.history.set_budget(bytes));
+                let (memory, disk) = self.history.bytes();
+                json!({ "budget": bytes, "memory": memory, "disk": disk })
+            }
+            HistoryCommand::Begin {} => {
+                self.open()?;
+                self.history.begin()?;
+                json!({ "group": "open" })
+            }
+            HistoryCommand::End {} => {
+                let step = self.end_group(&mut warnings)?;
+                json!({ "group": "closed", "step": step })
+            }
+            HistoryCommand::Cancel {} => {
+                let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
+                let refreshed = self.history.cancel(state)?;
+                state.past.group_cancelled(std::mem::take(&mut self.past_group), &mut state.scene);
+                self.travelled(HistoryCommand::Cancel {}, &refreshed, &mut warnings);
+                json!({ "group": "cancelled" })
+            }
+        };
+        warn(&mut answer, warnings);
+        Ok(answer)
+    }
+
+    /// Takes back or does again as many steps as there are. An open group is closed first. Between two steps it can be stopped:
+    /// those already taken stand.
+    fn walk(&mut self, steps: u32, back: bool, warnings: &mut Vec<String>) -> Result<Value, DocumentError> {
+        if self.history.in_group() {
+            self.end_group(warnings)?;
+        }
+        let mut names = Vec::new();
+        let mut all = Refreshed::default();
+        let there = if back { self.history.undo_names().len() } else { self.history.redo_names().len() };
+        let steps = (steps as usize).min(there);
+        for done in 0..steps {
+            if steps > 1 && !self.watch.go_on(done as f32 / steps as f32) {
+                warnings.push(format!("stopped on request after {done} of {steps} steps"));
+                break;
+            }
+            let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
+            match if back { self.history.undo(state) } else { self.history.redo(state) } {
+                Ok(Some((name, refreshed))) => {
+                    names.push(name);
+                    all.join(refreshed);
+                }
+                Ok(None) => break,
+                // Steps already taken stand and are told; a failure is the answer only where there is no other.
+                Err(error) if names.is_empty() => return Err(error),
+                Err(error) => {
+                    warnings.push(error.to_string());
+                    break;
+                }
+            }
+        }
+        self.open()?;
+        warnings.extend(self.history.spill());
+        if !names.is_empty() {
+            let steps = names.len() as u32;
+            let said = if back { HistoryCommand::Undo { steps } } else { HistoryCommand::Redo { steps } };
+            self.travelled(said, &all, warnings);
+        }
+        Ok(json!({
+            if back { "undone" } else { "redone" }: names,
+            "undo": self.history.undo_names().len(),
+            "redo": self.history.redo_names().len(),
+        }))
+    }
+
+    fn end_group(&mut self, warnings: &mut Vec<String>) -> Result<Option<String>, DocumentError> {
+        let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
+        let (step, warning) = self.history.end(state)?;
+        state.past.group_closed(std::mem::take(&mut self.past_group), &state.scene);
+        warnings.extend(warning);
+        Ok(step)
+    }
+
+    fn travelled(&mut self, said: HistoryCommand, refreshed: &Refreshed, warnings: &mut Vec<String>) {
+        self.unsaved = true;
+        self.mirror(refreshed);
+        warnings.extend(self.note(&Command::History(said), &refreshed.bricks, true));
+    }
+}

@@ -1,0 +1,37 @@
+//! Commands on the volume as a whole.
+
+use crate::document::Document;
+use crate::document::apply::open::Opened;
+use crate::document::command::files::VolumeCommand;
+use crate::document::command::paths::check_target;
+use crate::document::error::DocumentError;
+use crate::document::scene::Origin;
+use crate::io::{Compression, export};
+use serde_json::{Value, json};
+
+impl Document {
+    pub(crate) fn volume(&mut self, command: VolumeCommand) -> Result<Value, DocumentError> {
+        match command {
+            VolumeCommand::Open { path, component, frame, range, open_as } => {
+                let origin = Origin { path, component, frame };
+                let watch = self.watch.clone();
+                let opened = Opened::volume(origin, range, open_as, self.unsaved_in.as_deref(), &|x| watch.go_on(x))?;
+                Ok(self.take(opened))
+            }
+            VolumeCommand::Export { field, path } => {
+                let state = self.open()?;
+                check_target(&path, state.files.as_deref())?;
+                let exported = export(
+                    path,
+                    state.field(field),
+                    state.grid(),
+                    &state.scene.segments,
+                    Compression::default(),
+                    &|x| self.watch.go_on(x),
+                )?;
+                let warnings = exported.warnings.clone();
+                Ok(json!({ "exported": exported, "warnings": warnings }))
+            }
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! The one command set. A script's line is one command as JSON, e.g. `{"brush":{"set":{"radius_mm":4.0}}}`.
+//!
+//! Grouped by noun; each noun has its handler file. Fields that a command leaves out keep their value. Here are the set itself,
+//! places, and the nouns of what is in a document; files, views, brush and parts have files of their own.
+
+#![allow(missing_docs)] // fields: the command's own text says what they are
+
+pub(crate) mod brush;
+pub(crate) mod files;
+pub(crate) mod parts;
+pub(crate) mod paths;
+pub(crate) mod views;
+
+use crate::document::command::brush::{BrushCommand, StrokeCommand};
+use crate::document::command::files::{ProjectCommand, RenderCommand, VolumeCommand};
+use crate::document::command::parts::{ExplosionCommand, PartCommand};
+use crate::document::command::views::{TransferCommand, ViewCommand};
+use crate::document::scene::ViewName;
+use crate::math::Camera;
+use crate::volume::FieldKind;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// Everything that can be done.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Command {
+    /// The project on disk.
+    Project(ProjectCommand),
+    /// The volume's density as a whole.
+    Volume(VolumeCommand),
+    /// Colour and opacity.
+    Transfer(TransferCommand),
+    /// Cameras, slices, looks and layers.
+    View(ViewCommand),
+    /// The brush's settings.
+    Brush(BrushCommand),
+    /// Painting. While a stroke runs, any command but a question, a move of the view or a step of the simulation ends it first.
+    Stroke(StrokeCommand),
+    /// The selection as a whole.
+    Selection(SelectionCommand),
+    /// The table of segments.
+    Segment(SegmentCommand),
+    /// Parts of the background.
+    Part(PartCommand),
+    /// The forces that move them.
+    Explosion(ExplosionCommand),
+    /// Undo and redo of everything but views, looks, layers and window, which have `view.back`, and the brush.
+    History(HistoryCommand),
+    /// Questions; they change nothing.
+    Ask(Question),
+    /// Pictures to files.
+    Render(RenderCommand),
+}
+
+/// A place: world mm, continuous index, or a pixel of a named view (in the 3D view: of the picked surface).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Place {
+    /// World RAS+ mm, of the rest pose.
+    Mm([f64; 3]),
+    /// Continuous index, voxel centres at integers.
+    Index([f64; 3]),
+    /// A pixel; (0, 0) is the picture's top-left corner. `size` is the picture's size, the view's own if left out.
+    Pixel {
+        /// View.
+        view: ViewName,
+        /// x right, y down.
+        px: [f64; 2],
+        /// Width and height in pixels.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        size: Option<[u32; 2]>,
+    },
+}
+
+/// See [`Command::Selection`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum SelectionCommand {
+    /// Reads another volume of the same grid, resampled by world position if the grid differs: above `threshold` is selected. A
+    /// soft border of `soften_mm` is laid about it. A file that selects nothing because it lies elsewhere is refused; the answer's
+    /// `covered` is the share of the volume that the file covers, `warnings` says what was left out.
+    Import {
+        path: PathBuf,
+        #[serde(default)]
+        threshold: f64,
+        #[serde(default)]
+        soften_mm: f64,
+    },
+    /// Selects the voxels of a label.
+    FromLabel { label: u16 },
+    /// Nothing is selected.
+    Clear {},
+}
+
+/// See [`Command::Segment`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum SegmentCommand {
+    /// Adds a segment or changes what is given of one.
+    Set {
+        id: u16,
+        #[serde(default)]
+        name: Option<String>,
+        #[serde(default)]
+        colour: Option<[f32; 3]>,
+        #[serde(default)]
+        visible: Option<bool>,
+        #[serde(default)]
+        locked: Option<bool>,
+    },
+    /// Takes a segment out of the table and its label out of the voxels.
+    Remove { id: u16 },
+    /// Brings in the labels of a file, nearest voxel by world position where the grid differs. They lie over those that are there,
+    /// but for voxels of locked segments. An id that is taken by another segment becomes a free one, and the segment's
+    /// `source_value` says the file's. Answers `segments` (each with `id`, `value` in the file, `name`, `voxels`),
+    /// `labelled_voxels`, `kept_locked` (voxels left alone), `covered` (share of the volume that the file covers), `resampled`
+    /// and `warnings`.
+    Import {
+        path: PathBuf,
+        /// Of a file with several numbers a voxel: which layer.
+        #[serde(default)]
+        component: u32,
+        #[serde(default)]
+        frame: u32,
+    },
+}
+
+/// See [`Command::History`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum HistoryCommand {
+    /// Takes back steps.
+    Undo {
+        #[serde(default = "one_step")]
+        steps: u32,
+    },
+    /// Does them again.
+    Redo {
+        #[serde(default = "one_step")]
+        steps: u32,
+    },
+    /// Memory for steps in bytes; older ones go to disk.
+    Budget { bytes: u64 },
+    /// Opens a group: everything until its end is one step (the drag of a slider, of a part, of a point of a curve).
+    Begin {},
+    /// Closes the group: one step under the last change's name, none if nothing changed.
+    End {},
+    /// Closes the group and takes back what it did.
+    Cancel {},
+}
+
+fn one_step() -> u32 {
+    1
+}
+
+/// See [`Command::Ask`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Question {
+    /// Grid, type, statistics of the volume.
+    Volume {},
+    /// The whole scene.
+    Scene {},
+    /// Parts with their poses.
+    Parts {},
+    /// Density, colour, selection and label of the voxel at a place.
+    Voxel { at: Place },
+    /// First visible surface under a pixel of the 3D view: world mm, rest mm, index, part.
+    Pick {
+        px: [f64; 2],
+        #[serde(default)]
+        size: Option<[u32; 2]>,
+    },
+    /// Sum, count of non-zero and largest of a field's voxels.
+    Field { field: FieldKind },
+    /// Share of the selection's pixels with less than 5 % opacity before it.
+    Visibility {
+        #[serde(default)]
+        camera: Option<Camera>,
+        #[serde(default)]
+        size: Option<[u32; 2]>,
+    },
+    /// Steps that can be undone and redone.
+    History {},
+}

@@ -1,0 +1,91 @@
+//! The paths in commands: which there are, and what of them is taken for what.
+//!
+//! Scripts have no shell that knows `~`. A file that is written must be no file that the document reads, and none that a project
+//! keeps. Knows commands and files, not what is done with them.
+
+use crate::document::command::files::{ProjectCommand, RenderCommand, VolumeCommand};
+use crate::document::command::{Command, SegmentCommand, SelectionCommand};
+use crate::document::error::DocumentError;
+use crate::document::project::lock::LOCK;
+use crate::document::project::manifest::PROJECT;
+use crate::document::project::read::{check_project, generation_of};
+use crate::document::project::source_files::SourceFiles;
+use crate::io::FileMark;
+use std::path::{Path, PathBuf};
+
+impl Command {
+    /// Every path that it names.
+    fn paths(&mut self) -> Vec<&mut PathBuf> {
+        match self {
+            Self::Project(ProjectCommand::Open { path, source, .. }) => {
+                std::iter::once(path).chain(source.as_mut()).collect()
+            }
+            Self::Project(ProjectCommand::Save { path, .. }) => path.as_mut().into_iter().collect(),
+            Self::Volume(VolumeCommand::Open { path, .. } | VolumeCommand::Export { path, .. })
+            | Self::Selection(SelectionCommand::Import { path, .. })
+            | Self::Segment(SegmentCommand::Import { path, .. })
+            | Self::Render(RenderCommand::Image { path, .. }) => vec![path],
+            _ => Vec::new(),
+        }
+    }
+
+    /// The command with `~` at a path's beginning taken for the home folder.
+    ///
+    /// # Errors
+    /// If a path is empty.
+    pub(crate) fn at_home(mut self) -> Result<Self, DocumentError> {
+        for path in self.paths() {
+            if path.as_os_str().is_empty() {
+                return Err(DocumentError::invalid("path", "nothing", "the name of a file or folder"));
+            }
+            *path = at_home(std::mem::take(path));
+        }
+        Ok(self)
+    }
+}
+
+/// A path with `~` at its beginning taken for the home folder, unless something is there that is named so.
+pub fn at_home(path: PathBuf) -> PathBuf {
+    let home = std::env::var_os("HOME").filter(|home| !home.is_empty());
+    match (path.strip_prefix("~"), home) {
+        (Ok(rest), Some(home)) if path.symlink_metadata().is_err() => PathBuf::from(home).join(rest),
+        _ => path,
+    }
+}
+
+/// Fails if to write to `path` would harm a file that the document reads, or a project.
+///
+/// # Errors
+/// The reason, with the file.
+pub(crate) fn check_target(path: &Path, files: Option<&SourceFiles>) -> Result<(), DocumentError> {
+    let refused = |expected: String| Err(DocumentError::invalid("path", path.display(), expected));
+    let lead = leads_to(path);
+    let mark = FileMark::of(path).ok();
+    for file in files.map_or(&[][..], |files| files.files()) {
+        let now = FileMark::of(&file.path).ok();
+        let same = mark.as_ref().is_some_and(|m| m.is_same_file(file) || now.is_some_and(|n| m.is_same_file(&n)));
+        if same || lead == leads_to(&file.path) {
+            return refused(format!("another file than {}, which the volume is read from", file.path.display()));
+        }
+    }
+    let inside = |dir: &Path| check_project(dir).is_ok();
+    for below in lead.ancestors() {
+        // A step upward (`..`) that nothing is there to resolve has no name of its own.
+        let (Some(dir), Some(name)) = (below.parent(), below.file_name()) else { continue };
+        let name = name.to_string_lossy();
+        let kept = generation_of(&name).is_some()
+            || [LOCK, PROJECT, "project.new"].contains(&&*name)
+            || name.starts_with("journal-");
+        if kept && inside(dir) {
+            return refused(format!("a place that the project {} does not keep itself in", dir.display()));
+        }
+    }
+    Ok(())
+}
+
+/// Where a path leads, links followed, also if nothing is there yet.
+fn leads_to(path: &Path) -> PathBuf {
+    let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let folder = || Some(absolute.parent()?.canonicalize().ok()?.join(absolute.file_name()?));
+    absolute.canonicalize().ok().or_else(folder).unwrap_or(absolute)
+}

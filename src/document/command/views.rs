@@ -1,0 +1,91 @@
+//! The commands that say how things are seen: cameras, slices, looks, layers, the transfer function; see `command`.
+
+#![allow(missing_docs)] // fields: the command's own text says what they are
+
+use crate::document::command::Place;
+use crate::document::scene::{Layer, ViewName};
+use crate::math::Camera;
+use crate::volume::{Lighting, Mode, TransferFunction};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// See [`Command::Transfer`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum TransferCommand {
+    /// Replaces the whole function.
+    Set { function: TransferFunction },
+    /// Starts again from the histogram.
+    Reset {},
+}
+
+/// See [`Command::View`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum ViewCommand {
+    /// Sets the 3D view's camera.
+    Camera { camera: Camera },
+    /// Frames the volume from a side: the direction from the volume towards the eye, world RAS+. The projection stays.
+    Frame {
+        from: [f64; 3],
+        #[serde(default)]
+        up: Option<[f64; 3]>,
+        /// Distance as a multiple of the one that just fits.
+        #[serde(default)]
+        zoom: Option<f64>,
+    },
+    /// Fits a view: the whole slice as large as its picture holds, or in 3D all visible parts where they stand now; direction and
+    /// projection stay.
+    Fit { view: ViewName },
+    /// Turns about the target, degrees.
+    Orbit { azimuth_deg: f64, elevation_deg: f64 },
+    /// Shifts a view by pixels.
+    Pan { view: ViewName, px: [f64; 2] },
+    /// Scales a view: below 1 is nearer.
+    Zoom { view: ViewName, factor: f64 },
+    /// Size in pixels that pixel coordinates refer to.
+    Size { view: ViewName, size: [u32; 2] },
+    /// Moves the crosshair, and with it all three slices.
+    Crosshair { at: Place },
+    /// Steps a slice view by voxels.
+    Scroll { view: ViewName, voxels: i32 },
+    /// Mode, lighting, step and background of the 3D view.
+    Look {
+        #[serde(default)]
+        mode: Option<Mode>,
+        /// `false`: unshaded.
+        #[serde(default)]
+        shaded: Option<bool>,
+        #[serde(default)]
+        lighting: Option<Lighting>,
+        #[serde(default)]
+        step_voxels: Option<f64>,
+        #[serde(default)]
+        background: Option<[f32; 3]>,
+    },
+    /// Grey window of the slices.
+    Window { level: f64, width: f64 },
+    /// How a field is shown.
+    Layer(Layer),
+    /// What was seen before the last change of view, look, layer, window or transfer function; with `of` before the last change of
+    /// views or of looks alone.
+    Back {
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        of: Option<PastOf>,
+    },
+    /// Undoes `back`.
+    Forward {
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        of: Option<PastOf>,
+    },
+}
+
+/// What `view.back` walks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum PastOf {
+    /// Cameras, slices, crosshair.
+    Views,
+    /// Transfer function, look, window, layers.
+    Looks,
+}

@@ -1,0 +1,182 @@
+//! What one command changes while it runs: the recording that becomes a step, or is taken back if the command fails.
+
+use crate::document::history::step::{Refreshed, SceneDelta, Step, remap};
+use crate::document::scene::Scene;
+use crate::document::state::State;
+use crate::volume::{Brick, BrickIndex, Changes, DensityMap, Field, FieldKind, SourceError};
+use rayon::prelude::*;
+
+/// See the module's head.
+#[derive(Debug)]
+pub(crate) struct Edit {
+    scene: Option<Scene>,
+    step: Step,
+    refreshed: Refreshed,
+    voxels: u64,
+    bricks: usize,
+    follows: bool,
+}
+
+impl Edit {
+    /// Starts recording.
+    pub(crate) fn new(state: Option<&State>) -> Self {
+        Self {
+            scene: state.map(|s| s.scene.clone()),
+            step: Step { name: "Change".into(), ..Step::default() },
+            refreshed: Refreshed::default(),
+            voxels: 0,
+            bricks: 0,
+            follows: false,
+        }
+    }
+
+    /// What the step is called in the list of steps.
+    pub(crate) fn name(&mut self, name: impl Into<String>) {
+        self.step.name = name.into();
+    }
+
+    /// What the step is called so far.
+    pub(crate) fn called(&self) -> &str {
+        &self.step.name
+    }
+
+    /// The scene follows what was set before (parts that a simulation moves): its change is no step of its own.
+    pub(crate) fn follows(&mut self) {
+        self.follows = true;
+    }
+
+    /// Parts moved while this was recorded, by the simulation: that is not part of the step.
+    pub(crate) fn motion_is_not_mine(&mut self, scene: &Scene) {
+        if let Some(before) = &mut self.scene {
+            before.explosion = scene.explosion.clone();
+        }
+    }
+
+    /// Voxels that hold another value than before, and bricks with at least one.
+    pub(crate) fn counts(&self) -> (u64, usize) {
+        (self.voxels, self.bricks)
+    }
+
+    /// Exchanges bricks of a field and records them. A brick that equals the unedited one is no edit; one that equals the
+    /// present one is left out.
+    pub(crate) fn swap(&mut self, state: &mut State, kind: FieldKind, changes: Changes) -> Result<(), SourceError> {
+        let field = state.field_mut(kind);
+        let judged = changes
+            .into_par_iter()
+            .map(|(index, brick)| judge(field, index, brick))
+            .collect::<Result<Vec<_>, SourceError>>()?;
+        let mut real = Vec::new();
+        for (index, brick, differing) in judged.into_iter().flatten() {
+            self.voxels += differing;
+            self.bricks += usize::from(differing > 0);
+            real.push((index, brick));
+        }
+        if real.is_empty() {
+            return Ok(());
+        }
+        let (before, refresh) = field.swap(real)?;
+        self.refreshed.slots.push((kind, refresh));
+        let before = before.into_iter().map(|(index, brick)| ((kind, index), brick)).collect();
+        self.step.absorb(Step { name: self.step.name.clone(), bricks: before, ..Step::default() });
+        Ok(())
+    }
+
+    /// Gives the density a map that holds more values; edits keep theirs.
+    pub(crate) fn remap(&mut self, state: &mut State, map: DensityMap) -> Result<(), SourceError> {
+        let density = &state.density;
+        let edits = density
+            .edits()
+            .into_par_iter()
+            .map(|(index, brick)| Ok((index, Some(recode(density, &map, index, brick)?))))
+            .collect::<Result<Vec<_>, SourceError>>()?;
+        let (old, before) = remap(&mut state.density, map, edits)?;
+        self.refreshed.remapped = true;
+        let bricks = before.into_iter().map(|(index, brick)| ((FieldKind::Density, index), brick)).collect();
+        self.step.absorb(Step { name: self.step.name.clone(), bricks, map: Some(old), ..Step::default() });
+        Ok(())
+    }
+
+    /// The step, unless nothing changed, and what is new for whoever mirrors fields.
+    pub(crate) fn finish(mut self, state: &State) -> (Option<Step>, Refreshed) {
+        if let (Some(before), false) = (self.scene.take(), self.follows) {
+            self.step.scene = SceneDelta::between(before, &state.scene);
+        }
+        self.refreshed.bricks = self.step.bricks.keys().copied().collect();
+        let step = (!self.step.is_empty()).then_some(self.step);
+        (step, self.refreshed)
+    }
+
+    /// Takes everything back.
+    pub(crate) fn roll_back(mut self, state: &mut State) -> Result<Refreshed, SourceError> {
+        if let Some(before) = self.scene.take() {
+            before.looks().exchange(&mut state.scene);
+            SceneDelta::between(before, &state.scene).exchange(&mut state.scene);
+        }
+        let mut refreshed = self.step.exchange(state)?;
+        refreshed.join(self.refreshed);
+        Ok(refreshed)
+    }
+}
+
+type Judged = Option<(BrickIndex, Option<Brick>, u64)>;
+
+/// The change in its plainest form and the number of voxels that differ; `None` if it changes nothing.
+fn judge(field: &Field, index: BrickIndex, brick: Option<Brick>) -> Result<Judged, SourceError> {
+    if field.edit(index) == brick.as_ref() {
+        return Ok(None);
+    }
+    let bytes = field.format().bytes();
+    let base = field.base_brick(index)?;
+    let old = field.edit(index).unwrap_or(&base);
+    let new = brick.as_ref().unwrap_or(&base);
+    let differing = differing_texels(old, new, field.valid(0, index), bytes);
+    let brick = if differing_texels(&base, new, field.valid(0, index), bytes) == 0 { None } else { brick };
+    Ok((field.edit(index) != brick.as_ref()).then_some((index, brick, differing)))
+}
+
+fn differing_texels(a: &Brick, b: &Brick, valid: [u32; 3], bytes: usize) -> u64 {
+    if a == b {
+        return 0;
+    }
+    let (a, b) = (a.to_texels(bytes), b.to_texels(bytes));
+    let edge = crate::volume::BRICK as usize;
+    let row = valid[0] as usize * bytes;
+    let mut count = 0;
+    for z in 0..valid[2] as usize {
+        for y in 0..valid[1] as usize {
+            let start = (z * edge + y) * edge * bytes;
+            let (a, b) = (&a[start..start + row], &b[start..start + row]);
+            if a != b {
+                count += a.chunks_exact(bytes).zip(b.chunks_exact(bytes)).filter(|(a, b)| a != b).count() as u64;
+            }
+        }
+    }
+    count
+}
+
+/// An edited brick in the codes of another map: unedited texels are the source's own, the others keep their value.
+fn recode(density: &Field, map: &DensityMap, index: BrickIndex, brick: &Brick) -> Result<Brick, SourceError> {
+    let (old_map, bytes, new_bytes) = (*density.map(), density.format().bytes(), map.format.bytes());
+    let Some(source) = density.source() else { return Ok(brick.clone()) };
+    let valid = density.valid(0, index);
+    let base = density.base_brick(index)?;
+    let mut fresh = Vec::new();
+    map.encode_voxels(&source.read(index.origin(), valid)?, source.scaling(), &mut fresh);
+    let mut texels = vec![0; crate::volume::BRICK_VOXELS * new_bytes];
+    let mut i = 0;
+    for z in 0..valid[2] {
+        for y in 0..valid[1] {
+            for x in 0..valid[0] {
+                let at = [x, y, z];
+                let (now, was) = (brick.texel(at, bytes), base.texel(at, bytes));
+                let encoded = map.encode(old_map.decode(now));
+                let new = if now == was { &fresh[i..i + new_bytes] } else { &encoded[..new_bytes] };
+                let edge = crate::volume::BRICK;
+                let to = (x + edge * (y + edge * z)) as usize * new_bytes;
+                texels[to..to + new_bytes].copy_from_slice(new);
+                i += new_bytes;
+            }
+        }
+    }
+    Ok(Brick::from_texels(texels, new_bytes))
+}

@@ -1,0 +1,365 @@
+//! Keeping an open document: each step into a journal, each save into a project, whatever is lost brought back.
+//!
+//! Owns the place where the document is kept: a project folder, or a recovery folder before the first save. Is told what was
+//! done and never looks for itself. Dropping it leaves everything to be found at the next start, as a crash would.
+
+use crate::document::command::Command;
+use crate::document::journal::loaded::KeptDocument;
+use crate::document::journal::recovery;
+use crate::document::journal::replay::{Replay, free_aside};
+use crate::document::journal::{HEADER, Journal};
+use crate::document::project::error::KeepError;
+use crate::document::project::files::remove_dir;
+use crate::document::project::link::Link;
+use crate::document::project::lock::Lock;
+use crate::document::project::manifest::{Kept, MANIFEST, Manifest};
+use crate::document::project::read::{Wanted, load, named, read_unsaved};
+use crate::document::project::store::{Committed, DensityKeeping, Saved, Store};
+use crate::document::state::State;
+use crate::io::FileMark;
+use crate::paint::Sample;
+use crate::volume::{BrickIndex, FieldKind};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// See the module's head.
+#[derive(Debug)]
+pub struct Keeper {
+    journal: Journal,
+    place: Place,
+}
+
+#[derive(Debug)]
+enum Place {
+    Unsaved { dir: PathBuf, lock: Lock },
+    Project(Box<Store>),
+}
+
+impl Keeper {
+    /// Keeps a document that was never saved, from its present state on, below `state_dir`
+    /// ([`recovery::state_dir`](crate::document::journal::recovery::state_dir)); the fields' edits so far are not kept.
+    ///
+    /// # Errors
+    /// If the recovery folder or the file that was opened cannot be had.
+    pub fn unsaved(state_dir: &Path, state: &State) -> Result<Self, KeepError> {
+        let path = &state.scene.origin.path;
+        let link = match &state.files {
+            Some(files) => Link::until_next_start(files.files())?,
+            None => Link::until_next_start(&[FileMark::of(path).map_err(KeepError::io("read", path))?])?,
+        };
+        let (dir, lock) = recovery::create(state_dir)?;
+        let start = || {
+            let manifest = Manifest::of(0, state, Kept::Linked(link), BTreeMap::new());
+            crate::document::project::files::write_new(&dir.join(MANIFEST), &manifest.json()?)?;
+            Journal::create(&dir.join(recovery::JOURNAL), 0, &state.scene, &state.past, state.density.map())
+        };
+        match start() {
+            Ok(journal) => Ok(Self { journal, place: Place::Unsaved { dir, lock } }),
+            Err(error) => {
+                remove_dir(&dir).unwrap_or_else(|e| tracing::warn!("{e}"));
+                Err(error)
+            }
+        }
+    }
+
+    /// Saves a document that nobody kept so far as a new project in `path`, and keeps it there.
+    ///
+    /// # Errors
+    /// If the disk refuses, `path` is taken, or `progress` said no.
+    pub fn create(
+        path: &Path,
+        state: &State,
+        density: Option<DensityKeeping>,
+        progress: &(dyn Fn(f32) -> bool + Sync),
+    ) -> Result<(Self, Saved), KeepError> {
+        save_new(path, state, density, progress)
+    }
+
+    /// Opens a project as it was last kept: its current generation, and what the journal holds beyond it.
+    ///
+    /// # Errors
+    /// If it is open elsewhere, or damaged. A damaged journal is set aside and told in
+    /// [`Recovered`](crate::document::journal::loaded::Recovered); the generation opens without it.
+    pub fn open(dir: &Path) -> Result<(Self, KeptDocument), KeepError> {
+        Self::open_wanted(dir, Wanted::default())
+    }
+
+    /// The same with a word on the source of a linked density, or on an older generation.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn open_wanted(dir: &Path, wanted: Wanted<'_>) -> Result<(Self, KeptDocument), KeepError> {
+        let (store, loaded) = Store::open(dir, wanted)?;
+        let path = dir.join(journal_name(store.generation()));
+        if loaded.is_current {
+            remove_older_journals(dir, store.generation(), store.generation());
+        }
+        let Manifest { scene, past, volume, .. } = &loaded.manifest;
+        let map = &volume.map;
+        let mut set_aside = None;
+        let resumed = match Journal::resume(&path, store.generation(), scene, past, map) {
+            Err(error @ KeepError::Malformed { .. }) => {
+                let aside = free_aside(&path);
+                std::fs::rename(&path, &aside).map_err(KeepError::io("set aside", &path))?;
+                set_aside = Some((aside, error.to_string()));
+                None
+            }
+            other => other?,
+        };
+        let (journal, replay) = match resumed {
+            Some(resumed) => resumed,
+            None => (Journal::create(&path, store.generation(), scene, past, map)?, Replay::default()),
+        };
+        let mut document = KeptDocument::new(loaded, replay, &path)?;
+        if set_aside.is_some() {
+            document.recovered.set_aside = set_aside;
+        }
+        Ok((Self { journal, place: Place::Project(Box::new(store)) }, document))
+    }
+
+    /// Reads a project as it was last kept, journal included, and leaves it alone: it may be open elsewhere or lie where nothing can
+    /// be written.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open); of a damaged journal is told what is lost.
+    pub fn look(dir: &Path) -> Result<KeptDocument, KeepError> {
+        Self::look_wanted(dir, Wanted::default())
+    }
+
+    /// The same with a word on the source of a linked density, or on an older generation.
+    ///
+    /// # Errors
+    /// As [`look`](Self::look).
+    pub fn look_wanted(dir: &Path, wanted: Wanted<'_>) -> Result<KeptDocument, KeepError> {
+        loop {
+            let mut loaded = load(dir, wanted)?;
+            let generation = loaded.manifest.generation;
+            let path = dir.join(journal_name(generation));
+            let Manifest { scene, past, volume, .. } = &loaded.manifest;
+            let replay = match Journal::look(&path, generation, scene, past, &volume.map) {
+                Err(error @ KeepError::Malformed { .. }) => {
+                    loaded.told.push(format!("what was done after the last save is lost: {error}"));
+                    None
+                }
+                other => other?,
+            };
+            // Whoever has it open may have saved meanwhile, and the journal went with it.
+            if !loaded.is_current || named(dir)?.is_none_or(|now| now == generation) {
+                return KeptDocument::new(loaded, replay.unwrap_or_default(), &path);
+            }
+        }
+    }
+
+    /// Brings back a document of [`recovery::list`](crate::document::journal::recovery::list) and goes on keeping it where it was.
+    ///
+    /// # Errors
+    /// If it is gone or open elsewhere, or the file that it was opened from is not as it was.
+    pub fn recover(state_dir: &Path, id: &str) -> Result<(Self, KeptDocument), KeepError> {
+        let dir = recovery::folder(state_dir, id)?;
+        let lock = Lock::take(&dir)?;
+        let loaded = read_unsaved(&dir)?;
+        let path = dir.join(recovery::JOURNAL);
+        let Manifest { scene, past, volume, .. } = &loaded.manifest;
+        let resumed = Journal::resume(&path, 0, scene, past, &volume.map)?;
+        let (journal, replay) =
+            resumed.ok_or_else(|| KeepError::io("open", &path)(std::io::ErrorKind::NotFound.into()))?;
+        let document = KeptDocument::new(loaded, replay, &path)?;
+        Ok((Self { journal, place: Place::Unsaved { dir, lock } }, document))
+    }
+
+    /// Notes a command that is done. `command` has its places resolved to world millimetres; `touched` are the bricks whose texels
+    /// it changed, an undo's as well. When it returns, a `synced` step survives a power cut; frames of an animation need not be
+    /// (a crash of the program loses none of either). On failure the step stays in memory and is written before the next one.
+    ///
+    /// # Errors
+    /// If the disk refuses, or the scene holds a number that JSON cannot say.
+    pub fn record(
+        &mut self,
+        command: &Command,
+        state: &State,
+        touched: &[(FieldKind, BrickIndex)],
+        synced: bool,
+    ) -> Result<(), KeepError> {
+        self.journal.step(command, state, touched, synced)
+    }
+
+    /// Notes samples of the running stroke, without waiting for the disk.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn samples(&mut self, samples: &[Sample]) -> Result<(), KeepError> {
+        self.journal.samples(samples)
+    }
+
+    /// Notes that the running stroke was taken back, or ended and changed nothing.
+    ///
+    /// # Errors
+    /// If the disk refuses.
+    pub fn no_stroke(&mut self) -> Result<(), KeepError> {
+        self.journal.no_stroke()
+    }
+
+    /// Saves: the next generation of the project, or a new project in `path`, which is the document's from then on. Not while a
+    /// stroke runs. `density` says whether the project holds the density, as before if `None`. `progress` gets the share done and answers whether to go on.
+    ///
+    /// # Errors
+    /// If the disk refuses, `path` is taken, or none is given for the first save. The project is then as it was before.
+    pub fn save(
+        &mut self,
+        path: Option<&Path>,
+        state: &State,
+        density: Option<DensityKeeping>,
+        progress: &(dyn Fn(f32) -> bool + Sync),
+    ) -> Result<Saved, KeepError> {
+        let elsewhere = path.filter(|p| !self.project_dir().is_some_and(|dir| same_folder(p, dir)));
+        match (&mut self.place, elsewhere) {
+            (Place::Project(store), None) => {
+                let Committed { saved, made, doubt } = save_into(store, state, density, progress)?;
+                self.journal = made;
+                doubt.map_or(Ok(saved), Err)
+            }
+            (Place::Unsaved { .. }, None) => Err(KeepError::NoPath),
+            (_, Some(path)) => {
+                let (next, saved) = save_new(path, state, density, progress)?;
+                // What the old place holds beyond its last save is in the new one.
+                std::mem::replace(self, next).discard().unwrap_or_else(|e| tracing::warn!("{e}"));
+                Ok(saved)
+            }
+        }
+    }
+
+    /// The project's folder, `None` before the first save.
+    pub fn project_dir(&self) -> Option<&Path> {
+        match &self.place {
+            Place::Project(store) => Some(store.dir()),
+            Place::Unsaved { .. } => None,
+        }
+    }
+
+    /// Gives the folder to whoever opens it, until [`hold_again`](Self::hold_again). Nothing may be noted meanwhile.
+    ///
+    /// # Errors
+    /// If the system refuses.
+    pub fn let_go(&self) -> Result<(), KeepError> {
+        let (dir, lock) = self.folder();
+        lock.release(dir)
+    }
+
+    /// Takes the folder again.
+    ///
+    /// # Errors
+    /// If somebody else has it now.
+    pub fn hold_again(&self) -> Result<(), KeepError> {
+        let (dir, lock) = self.folder();
+        lock.retake(dir)
+    }
+
+    fn folder(&self) -> (&Path, &Lock) {
+        match &self.place {
+            Place::Project(store) => (store.dir(), store.lock()),
+            Place::Unsaved { dir, lock } => (dir, lock),
+        }
+    }
+
+    /// Throws away what was noted since the document was opened or last saved, and leaves what a crash had left before.
+    ///
+    /// # Errors
+    /// If the system refuses.
+    pub fn leave_as_found(self) -> Result<(), KeepError> {
+        if self.journal.found_anything() { self.journal.leave_as_found() } else { self.discard() }
+    }
+
+    /// Throws away what was done since the last save; an unsaved document is gone.
+    ///
+    /// # Errors
+    /// If the system refuses.
+    pub fn discard(self) -> Result<(), KeepError> {
+        match self.place {
+            Place::Project(_store) => {
+                let path = self.journal.path();
+                std::fs::remove_file(path).map_err(KeepError::io("remove", path))
+            }
+            Place::Unsaved { dir, lock } => {
+                let removed = remove_dir(&dir);
+                drop(lock);
+                removed
+            }
+        }
+    }
+}
+
+/// Saves and starts the journal of the new generation.
+fn save_into(
+    store: &mut Store,
+    state: &State,
+    density: Option<DensityKeeping>,
+    progress: &(dyn Fn(f32) -> bool + Sync),
+) -> Result<Committed<Journal>, KeepError> {
+    let dir = store.dir().to_owned();
+    // Before the rename, so that there is no moment at which a generation is current and nothing can be noted.
+    let start = |generation| {
+        let path = dir.join(journal_name(generation));
+        // Of a generation that is no more; whatever steps are in it are somebody's.
+        if path.symlink_metadata().is_ok_and(|about| about.is_file() && about.len() > HEADER) {
+            std::fs::rename(&path, free_aside(&path)).map_err(KeepError::io("set aside", &path))?;
+        }
+        Journal::create(&path, generation, &state.scene, &state.past, state.density.map())
+    };
+    let (before, next) = (store.generation(), store.next_generation());
+    let committed = store.save(state, density, start, progress).inspect_err(|_| {
+        // Its generation is not.
+        let _ = std::fs::remove_file(dir.join(journal_name(next)));
+    })?;
+    // A power cut could bring the old generation back, which is nothing without its journal.
+    if committed.doubt.is_none() {
+        remove_older_journals(&dir, before, committed.saved.generation);
+    }
+    Ok(committed)
+}
+
+/// The same into a new project; without success the folder is as it was.
+fn save_new(
+    path: &Path,
+    state: &State,
+    density: Option<DensityKeeping>,
+    progress: &(dyn Fn(f32) -> bool + Sync),
+) -> Result<(Keeper, Saved), KeepError> {
+    let mut store = Store::create(path)?;
+    match save_into(&mut store, state, density, progress) {
+        Ok(Committed { doubt: Some(error), .. }) => Err(error),
+        Ok(Committed { saved, made, .. }) => {
+            Ok((Keeper { journal: made, place: Place::Project(Box::new(store)) }, saved))
+        }
+        Err(error) => {
+            store.abandon();
+            Err(error)
+        }
+    }
+}
+
+fn journal_name(generation: u64) -> String {
+    format!("journal-{generation:06}")
+}
+
+/// Journals of generations up to the one that was `read` are superseded by the current one; steps of others, that nobody has read,
+/// are put aside. What was put aside stays.
+fn remove_older_journals(dir: &Path, read: u64, current: u64) {
+    let Ok(entries) = std::fs::read_dir(dir) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let left = name.strip_prefix("journal-").map(|rest| rest.split('.').collect::<Vec<_>>());
+        let number = match left.as_deref() {
+            Some([number] | [number, "gathered" | "alone"]) => number.parse().ok().filter(|&n: &u64| n < current),
+            _ => None,
+        };
+        let Some(number) = number else { continue };
+        let path = entry.path();
+        let unread = number > read && entry.metadata().is_ok_and(|about| about.len() > HEADER);
+        let gone = if unread { std::fs::rename(&path, free_aside(&path)) } else { std::fs::remove_file(&path) };
+        gone.unwrap_or_else(|e| tracing::warn!("{}: {e}", path.display()));
+    }
+}
+
+fn same_folder(a: &Path, b: &Path) -> bool {
+    matches!((std::fs::canonicalize(a), std::fs::canonicalize(b)), (Ok(a), Ok(b)) if a == b)
+}

@@ -1,0 +1,321 @@
+//! The document's GPU: asked for when first needed, made again after a loss, always from the host's fields.
+//!
+//! Owns device, pools, casters and painter. What is here can be thrown away at any time but a running stroke's dabs, which the
+//! painter keeps and paints again.
+
+use crate::document::error::DocumentError;
+use crate::document::history::step::Refreshed;
+use crate::document::live::area::Area;
+use crate::document::state::State;
+use crate::gpu::cast::tiles::Window;
+use crate::gpu::{
+    Caster, FieldPools, Fields, Frame, Gpu, GpuError, Hit, Image, Painter, SliceCaster, SliceFrame, Visibility,
+};
+use crate::math::DVec2;
+use crate::paint::{Brush, Dab, Reach, VoxelSet};
+use crate::volume::{Brick, BrickIndex, FieldKind, LiveCells, Refresh};
+
+/// Memory for pools of bricks on the GPU, all fields together.
+const BUDGET_BYTES: u64 = 512 << 20;
+/// Bricks of a field that a picture in motion may wait for: some 5 MB of density.
+const MOVING_UPLOADS: usize = 64;
+
+/// What works on one device.
+#[derive(Debug)]
+struct Tools {
+    gpu: Gpu,
+    pools: FieldPools,
+    caster: Caster,
+    slices: SliceCaster,
+}
+
+/// See the module's head.
+#[derive(Debug, Default)]
+pub(crate) struct Graphics {
+    gpu: Option<Gpu>,
+    tools: Option<Tools>,
+    painter: Option<Painter>,
+    moving: bool,
+}
+
+fn fields(state: &State) -> Fields<'_> {
+    Fields { density: &state.density, colour: &state.colour, selection: &state.selection, labels: &state.labels }
+}
+
+impl Graphics {
+    /// Works on this device instead of one of its own.
+    pub(crate) fn use_gpu(&mut self, gpu: Gpu) {
+        *self = Self { gpu: Some(gpu), ..Self::default() };
+    }
+
+    /// Whether pictures are in motion: they then wait for a bounded number of bricks, and coarser ones stand in.
+    pub(crate) fn set_motion(&mut self, moving: bool) {
+        self.moving = moving;
+    }
+
+    /// Whether coarser bricks stand in.
+    pub(crate) fn is_pending(&self) -> bool {
+        self.tools.as_ref().is_some_and(|t| t.pools.is_pending())
+    }
+
+    /// The device's name, or why there is none.
+    pub(crate) fn describe(&mut self) -> Result<String, GpuError> {
+        Ok(self.gpu()?.describe())
+    }
+
+    /// Another volume is open.
+    pub(crate) fn forget(&mut self) {
+        self.tools = None;
+        self.painter = None;
+    }
+
+    /// Hands changed voxels on. What fails here is made again when it is next needed.
+    pub(crate) fn mirror(&mut self, state: &State, refreshed: &Refreshed) {
+        if refreshed.remapped {
+            self.remap(state);
+        }
+        let Some(tools) = &mut self.tools else { return };
+        let refresh = |tools: &mut Tools| {
+            let Tools { gpu, pools, .. } = tools;
+            refreshed.slots.iter().try_for_each(|(kind, slots)| match refreshed.painted {
+                true => pools.refresh_painted(gpu, *kind, state.field(*kind), slots),
+                false => pools.refresh(gpu, *kind, state.field(*kind), slots),
+            })
+        };
+        if let Err(error) = refresh(tools) {
+            tracing::warn!("{error}");
+            self.tools = None;
+        }
+    }
+
+    /// Density has another map.
+    pub(crate) fn remap(&mut self, state: &State) {
+        if let Some(tools) = &mut self.tools {
+            tools.pools.remap(&state.density);
+        }
+    }
+
+    pub(crate) fn image(&mut self, state: &State, frame: &Frame) -> Result<Image, DocumentError> {
+        let bound = self.bound();
+        self.with(state, "a picture", |t, painter| {
+            painter.follow(&mut t.pools, &fields(state))?;
+            t.pools.bound_uploads(bound);
+            t.caster.image(&t.gpu, &mut t.pools, &fields(state), frame)
+        })
+    }
+
+    pub(crate) fn rows(
+        &mut self,
+        state: &State,
+        frame: &Frame,
+        rows: std::ops::Range<u32>,
+    ) -> Result<Image, DocumentError> {
+        let bound = self.bound();
+        self.with(state, "a picture", |t, painter| {
+            painter.follow(&mut t.pools, &fields(state))?;
+            t.pools.bound_uploads(bound);
+            t.caster.rows(&t.gpu, &mut t.pools, &fields(state), frame, rows.clone())
+        })
+    }
+
+    /// A rectangle of a picture at rest, its top-left corner at `corner`: whatever moves, no brick stands in for a finer one.
+    pub(crate) fn part(
+        &mut self,
+        state: &State,
+        frame: &Frame,
+        corner: [u32; 2],
+        size: [u32; 2],
+    ) -> Result<Image, DocumentError> {
+        let origin = DVec2::new(f64::from(corner[0]), f64::from(corner[1]));
+        self.with(state, "a picture", |t, painter| {
+            painter.follow(&mut t.pools, &fields(state))?;
+            t.pools.bound_uploads(None);
+            t.caster.part(&t.gpu, &mut t.pools, &fields(state), frame, &Window { picture: frame.size, origin, size })
+        })
+    }
+
+    /// The same with the voxels that the running stroke had met at its start.
+    pub(crate) fn part_at_start(
+        &mut self,
+        state: &State,
+        frame: &Frame,
+        corner: [u32; 2],
+        size: [u32; 2],
+    ) -> Result<Image, DocumentError> {
+        let [origin, extent] = [corner, size].map(|[x, y]| DVec2::new(f64::from(x), f64::from(y)));
+        let area = Area { lo: origin, hi: origin + extent };
+        let window = Window { picture: frame.size, origin, size };
+        self.with(state, "a picture", |t, painter| {
+            let Tools { gpu, pools, caster, .. } = t;
+            pools.bound_uploads(None);
+            painter.at_start(
+                pools,
+                |brick| area.shows_brick(frame, state.grid(), brick),
+                |pools| caster.part(gpu, pools, &fields(state), frame, &window),
+            )
+        })
+    }
+
+    pub(crate) fn slice(&mut self, state: &State, frame: &SliceFrame) -> Result<Image, DocumentError> {
+        let colour = self.with(state, "a slice", |t, _| {
+            t.pools.bound_uploads(None);
+            t.slices.pixels(&t.gpu, &mut t.pools, &fields(state), frame)
+        })?;
+        Ok(Image { colour, ..Image::empty(frame.size) })
+    }
+
+    pub(crate) fn pick(&mut self, state: &State, frame: &Frame, px: DVec2) -> Result<Option<Hit>, DocumentError> {
+        let bound = self.bound();
+        self.with(state, "a pixel of the 3D view", |t, _| {
+            t.pools.bound_uploads(bound);
+            t.caster.pick(&t.gpu, &mut t.pools, &fields(state), frame, px)
+        })
+    }
+
+    /// What lies under points of the 3D view, evenly apart from one place to another, from the finest voxels; of those that the
+    /// running stroke had met from what they were at its start.
+    pub(crate) fn pick_along(
+        &mut self,
+        state: &State,
+        frame: &Frame,
+        ends: [DVec2; 2],
+        count: u32,
+    ) -> Result<Vec<Option<Hit>>, DocumentError> {
+        let area = Area { lo: ends[0].min(ends[1]) - 1.0, hi: ends[0].max(ends[1]) + 1.0 };
+        self.with(state, "pixels of the 3D view", |t, painter| {
+            let Tools { gpu, pools, caster, .. } = t;
+            pools.bound_uploads(None);
+            painter.at_start(
+                pools,
+                |brick| area.shows_brick(frame, state.grid(), brick),
+                |pools| caster.pick_along(gpu, pools, &fields(state), frame, ends, count),
+            )
+        })
+    }
+
+    pub(crate) fn visibility(&mut self, state: &State, frame: &Frame) -> Result<Visibility, DocumentError> {
+        self.with(state, "visibility", |t, _| {
+            // Poses depend on it, and must not on what was held before.
+            t.pools.bound_uploads(None);
+            t.caster.visibility(&t.gpu, &mut t.pools, &fields(state), frame)
+        })
+    }
+
+    pub(crate) fn begin(&mut self, state: &State, brush: &Brush, reach: Reach) -> Result<(), DocumentError> {
+        self.with(state, "painting", |_, painter| {
+            painter.begin(state.grid(), &fields(state), brush, &state.scene.segments, reach)
+        })
+    }
+
+    /// Lets the running stroke, which keeps to the visible surface, paint these voxels.
+    pub(crate) fn open(&mut self, voxels: &VoxelSet) {
+        if let Some(painter) = &mut self.painter {
+            painter.open(voxels);
+        }
+    }
+
+    pub(crate) fn extend(&mut self, state: &State, dabs: &[Dab]) -> Result<Vec<BrickIndex>, DocumentError> {
+        self.with(state, "painting", |t, painter| painter.extend(&mut t.pools, &fields(state), dabs))
+    }
+
+    pub(crate) fn finish(&mut self, state: &State) -> Result<Vec<(BrickIndex, Brick)>, DocumentError> {
+        self.with(state, "painting", |t, painter| painter.finish(&mut t.pools, &fields(state)))
+    }
+
+    /// The running stroke's dabs so far.
+    pub(crate) fn dabs(&self) -> Vec<Dab> {
+        self.painter.as_ref().map_or_else(Vec::new, |painter| painter.dabs().to_vec())
+    }
+
+    /// Takes the running stroke back; nothing of it is left even if the device fails meanwhile.
+    pub(crate) fn cancel(&mut self, state: &State, kind: FieldKind) {
+        let (Some(tools), Some(painter)) = (&mut self.tools, &mut self.painter) else {
+            // It waits for a device to be painted again on.
+            self.painter = None;
+            return;
+        };
+        let done = painter.cancel(&mut tools.pools).map(|slots: Refresh| Refreshed {
+            slots: vec![(kind, slots)],
+            painted: true,
+            ..Refreshed::default()
+        });
+        match done {
+            Ok(refreshed) => self.mirror(state, &refreshed),
+            Err(error) => {
+                tracing::warn!("{error}");
+                self.forget();
+            }
+        }
+    }
+
+    /// Cells of the running stroke's bricks of which something is new, if it has come already.
+    pub(crate) fn live(&mut self, state: &State) -> Result<Vec<(BrickIndex, LiveCells)>, DocumentError> {
+        self.with(state, "painting", |t, painter| {
+            painter.follow(&mut t.pools, &fields(state))?;
+            Ok(painter.take_live())
+        })
+    }
+
+    /// Whether something of them is still to come.
+    pub(crate) fn is_due(&self) -> bool {
+        self.painter.as_ref().is_some_and(Painter::is_due)
+    }
+
+    fn bound(&self) -> Option<usize> {
+        self.moving.then_some(MOVING_UPLOADS)
+    }
+
+    fn gpu(&mut self) -> Result<&Gpu, GpuError> {
+        if self.gpu.as_ref().is_none_or(Gpu::lost) {
+            self.gpu = Some(Gpu::headless()?);
+        }
+        self.gpu.as_ref().ok_or(GpuError::NoAdapter { reason: "none asked for".into() })
+    }
+
+    /// Does `work`; if the device is lost on the way, once more on a new one.
+    fn with<T>(
+        &mut self,
+        state: &State,
+        what: &'static str,
+        mut work: impl FnMut(&mut Tools, &mut Painter) -> Result<T, GpuError>,
+    ) -> Result<T, DocumentError> {
+        let mut again = true;
+        loop {
+            let done = self.ready(state).map_err(|error| match error {
+                GpuError::NoAdapter { .. } | GpuError::NoDevice { .. } => {
+                    DocumentError::NoGpu { what, reason: error.to_string() }
+                }
+                other => other.into(),
+            })?;
+            match work(done.0, done.1) {
+                Err(GpuError::Lost { reason }) if again => {
+                    tracing::warn!("the graphics device was lost ({reason}) and is asked for again");
+                    again = false;
+                    self.tools = None;
+                }
+                other => return Ok(other?),
+            }
+        }
+    }
+
+    fn ready(&mut self, state: &State) -> Result<(&mut Tools, &mut Painter), GpuError> {
+        let gpu = self.gpu()?.clone();
+        if self.tools.as_ref().is_some_and(|t| t.gpu.lost()) {
+            self.tools = None;
+        }
+        if self.tools.is_none() {
+            let mut pools = FieldPools::new(&gpu, state.grid(), &state.density, BUDGET_BYTES)?;
+            match &mut self.painter {
+                // A stroke that was running goes on.
+                Some(painter) => painter.replay(&gpu, &mut pools, &fields(state))?,
+                None => self.painter = Some(Painter::new(&gpu)?),
+            }
+            let (caster, slices) = (Caster::new(&gpu)?, SliceCaster::new(&gpu)?);
+            self.tools = Some(Tools { gpu, pools, caster, slices });
+        }
+        match (&mut self.tools, &mut self.painter) {
+            (Some(tools), Some(painter)) => Ok((tools, painter)),
+            _ => Err(GpuError::NoAdapter { reason: "none asked for".into() }),
+        }
+    }
+}

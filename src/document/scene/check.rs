@@ -1,0 +1,200 @@
+//! What the parts of a scene may hold: one check for each, for commands and for what is read from disk.
+//!
+//! A command that fails its check is refused. A part that was kept and fails it is put right, or becomes what it is in a volume that
+//! was just opened, and that is told: nothing behind the scene meets a number that it cannot use. Knows no files.
+
+use crate::document::apply::view::{checked, checked_colour, finite, near, positive};
+use crate::document::error::DocumentError;
+use crate::document::place::check_size;
+use crate::document::scene::{Layer, Look, Scene, Views, Window};
+use crate::explode::Explosion;
+use crate::math::Aabb;
+use crate::volume::{FieldKind, Grid, Histogram, Lighting, Mode, Segment, Segments, TransferFunction};
+
+/// Ids of parts count up; no hand gets near this.
+const MOST_PARTS_EVER: u32 = 1 << 30;
+
+impl Look {
+    /// # Errors
+    /// The first field that is wrong.
+    pub(crate) fn check(&self) -> Result<(), DocumentError> {
+        if let Mode::Iso(value) = self.mode {
+            finite("mode.iso", value)?;
+        }
+        if let Some(light) = self.lighting {
+            let Lighting { ambient, diffuse, specular, power } = light;
+            if [ambient, diffuse, specular, power].iter().any(|t| !(t.is_finite() && *t >= 0.0)) {
+                return Err(DocumentError::invalid("lighting", format!("{light:?}"), "numbers from 0 up"));
+            }
+        }
+        if !(0.05..=16.0).contains(&self.step_voxels) {
+            return Err(DocumentError::invalid("step_voxels", self.step_voxels, "0.05 to 16 voxels"));
+        }
+        checked_colour("background", self.background).map(drop)
+    }
+}
+
+impl Window {
+    /// # Errors
+    /// The first field that is wrong.
+    pub(crate) fn check(&self) -> Result<(), DocumentError> {
+        finite("level", self.level)?;
+        positive("width", self.width).map(drop)
+    }
+}
+
+impl Layer {
+    /// # Errors
+    /// The first field that is wrong.
+    pub(crate) fn check(&self) -> Result<(), DocumentError> {
+        if !(0.0..=1.0).contains(&self.opacity) {
+            return Err(DocumentError::invalid("opacity", self.opacity, "0 to 1"));
+        }
+        if self.field == FieldKind::Density && self.opacity != 1.0 {
+            let expected = "1: density's own look is the grey window in slices and the transfer function in 3D";
+            return Err(DocumentError::invalid("opacity", self.opacity, expected));
+        }
+        Ok(())
+    }
+}
+
+impl Views {
+    /// # Errors
+    /// The first field that is wrong.
+    fn check(&self, bounds: &Aabb) -> Result<(), DocumentError> {
+        checked(self.camera, bounds)?;
+        near("crosshair", self.crosshair, bounds)?;
+        for slice in &self.slices {
+            positive("slices.height_mm", slice.height_mm)?;
+            near("slices.centre", slice.centre, bounds)?;
+            check_size(slice.size)?;
+        }
+        check_size(self.size).map(drop)
+    }
+}
+
+/// # Errors
+/// The first field that is wrong.
+pub(crate) fn check_segment(segment: &Segment) -> Result<(), DocumentError> {
+    if segment.id == 0 {
+        return Err(DocumentError::invalid("id", 0, "1 to 65535; label 0 is unlabelled matter"));
+    }
+    checked_colour("colour", segment.colour).map(drop)
+}
+
+fn check_segments(segments: &Segments) -> Result<(), DocumentError> {
+    let at = |i: usize, e: DocumentError| e.within(&format!("segments[{i}]"));
+    segments.0.iter().enumerate().try_for_each(|(i, s)| check_segment(s).map_err(|e| at(i, e)))?;
+    match segments.0.windows(2).position(|pair| pair[0].id >= pair[1].id) {
+        Some(i) => {
+            let found = format!("{} after {}", segments.0[i + 1].id, segments.0[i].id);
+            Err(DocumentError::invalid("segments", found, "ids that rise"))
+        }
+        None => Ok(()),
+    }
+}
+
+fn check_layers(layers: &[Layer]) -> Result<(), DocumentError> {
+    for (i, layer) in layers.iter().enumerate() {
+        layer.check().map_err(|e| e.within(&format!("layers[{i}]")))?;
+        if layers[..i].iter().any(|other| other.field == layer.field) {
+            return Err(DocumentError::invalid(format!("layers[{i}]"), layer.field.name(), "each field once"));
+        }
+    }
+    Ok(())
+}
+
+fn check_explosion(explosion: &Explosion, bounds: &Aabb) -> Result<(), DocumentError> {
+    if explosion.next_id > MOST_PARTS_EVER {
+        let expected = format!("at most {MOST_PARTS_EVER}");
+        return Err(DocumentError::invalid("explosion.next_id", explosion.next_id, expected));
+    }
+    explosion.check()?;
+    let reach = 1e-3 * bounds.half_diagonal();
+    let out = |v: &crate::math::DVec3| (v.clamp(bounds.min, bounds.max) - *v).length() > reach;
+    for (i, part) in explosion.parts.iter().enumerate() {
+        if let Some(corner) = part.vertices.iter().find(|v| out(v)) {
+            let found = format!("a corner at {corner}");
+            return Err(DocumentError::invalid(format!("parts[{i}].vertices"), found, "corners in the volume"));
+        }
+    }
+    Ok(())
+}
+
+fn check_transfer(transfer: &TransferFunction) -> Result<(), DocumentError> {
+    transfer.check().map_err(|found| DocumentError::NotNow(format!("transfer function: {found}")))
+}
+
+impl Scene {
+    /// Checks all parts.
+    ///
+    /// # Errors
+    /// The first field that is wrong.
+    pub fn check(&self, grid: &Grid) -> Result<(), DocumentError> {
+        let bounds = grid.world_bounds();
+        check_transfer(&self.transfer)?;
+        self.views.check(&bounds).map_err(|e| e.within("views"))?;
+        self.window.check().map_err(|e| e.within("window"))?;
+        self.look.check().map_err(|e| e.within("look"))?;
+        check_layers(&self.layers)?;
+        check_segments(&self.segments)?;
+        self.brush.check()?;
+        check_explosion(&self.explosion, &bounds)
+    }
+
+    /// Puts right what was kept and cannot be used; answers what was wrong, in sentences.
+    pub(crate) fn mend(&mut self, grid: &Grid, histogram: &Histogram) -> Vec<String> {
+        let mut told = Vec::new();
+        if self.check(grid).is_ok() {
+            return told;
+        }
+        let bounds = grid.world_bounds();
+        let fresh = Self::new(grid, histogram, self.origin.clone());
+        let mut tell = |checked: Result<(), DocumentError>, now: &str| match checked {
+            Ok(()) => false,
+            Err(error) => {
+                told.push(format!("{error}; {now}"));
+                true
+            }
+        };
+        if tell(check_transfer(&self.transfer), "the transfer function was made anew from the histogram") {
+            self.transfer = fresh.transfer;
+        }
+        if tell(self.views.check(&bounds).map_err(|e| e.within("views")), "all views show the whole volume") {
+            self.views = fresh.views;
+        }
+        if tell(self.window.check().map_err(|e| e.within("window")), "the window was made anew from the histogram") {
+            self.window = fresh.window;
+        }
+        if tell(self.look.check().map_err(|e| e.within("look")), "the look is that of a new document") {
+            self.look = fresh.look;
+        }
+        if tell(check_layers(&self.layers), "layers are shown as in a new document") {
+            self.layers = fresh.layers;
+        }
+        if tell(check_segments(&self.segments), "segments were put in order, their colours in range") {
+            self.segments = put_in_order(std::mem::take(&mut self.segments));
+        }
+        if tell(self.brush.check().map_err(DocumentError::from), "the brush is that of a new document") {
+            self.brush = fresh.brush;
+        }
+        if tell(check_explosion(&self.explosion, &bounds), "the volume is one part again") {
+            self.explosion = fresh.explosion;
+        }
+        told
+    }
+}
+
+/// The same segments by rising id; of two with one id the first, of a colour that is none the id's own.
+fn put_in_order(segments: Segments) -> Segments {
+    let mut ordered = Segments::default();
+    for mut segment in segments.0 {
+        if checked_colour("colour", segment.colour).is_err() {
+            segment.colour = Segment::new(segment.id).colour;
+        }
+        if segment.id > 0 && ordered.get(segment.id).is_none() {
+            ordered.put(segment);
+        }
+    }
+    ordered
+}

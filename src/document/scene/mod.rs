@@ -1,0 +1,148 @@
+//! What a project is beside its voxels: everything here is saved and journaled; undo knows segments, parts and forces.
+
+pub(crate) mod check;
+pub(crate) mod defaults;
+pub(crate) mod first_look;
+pub(crate) mod histogram;
+pub(crate) mod outliers;
+
+use crate::explode::Explosion;
+use crate::math::{Camera, DVec3};
+use crate::paint::Brush;
+use crate::volume::{FieldKind, Lighting, Mode, Segments, TransferFunction};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// The 3D view's appearance.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Look {
+    /// Mode.
+    pub mode: Mode,
+    /// `None`: unshaded.
+    pub lighting: Option<Lighting>,
+    /// Step along the ray in voxels of the smallest spacing.
+    pub step_voxels: f64,
+    /// Display-referred background of the window and of PNGs without alpha.
+    pub background: [f32; 3],
+}
+
+impl Default for Look {
+    /// Two samples a voxel: at one, surfaces that turn away from the eye show rings like the grain of wood.
+    fn default() -> Self {
+        Self { mode: Mode::Dvr, lighting: Some(Lighting::default()), step_voxels: 0.5, background: [0.0; 3] }
+    }
+}
+
+/// One of the four views.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ViewName {
+    /// The ray-cast picture.
+    #[serde(rename = "3d")]
+    ThreeD,
+    /// From the feet: patient's right on the left, anterior up.
+    Axial,
+    /// From the front: patient's right on the left, superior up.
+    Coronal,
+    /// From the left: anterior on the left, superior up.
+    Sagittal,
+}
+
+/// A slice view's place. Slices run along the voxel axis nearest to the anatomical one.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct SliceView {
+    /// World mm in the picture's centre.
+    #[schemars(with = "[f64; 3]")]
+    pub centre: DVec3,
+    /// Height of the picture in mm.
+    pub height_mm: f64,
+    /// Size in pixels that pixel coordinates of scripts refer to.
+    pub size: [u32; 2],
+}
+
+/// All views. Saved and journaled; they have a past of their own (`view.back`), so that undo never moves the camera.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Views {
+    /// Camera of the 3D view.
+    pub camera: Camera,
+    /// Size in pixels that pixel coordinates of scripts refer to.
+    pub size: [u32; 2],
+    /// Axial, coronal, sagittal.
+    pub slices: [SliceView; 3],
+    /// Where the slices meet, world mm.
+    #[schemars(with = "[f64; 3]")]
+    pub crosshair: DVec3,
+}
+
+/// Grey window of the slices: black at `level − width/2`, white at `level + width/2`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Window {
+    /// Value in the middle of the grey ramp.
+    pub level: f64,
+    /// Values from black to white, positive.
+    pub width: f64,
+}
+
+/// Whether and how strongly a field is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Layer {
+    /// Field.
+    pub field: FieldKind,
+    /// Painted fields: in slices and in 3D. Density: in slices; in 3D the transfer function says it.
+    pub visible: bool,
+    /// Strength of its overlay, 0..1. Density has 1: what it lies over is black.
+    pub opacity: f32,
+}
+
+/// How everything is shown. It has a past of its own, as views have (`view.back`); undo leaves it alone.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Looks {
+    /// Colour and opacity.
+    pub transfer: TransferFunction,
+    /// The 3D view's appearance.
+    pub look: Look,
+    /// Grey window of the slices.
+    pub window: Window,
+    /// Fields' display.
+    pub layers: Vec<Layer>,
+}
+
+/// The file that the density comes from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Origin {
+    /// As opened.
+    #[serde(serialize_with = "in_utf8")]
+    pub path: PathBuf,
+    /// Component and frame of the file.
+    pub component: u32,
+    /// Frame.
+    pub frame: u32,
+}
+
+/// A path as JSON can say it: what is not UTF-8 in it becomes a mark.
+fn in_utf8<S: serde::Serializer>(path: &std::path::Path, to: S) -> Result<S::Ok, S::Error> {
+    to.collect_str(&path.display())
+}
+
+/// See the module's head.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Scene {
+    /// Where the volume came from.
+    pub origin: Origin,
+    /// Colour and opacity.
+    pub transfer: TransferFunction,
+    /// The 3D view's appearance.
+    pub look: Look,
+    /// Grey window of the slices.
+    pub window: Window,
+    /// Views.
+    pub views: Views,
+    /// Fields' display.
+    pub layers: Vec<Layer>,
+    /// Segments.
+    pub segments: Segments,
+    /// The brush.
+    pub brush: Brush,
+    /// Parts and forces.
+    pub explosion: Explosion,
+}

@@ -1,0 +1,180 @@
+//! What a stroke keeps on the GPU for every slot it touches: texels at its start and coverage so far.
+//!
+//! Owns [`Chunk`], buffers for a number of slots; a stroke takes further chunks as it grows. Knows no dabs.
+
+use crate::gpu::brush::kernel::{PITCH, RACK, Variant, tight_bytes};
+use crate::gpu::device::error::GpuError;
+use crate::gpu::device::gpu::Gpu;
+use crate::volume::{BrickIndex, SLOT, SLOT_VOXELS, TexelFormat};
+
+/// Slots of the smallest and of the largest chunk; the latter is what one dispatch can take.
+const CAPACITY: [u32; 2] = [16, crate::gpu::brush::kernel::MOST_ITEMS as u32];
+const COVERAGE_BYTES: u64 = SLOT_VOXELS as u64 * 4;
+const GATE_BYTES: u64 = crate::paint::GATE_WORDS as u64 * 4;
+
+/// What a stroke needs beyond start and coverage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Extras {
+    /// Format of unedited density, if the stroke restores it.
+    pub(crate) base: Option<TexelFormat>,
+    /// Whether the stroke respects a range of values.
+    pub(crate) gate: bool,
+}
+
+#[derive(Debug)]
+pub(crate) struct Chunk {
+    variant: Variant,
+    extras: Extras,
+    capacity: u32,
+    /// By place.
+    pub(crate) bricks: Vec<BrickIndex>,
+    pub(crate) start: wgpu::Buffer,
+    pub(crate) coverage: wgpu::Buffer,
+    pub(crate) changed: wgpu::Buffer,
+    pub(crate) base: Option<wgpu::Buffer>,
+    /// A bit for every texel that the range lets through.
+    pub(crate) gate: Option<wgpu::Buffer>,
+    /// Where what was painted waits while slots show the start. Made when first needed.
+    aside: Option<wgpu::Buffer>,
+}
+
+/// Bytes that a slot takes, more or less: racks of several slots are counted in parts.
+pub(crate) fn slot_bytes(variant: Variant, extras: Extras) -> u64 {
+    let gate = if extras.gate { GATE_BYTES } else { 0 };
+    RACK / u64::from(variant.lanes()) + COVERAGE_BYTES + 4 + extras.base.map_or(0, tight_bytes) + gate
+}
+
+/// How many slots the next chunk holds when `needed` have no place and `touched` have one.
+pub(crate) fn next_capacity(needed: usize, touched: usize) -> u32 {
+    (needed.max(touched / 2) as u32).next_power_of_two().clamp(CAPACITY[0], CAPACITY[1])
+}
+
+impl Chunk {
+    pub(crate) fn new(gpu: &Gpu, variant: Variant, extras: Extras, capacity: u32) -> Result<Self, GpuError> {
+        use wgpu::BufferUsages as Use;
+        let count = u64::from(capacity);
+        let make = |label, size, usage| {
+            gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size,
+                usage: usage | Use::STORAGE | Use::COPY_DST,
+                mapped_at_creation: false,
+            })
+        };
+        gpu.scoped("a stroke's buffers", || {
+            let racks = u64::from(capacity.div_ceil(variant.lanes()));
+            Ok(Self {
+                variant,
+                extras,
+                capacity,
+                bricks: Vec::new(),
+                start: make("brush start", racks * RACK, Use::COPY_SRC),
+                coverage: make("brush coverage", count * COVERAGE_BYTES, Use::empty()),
+                changed: make("brush changed", count * 4, Use::COPY_SRC),
+                base: extras.base.map(|f| make("brush base", count * tight_bytes(f), Use::empty())),
+                gate: extras.gate.then(|| make("brush gate", count * GATE_BYTES, Use::empty())),
+                aside: None,
+            })
+        })
+    }
+
+    /// Whether a stroke of this kind can take it over.
+    pub(crate) fn serves(&self, variant: Variant, extras: Extras) -> bool {
+        self.variant == variant && self.extras == extras
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        u64::from(self.capacity) * slot_bytes(self.variant, self.extras)
+            + self.aside.as_ref().map_or(0, wgpu::Buffer::size)
+    }
+
+    pub(crate) fn room(&self) -> usize {
+        self.capacity as usize - self.bricks.len()
+    }
+
+    /// Gives a slot the next place: takes its texels from the pool and clears what it has gathered.
+    pub(crate) fn take(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        brick: BrickIndex,
+        pool: &wgpu::Texture,
+        slot: [u32; 3],
+    ) -> u32 {
+        let place = self.bricks.len() as u32;
+        self.bricks.push(brick);
+        encoder.copy_texture_to_buffer(at(pool, slot), self.rows(&self.start, place), SLOT_EXTENT);
+        encoder.clear_buffer(&self.coverage, u64::from(place) * COVERAGE_BYTES, Some(COVERAGE_BYTES));
+        encoder.clear_buffer(&self.changed, u64::from(place) * 4, Some(4));
+        place
+    }
+
+    /// Puts a slot's texels back as they were at the stroke's start.
+    pub(crate) fn restore(&self, encoder: &mut wgpu::CommandEncoder, place: u32, pool: &wgpu::Texture, slot: [u32; 3]) {
+        encoder.copy_buffer_to_texture(self.rows(&self.start, place), at(pool, slot), SLOT_EXTENT);
+    }
+
+    /// Makes room for [`put_aside`](Self::put_aside).
+    pub(crate) fn make_aside(&mut self, gpu: &Gpu) -> Result<(), GpuError> {
+        use wgpu::BufferUsages as Use;
+        if self.aside.is_none() {
+            let (size, usage) = (self.start.size(), Use::COPY_SRC | Use::COPY_DST);
+            self.aside = Some(gpu.scoped("a stroke's buffers", || {
+                let label = Some("brush aside");
+                let about = wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false };
+                Ok(gpu.device.create_buffer(&about))
+            })?);
+        }
+        Ok(())
+    }
+
+    /// Keeps a slot's texels as they are now, until [`put_back`](Self::put_back).
+    pub(crate) fn put_aside(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        place: u32,
+        pool: &wgpu::Texture,
+        slot: [u32; 3],
+    ) {
+        if let Some(aside) = &self.aside {
+            encoder.copy_texture_to_buffer(at(pool, slot), self.rows(aside, place), SLOT_EXTENT);
+        }
+    }
+
+    /// Gives a slot back what was put aside.
+    pub(crate) fn put_back(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        place: u32,
+        pool: &wgpu::Texture,
+        slot: [u32; 3],
+    ) {
+        if let Some(aside) = &self.aside {
+            encoder.copy_buffer_to_texture(self.rows(aside, place), at(pool, slot), SLOT_EXTENT);
+        }
+    }
+
+    fn rows<'a>(&self, buffer: &'a wgpu::Buffer, place: u32) -> wgpu::TexelCopyBufferInfo<'a> {
+        let (rack, lane) = (place / self.variant.lanes(), place % self.variant.lanes());
+        let offset = u64::from(rack) * RACK + u64::from(lane * self.variant.row_bytes());
+        rows(buffer, offset, SLOT)
+    }
+}
+
+const SLOT_EXTENT: wgpu::Extent3d = wgpu::Extent3d { width: SLOT, height: SLOT, depth_or_array_layers: SLOT };
+
+/// Rows at the copies' pitch.
+pub(crate) fn rows(buffer: &wgpu::Buffer, offset: u64, rows_per_image: u32) -> wgpu::TexelCopyBufferInfo<'_> {
+    wgpu::TexelCopyBufferInfo {
+        buffer,
+        layout: wgpu::TexelCopyBufferLayout {
+            offset,
+            bytes_per_row: Some(PITCH),
+            rows_per_image: Some(rows_per_image),
+        },
+    }
+}
+
+/// A box of a texture that starts at a texel.
+pub(crate) fn at(texture: &wgpu::Texture, [x, y, z]: [u32; 3]) -> wgpu::TexelCopyTextureInfo<'_> {
+    wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x, y, z }, ..texture.as_image_copy() }
+}

@@ -1,0 +1,316 @@
+//! The brush kernel's pipelines and the numbers it is given: shaders/brush/brush.wgsl.
+//!
+//! Owns the structs shared with the shader, the variants by texel format, and the translation of brushes and dabs into them.
+//! Knows neither bricks nor strokes in time.
+
+use crate::gpu::device::error::GpuError;
+use crate::gpu::device::gpu::Gpu;
+use crate::gpu::device::shader;
+use crate::math::DMat3;
+use crate::paint::{Brush, EDGE, Falloff, Footprint, Operation, Reach, Target, Tip};
+use crate::shared_struct;
+use crate::volume::{Field, FieldKind, Grid, SLOT, SLOT_VOXELS, TexelFormat};
+use std::collections::HashMap;
+
+/// Dabs of one dispatch: `array<BrushDab, 256>`.
+pub(crate) const MOST_DABS: usize = 256;
+/// Slots of one dispatch: `array<BrushItem, 128>`.
+pub(crate) const MOST_ITEMS: usize = 128;
+/// Invocations of a workgroup.
+pub(crate) const GROUP: u32 = 256;
+/// Bytes between rows in buffers that are copied to or from textures.
+pub(crate) const PITCH: u32 = 256;
+/// Bytes of a dispatch's dabs.
+pub(crate) const DABS_BYTES: u64 = (MOST_DABS * size_of::<BrushDab>()) as u64;
+/// Bytes of a dispatch's items.
+pub(crate) const ITEMS_BYTES: u64 = (MOST_ITEMS * size_of::<BrushItem>()) as u64;
+/// Bytes of a slot's rows at that pitch.
+pub(crate) const RACK: u64 = (SLOT * SLOT * PITCH) as u64;
+
+shared_struct! {
+    /// A stroke's constants.
+    pub struct BrushStroke {
+        columns: [[f32; 4]; 3],
+        normals: [[f32; 4]; 3],
+        paint: [f32; 4],
+        dims: [i32; 3],
+        low: f32,
+        top: f32,
+        step: f32,
+        least: f32,
+        greatest: f32,
+    }
+}
+
+shared_struct! {
+    /// One dab.
+    pub struct BrushDab {
+        base: [i32; 3],
+        axis: i32,
+        fraction: [f32; 3],
+        layer: i32,
+        gain: f32,
+        edge: f32,
+        thin: u32,
+        unused: u32,
+    }
+}
+
+shared_struct! {
+    /// One slot's work.
+    pub struct BrushItem {
+        /// Voxel of the slot's first texel.
+        pub origin: [i32; 3],
+        /// Number of the slot within its chunk.
+        pub place: u32,
+        /// First word, row, layer.
+        pub lo: [u32; 3],
+        /// First word in the buffer of new words.
+        pub next: u32,
+        /// Words, rows, layers.
+        pub size: [u32; 3],
+        /// First dab that can meet the slot.
+        pub first_dab: u32,
+        /// Dabs from there.
+        pub dab_count: u32,
+        /// Of the first item: where the dispatch's jobs begin.
+        pub first_job: u32,
+        /// What the stroke does: [`choices`].
+        pub choices: u32,
+        /// 0.
+        pub unused: u32,
+    }
+}
+
+/// What the kernel is compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Variant {
+    Selection,
+    Labels,
+    Colour,
+    /// Density in 16-bit codes.
+    Codes,
+    /// Density in 16-bit codes on the host, in `r32float` on a device without 16-bit textures: code / 65,535.
+    CodesInFloats,
+    /// Density in floats.
+    Floats,
+}
+
+impl Variant {
+    /// By the host's format and the pool's.
+    pub(crate) fn of(host: TexelFormat, pool: TexelFormat) -> Self {
+        match (host, pool) {
+            (TexelFormat::R8Unorm, _) => Self::Selection,
+            (TexelFormat::R16Uint, _) => Self::Labels,
+            (TexelFormat::Rgba8Unorm, _) => Self::Colour,
+            (TexelFormat::R16Unorm, TexelFormat::R32Float) => Self::CodesInFloats,
+            (TexelFormat::R16Unorm, _) => Self::Codes,
+            (TexelFormat::R32Float, _) => Self::Floats,
+        }
+    }
+
+    fn def(self) -> &'static str {
+        match self {
+            Self::Selection => "SELECTION",
+            Self::Labels => "LABELS",
+            Self::Colour => "COLOUR",
+            Self::Codes => "CODES",
+            Self::CodesInFloats => "CODES_IN_FLOATS",
+            Self::Floats => "FLOATS",
+        }
+    }
+
+    /// Bytes of a texel on the GPU.
+    pub(crate) fn bytes(self) -> u32 {
+        match self {
+            Self::Selection => 1,
+            Self::Labels | Self::Codes => 2,
+            Self::Colour | Self::CodesInFloats | Self::Floats => 4,
+        }
+    }
+
+    /// Texels in a word.
+    pub(crate) fn per_word(self) -> u32 {
+        4 / self.bytes()
+    }
+
+    /// Bytes of a slot's row, in whole words.
+    pub(crate) fn row_bytes(self) -> u32 {
+        SLOT.div_ceil(self.per_word()) * 4
+    }
+
+    /// How many slots lie side by side at the copies' pitch.
+    pub(crate) fn lanes(self) -> u32 {
+        PITCH / self.row_bytes()
+    }
+}
+
+/// Bytes of a slot in the host's format, as the kernel reads unedited density.
+pub(crate) fn tight_bytes(format: TexelFormat) -> u64 {
+    (SLOT_VOXELS * format.bytes()) as u64
+}
+
+/// Layout and pipelines, compiled as they are needed.
+#[derive(Debug)]
+pub(crate) struct Kernels {
+    pub(crate) layout: wgpu::BindGroupLayout,
+    pipelines: HashMap<Variant, wgpu::ComputePipeline>,
+}
+
+impl Kernels {
+    pub(crate) fn new(gpu: &Gpu) -> Result<Self, GpuError> {
+        let uniform = |binding, size: usize, dynamic| entry(binding, wgpu::BufferBindingType::Uniform, size, dynamic);
+        let storage = |binding, read_only| entry(binding, wgpu::BufferBindingType::Storage { read_only }, 4, false);
+        let entries = [
+            uniform(0, size_of::<BrushStroke>(), false),
+            uniform(1, size_of::<BrushDab>() * MOST_DABS, true),
+            uniform(2, size_of::<BrushItem>() * MOST_ITEMS, true),
+            storage(3, true),
+            storage(4, false),
+            storage(5, false),
+            storage(6, false),
+            storage(7, true),
+            storage(8, true),
+            storage(9, true),
+            storage(10, true),
+        ];
+        let layout = gpu.scoped("the brush's bindings", || {
+            Ok(gpu
+                .device
+                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("brush"), entries: &entries }))
+        })?;
+        Ok(Self { layout, pipelines: HashMap::new() })
+    }
+
+    pub(crate) fn pipeline(&mut self, gpu: &Gpu, variant: Variant) -> Result<wgpu::ComputePipeline, GpuError> {
+        if let Some(pipeline) = self.pipelines.get(&variant) {
+            return Ok(pipeline.clone());
+        }
+        let module = shader::compile(gpu, "brush/brush.wgsl", &[(variant.def(), shader::Def::Bool(true))])?;
+        let pipeline = gpu.scoped("the brush kernel", || {
+            let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some("brush"),
+                bind_group_layouts: &[Some(&self.layout)],
+                immediate_size: 0,
+            });
+            Ok(gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(variant.def()),
+                layout: Some(&layout),
+                module: &module,
+                entry_point: Some("brush"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            }))
+        })?;
+        self.pipelines.insert(variant, pipeline.clone());
+        Ok(pipeline)
+    }
+}
+
+fn entry(
+    binding: u32,
+    ty: wgpu::BufferBindingType,
+    min_bytes: usize,
+    has_dynamic_offset: bool,
+) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty,
+            has_dynamic_offset,
+            min_binding_size: std::num::NonZero::new(min_bytes as u64),
+        },
+        count: None,
+    }
+}
+
+impl BrushStroke {
+    /// The constants of a stroke on a field of this format.
+    pub(crate) fn new(brush: &Brush, grid: &Grid, target: &Field, reach: Reach) -> Self {
+        let map = target.map();
+        let offset = matches!(brush.effective(), Operation::Add | Operation::Subtract);
+        let paint = match brush.effective_target() {
+            Target::Density(value) if offset => [(value * map.codes_per_unit) as f32, 0.0, 0.0, 0.0],
+            Target::Density(value) if target.format() == TexelFormat::R32Float => {
+                [((value - map.lo) * map.codes_per_unit) as f32, 0.0, 0.0, 0.0]
+            }
+            Target::Density(value) => {
+                [((value - map.lo) * map.codes_per_unit).clamp(0.0, 65_535.0) as f32, 0.0, 0.0, 0.0]
+            }
+            Target::Colour(rgba) => rgba,
+            Target::Selection(value) => [value * 255.0, 0.0, 0.0, 0.0],
+            Target::Label(id) => [f32::from(id), 0.0, 0.0, 0.0],
+        };
+        // A hair wider than f32 rounds.
+        let hair = |v: f64| (v.abs() * 1e-6).min(1.0);
+        let [low, top] = match (target.kind(), target.format(), brush.bounds(target)) {
+            (FieldKind::Density, TexelFormat::R32Float, [lo, hi]) => [lo - hair(lo), hi + hair(hi)]
+                .map(|v| ((v - map.lo) * map.codes_per_unit).clamp(f32::MIN.into(), f32::MAX.into())),
+            (FieldKind::Density, _, ends) => ends.map(|v| ((v - map.lo) * map.codes_per_unit).clamp(0.0, 65_535.0)),
+            _ => [0.0, 255.0],
+        }
+        .map(|v| v as f32);
+        let rows = grid.index_from_world().matrix3.transpose();
+        let normals = DMat3::from_cols(rows.x_axis.normalize(), rows.y_axis.normalize(), rows.z_axis.normalize());
+        let scaled = |v: f64| (v * map.codes_per_unit).clamp(f32::MIN.into(), f32::MAX.into()) as f32;
+        // In radii: no unit of the grid then changes a bit of what the kernel calculates.
+        let length = if brush.radius_mm > 0.0 { brush.radius_mm } else { grid.voxel_mm() };
+        Self {
+            columns: columns(&(grid.world_from_index.matrix3 * length.recip())),
+            normals: columns(&normals),
+            paint,
+            dims: grid.dims.map(|d| d as i32),
+            low,
+            top,
+            step: scaled(reach.step()),
+            least: scaled(reach.0[0] - map.lo),
+            greatest: scaled(reach.0[1] - map.lo),
+        }
+    }
+}
+
+/// What a stroke does, in the bits that shaders/brush/brush.wgsl takes apart.
+pub(crate) fn choices(brush: &Brush) -> u32 {
+    let offset = matches!(brush.effective(), Operation::Add | Operation::Subtract);
+    let operation = match brush.effective() {
+        Operation::Replace => 0,
+        Operation::Add => 1,
+        Operation::Subtract => 2,
+        Operation::Blend => 3,
+        Operation::Restore => 4,
+    };
+    let gather = match (brush.tip, offset) {
+        (Tip::Wash, _) => 0,
+        (Tip::BuildUp, false) => 1,
+        (Tip::BuildUp, true) => 2,
+    };
+    let falloff = match brush.effective_falloff() {
+        Falloff::Hard => 0,
+        Falloff::Linear => 1,
+        Falloff::Smooth => 2,
+    };
+    let gated = u32::from(brush.range.is_some() || brush.visible_only);
+    operation | gather << 3 | falloff << 5 | gated << 7 | u32::from(brush.ends()) << 8
+}
+
+fn columns(m: &DMat3) -> [[f32; 4]; 3] {
+    [m.x_axis, m.y_axis, m.z_axis].map(|c| [c.x as f32, c.y as f32, c.z as f32, 0.0])
+}
+
+impl BrushDab {
+    pub(crate) fn new(footprint: &Footprint) -> Self {
+        let base = footprint.centre.floor();
+        let reach = if footprint.radius_mm > 0.0 { 1.0 + EDGE } else { 0.0 };
+        Self {
+            base: base.to_array().map(|v| v as i32),
+            axis: footprint.layer.map_or(-1, |l| l.axis as i32),
+            fraction: (footprint.centre - base).to_array().map(|v| v as f32),
+            layer: footprint.layer.map_or(0, |l| l.index as i32),
+            gain: footprint.gain,
+            edge: (reach * reach) as f32,
+            thin: u32::from(footprint.thin),
+            unused: 0,
+        }
+    }
+}

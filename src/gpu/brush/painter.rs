@@ -1,0 +1,367 @@
+//! Painting on the GPU: the life of one stroke, from its first dab to the bricks it changed.
+//!
+//! Owns what a stroke gathers (coverage, texels at its start) and its dabs, so that it can be taken back, or painted again
+//! after a loss of the device. The pools' slots show it in the same frame; the host's fields stay as they are until
+//! [`Painter::finish`]. Knows no history. Direct Volume Editing (2008) section 3, equations 1 and 2.
+
+use crate::gpu::brush::buffers::Chunk;
+use crate::gpu::brush::kernel::{BrushStroke, Kernels, Variant};
+use crate::gpu::brush::live_cells::{CellReader, LiveBricks};
+use crate::gpu::brush::stroke::{Stroke, locked_bits};
+use crate::gpu::brush::submit::{buffer, met};
+use crate::gpu::brush::{live_cells, readback};
+use crate::gpu::device::error::GpuError;
+use crate::gpu::device::gpu::Gpu;
+use crate::gpu::fields::pools::{FieldPools, Fields};
+use crate::paint::{Brush, Dab, Reach, VoxelSet};
+use crate::volume::{Brick, BrickIndex, BrickKey, Grid, LiveCells, Refresh, Segments};
+use std::collections::{BTreeSet, HashMap};
+
+/// Memory that one stroke may take unless [`Painter::set_budget`] says otherwise.
+const BUDGET: u64 = 512 << 20;
+/// Memory kept from stroke to stroke, so that a click does not wait for buffers.
+const KEPT: u64 = 64 << 20;
+
+/// Slots whose texels one submission copies.
+pub(crate) const TAKEN: usize = 128;
+
+/// Paints strokes, one at a time. Long-lived: it keeps pipelines and some buffers.
+#[derive(Debug)]
+pub struct Painter {
+    pub(crate) gpu: Gpu,
+    pub(crate) kernels: Kernels,
+    pub(crate) uniforms: wgpu::Buffer,
+    /// New words of a dispatch, on their way into the slots.
+    pub(crate) next: wgpu::Buffer,
+    /// What each workgroup does.
+    pub(crate) jobs: wgpu::Buffer,
+    pub(crate) locked: wgpu::Buffer,
+    /// Bound where a stroke has no use for a buffer.
+    pub(crate) nothing: wgpu::Buffer,
+    pub(crate) cells: CellReader,
+    spare: Vec<Chunk>,
+    budget_bytes: u64,
+    /// Submissions so far.
+    pub(crate) submits: u64,
+    pub(crate) stroke: Option<Stroke>,
+}
+
+impl Painter {
+    /// A painter on this device.
+    ///
+    /// # Errors
+    /// If the device refuses its small buffers.
+    pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
+        use wgpu::BufferUsages as Use;
+        let kernels = Kernels::new(gpu)?;
+        gpu.scoped("the brush's buffers", || {
+            Ok(Self {
+                uniforms: buffer(gpu, "brush uniforms", 1 << 16, Use::UNIFORM | Use::COPY_DST),
+                next: buffer(gpu, "brush words", 1 << 20, Use::STORAGE | Use::COPY_SRC),
+                jobs: buffer(gpu, "brush jobs", 1 << 14, Use::STORAGE | Use::COPY_DST),
+                locked: buffer(gpu, "brush locked", 65_536 / 8, Use::STORAGE | Use::COPY_DST),
+                nothing: buffer(gpu, "brush nothing", 16, Use::STORAGE),
+                cells: CellReader::new(gpu),
+                gpu: gpu.clone(),
+                kernels,
+                spare: Vec::new(),
+                budget_bytes: BUDGET,
+                submits: 0,
+                stroke: None,
+            })
+        })
+    }
+
+    /// Sets the memory that one stroke may take on the GPU, in bytes (some 350 kB a touched brick; slots of the pools come on
+    /// top).
+    pub fn set_budget(&mut self, bytes: u64) {
+        self.budget_bytes = bytes;
+    }
+
+    /// How often dabs were submitted so far.
+    pub fn submits(&self) -> u64 {
+        self.submits
+    }
+
+    /// Whether a stroke is running.
+    pub fn is_painting(&self) -> bool {
+        self.stroke.is_some()
+    }
+
+    /// The running stroke's dabs so far, in order.
+    pub fn dabs(&self) -> &[Dab] {
+        self.stroke.as_ref().map_or(&[], |s| &s.dabs)
+    }
+
+    /// The bricks that the running stroke shows in, itself or through an apron, in order.
+    pub fn touched(&self) -> Vec<BrickIndex> {
+        self.stroke.as_ref().map_or_else(Vec::new, Stroke::touched)
+    }
+
+    /// Looks at the fields as they were at the running stroke's start, in those of the touched bricks that `under` names: what a
+    /// stroke paints must not change where it goes on. Without a stroke it only looks.
+    ///
+    /// # Errors
+    /// Those of the look; as [`finish`](Self::finish).
+    pub fn at_start<T>(
+        &mut self,
+        pools: &mut FieldPools,
+        under: impl Fn(BrickIndex) -> bool,
+        look: impl FnOnce(&mut FieldPools) -> Result<T, GpuError>,
+    ) -> Result<T, GpuError> {
+        let Some(stroke) = &mut self.stroke else { return look(pools) };
+        // What a picture shows, and where, hangs on these two alone.
+        let matters = live_cells::matters(stroke.kind());
+        let bricks: Vec<_> = stroke.touched().into_iter().filter(|&brick| matters && under(brick)).collect();
+        if bricks.is_empty() {
+            return look(pools);
+        }
+        stroke.show_start(&self.gpu, pools, &bricks)?;
+        let seen = look(pools);
+        stroke.show_painted(&self.gpu, pools, &bricks)?;
+        seen
+    }
+
+    /// Starts a stroke on the fields as they are now; they must stay so until it ends. Labels of locked segments are kept. `reach`
+    /// is that of density with what the brush makes.
+    ///
+    /// # Errors
+    /// [`GpuError::Stroke`] if one is running; [`GpuError::Paint`] if the brush is not valid; [`GpuError::BeyondRange`] if
+    /// density cannot yet hold what the brush makes: widen its [`DensityMap`](crate::volume::DensityMap) and begin again.
+    pub fn begin(
+        &mut self,
+        grid: &Grid,
+        fields: &Fields<'_>,
+        brush: &Brush,
+        segments: &Segments,
+        reach: Reach,
+    ) -> Result<(), GpuError> {
+        if self.is_painting() {
+            return Err(GpuError::Stroke("one is running; end or cancel it first"));
+        }
+        brush.check()?;
+        brush.check_on(fields.density)?;
+        if let Some(needed) = brush.range_needed(fields.density) {
+            let map = fields.density.map();
+            return Err(GpuError::BeyondRange { needed, held: [map.lo, map.hi()] });
+        }
+        let target = fields.get(brush.target.field());
+        self.stroke = Some(Stroke {
+            brush: *brush,
+            grid: *grid,
+            constants: BrushStroke::new(brush, grid, target, reach),
+            locked: locked_bits(segments),
+            dabs: Vec::new(),
+            chunks: Vec::new(),
+            homes: HashMap::new(),
+            live: LiveBricks::default(),
+            seen: VoxelSet::default(),
+            stale: BTreeSet::new(),
+        });
+        Ok(())
+    }
+
+    /// Lets the running stroke paint these voxels besides those that it may already, if it keeps to the visible surface: other
+    /// voxels it leaves alone. To be called before the dabs on them.
+    pub fn open(&mut self, voxels: &VoxelSet) {
+        if let Some(stroke) = self.stroke.as_mut().filter(|s| s.brush.visible_only) {
+            stroke.seen.extend(voxels);
+            stroke.stale.extend(voxels.slots(stroke.grid.dims));
+        }
+    }
+
+    /// Paints further dabs: after it the pools' slots show them, without waiting for the GPU. Answers the bricks that the
+    /// dabs show in, in order. `fields` are those of [`begin`](Self::begin).
+    ///
+    /// # Errors
+    /// [`GpuError::StrokeTooLarge`] and [`GpuError::PoolFull`] if there is no room for more bricks; [`GpuError::Lost`];
+    /// [`GpuError::Source`]. The stroke is then as it was and can be ended, cancelled or replayed.
+    pub fn extend(
+        &mut self,
+        pools: &mut FieldPools,
+        fields: &Fields<'_>,
+        dabs: &[Dab],
+    ) -> Result<Vec<BrickIndex>, GpuError> {
+        self.gpu.check()?;
+        let Some(stroke) = &mut self.stroke else { return Err(NOT_RUNNING) };
+        let (kind, target) = (stroke.kind(), fields.get(stroke.kind()));
+        let met = met(dabs, stroke);
+        let bricks: Vec<_> = met.keys().copied().collect();
+        if bricks.is_empty() {
+            stroke.dabs.extend_from_slice(dabs);
+            return Ok(bricks);
+        }
+        let new: Vec<_> = bricks.iter().copied().filter(|b| !stroke.homes.contains_key(b)).collect();
+        let slots = if new.is_empty() { Vec::new() } else { pools.pin(&self.gpu, target, &new)? };
+        let (Some(texture), Some(format)) = (pools.texture(kind), pools.format(kind)) else {
+            return Err(GpuError::Stroke("the pools hold no slots of the field"));
+        };
+        let variant = Variant::of(target.format(), format);
+        let pipeline = self.kernels.pipeline(&self.gpu, variant)?;
+        let begins = stroke.homes.is_empty();
+        let submitted = self
+            .take(fields, variant, texture, &new, &slots)
+            .and_then(|encoder| self.submit(encoder, texture, &pipeline, variant, dabs, begins));
+        let Some(stroke) = &mut self.stroke else { return Err(NOT_RUNNING) };
+        if let Err(error) = submitted {
+            stroke.forget(&new);
+            return Err(error);
+        }
+        if live_cells::matters(kind) {
+            stroke.live.paint(&met, stroke.grid.dims, kind, pools);
+        }
+        stroke.dabs.extend_from_slice(dabs);
+        Ok(bricks)
+    }
+
+    /// Places for new slots, with all that the kernel reads of them. What copies their texels there is encoded last, and not
+    /// submitted.
+    fn take(
+        &mut self,
+        fields: &Fields<'_>,
+        variant: Variant,
+        texture: &wgpu::Texture,
+        new: &[BrickIndex],
+        slots: &[[u32; 3]],
+    ) -> Result<wgpu::CommandEncoder, GpuError> {
+        let Self { gpu, stroke, cells, spare, budget_bytes, .. } = self;
+        let Some(stroke) = stroke else { return Err(NOT_RUNNING) };
+        if live_cells::matters(stroke.kind()) {
+            cells.prepare(gpu, variant)?;
+            let target = fields.get(stroke.kind());
+            stroke.live.begin(target, new.iter().copied().zip(slots.iter().copied()))?;
+        }
+        stroke.reserve(gpu, variant, fields.density, new.len(), spare, *budget_bytes)?;
+        let begun = || gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("dabs") });
+        let mut encoder = begun();
+        for (i, (new, slots)) in new.chunks(TAKEN).zip(slots.chunks(TAKEN)).enumerate() {
+            if i > 0 {
+                gpu.queue.submit([std::mem::replace(&mut encoder, begun()).finish()]);
+            }
+            stroke.take(gpu, fields, new, slots, &mut encoder, texture)?;
+        }
+        stroke.renew_gates(gpu, fields)?;
+        Ok(encoder)
+    }
+
+    /// Takes what has come of the minima and maxima of the running stroke's cells, and asks for those of what was painted since:
+    /// `pools` skip by them. To be called once a frame. Never waits.
+    ///
+    /// # Errors
+    /// [`GpuError::Lost`] and others of the device.
+    pub fn follow(&mut self, pools: &mut FieldPools, fields: &Fields<'_>) -> Result<(), GpuError> {
+        let Some(stroke) = &mut self.stroke else { return Ok(()) };
+        let (kind, target) = (stroke.kind(), fields.get(stroke.kind()));
+        let Some(format) = pools.format(kind) else { return Ok(()) };
+        let variant = Variant::of(target.format(), format);
+        stroke.live.follow(&self.gpu, target, variant, &mut self.cells, pools)?;
+        let Some(texture) = pools.texture(kind) else { return Ok(()) };
+        stroke.live.ask(&self.gpu, variant, &mut self.cells, texture, stroke.grid.dims)
+    }
+
+    /// The cells of the running stroke's bricks, of those of which something came since this was last asked. Only strokes on
+    /// density and the selection have any.
+    pub fn take_live(&mut self) -> Vec<(BrickIndex, LiveCells)> {
+        self.stroke.as_mut().map(|s| s.live.take_news()).unwrap_or_default()
+    }
+
+    /// Whether something of the running stroke's cells is still to come, or to be taken.
+    pub fn is_due(&self) -> bool {
+        self.stroke.as_ref().is_some_and(|s| s.live.are_due())
+    }
+
+    /// Ends the stroke: waits for the GPU and answers the bricks whose own texels differ from those at its start, in order,
+    /// with zeros beyond the volume. None: the stroke changed nothing. The slots show the stroke already; give the bricks to
+    /// [`Field::swap`](crate::volume::Field::swap) and the answer to [`FieldPools::refresh_painted`] before anything else is
+    /// drawn.
+    ///
+    /// # Errors
+    /// [`GpuError::Lost`] and others of the device. The stroke then goes on and can be replayed or cancelled.
+    pub fn finish(
+        &mut self,
+        pools: &mut FieldPools,
+        fields: &Fields<'_>,
+    ) -> Result<Vec<(BrickIndex, Brick)>, GpuError> {
+        let Some(stroke) = &self.stroke else { return Err(NOT_RUNNING) };
+        let target = fields.get(stroke.kind());
+        let changed = readback::changed(&self.gpu, &stroke.chunks)?;
+        let bricks = readback::bricks(&self.gpu, pools, target, &stroke.slots(&changed))?;
+        pools.hand_over(stroke.kind());
+        self.end();
+        Ok(bricks)
+    }
+
+    /// Takes the stroke back: the slots are as they were. Answers what the pools showed of it, for
+    /// [`FieldPools::refresh_painted`] with the unchanged field.
+    ///
+    /// # Errors
+    /// [`GpuError::Lost`]: then there is nothing left to take back, and the stroke is gone too.
+    pub fn cancel(&mut self, pools: &mut FieldPools) -> Result<Refresh, GpuError> {
+        let touched = self.touched();
+        let Some(stroke) = &self.stroke else { return Err(NOT_RUNNING) };
+        let restored = stroke.restore(&self.gpu, pools);
+        if restored.is_ok() {
+            pools.hand_over(stroke.kind());
+        } else {
+            pools.unpin(stroke.kind());
+        }
+        self.end();
+        restored?;
+        Ok(Refresh::whole(touched.into_iter().map(|index| BrickKey { level: 0, index })))
+    }
+
+    /// A brick as the running stroke shows it. Waits for the GPU.
+    ///
+    /// # Errors
+    /// As [`finish`](Self::finish).
+    pub fn live(&self, pools: &FieldPools, fields: &Fields<'_>, brick: BrickIndex) -> Result<Option<Brick>, GpuError> {
+        let Some(stroke) = &self.stroke else { return Ok(None) };
+        let target = fields.get(stroke.kind());
+        Ok(readback::bricks(&self.gpu, pools, target, &stroke.slots(&[brick]))?.pop().map(|(_, brick)| brick))
+    }
+
+    /// After a loss of the device: paints the running stroke again on a new one, from the host's bricks. Without a running
+    /// stroke it only changes over.
+    ///
+    /// # Errors
+    /// As [`extend`](Self::extend); the dabs are kept, so that it can be tried again.
+    pub fn replay(&mut self, gpu: &Gpu, pools: &mut FieldPools, fields: &Fields<'_>) -> Result<(), GpuError> {
+        let budget_bytes = self.budget_bytes;
+        let stroke = self.stroke.take();
+        match Self::new(gpu) {
+            Ok(new) => *self = Self { budget_bytes, ..new },
+            Err(error) => {
+                self.stroke = stroke;
+                return Err(error);
+            }
+        }
+        let Some(stroke) = stroke else { return Ok(()) };
+        let dabs = stroke.dabs;
+        self.stroke = Some(Stroke {
+            dabs: Vec::new(),
+            chunks: Vec::new(),
+            homes: HashMap::new(),
+            live: LiveBricks::default(),
+            ..stroke
+        });
+        let painted = self.extend(pools, fields, &dabs).map(drop);
+        if let (Err(_), Some(stroke)) = (&painted, &mut self.stroke) {
+            stroke.dabs = dabs;
+        }
+        painted
+    }
+
+    fn end(&mut self) {
+        let Some(stroke) = self.stroke.take() else { return };
+        let mut kept: u64 = self.spare.iter().map(Chunk::bytes).sum();
+        for mut chunk in stroke.chunks {
+            if kept + chunk.bytes() <= KEPT {
+                kept += chunk.bytes();
+                chunk.bricks.clear();
+                self.spare.push(chunk);
+            }
+        }
+    }
+}
+
+pub(crate) const NOT_RUNNING: GpuError = GpuError::Stroke("none is running; begin one first");

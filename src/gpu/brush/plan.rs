@@ -1,0 +1,206 @@
+//! Which slots the dabs of one frame meet, the box of work in each, and the dispatches that do it.
+//!
+//! Pure arithmetic: from footprints to a [`Plan`]. Its cost follows the dabs and the slots they meet, not the volume.
+
+use crate::gpu::brush::kernel::{
+    BrushDab, BrushItem, DABS_BYTES, GROUP, ITEMS_BYTES, MOST_DABS, PITCH, Variant, choices,
+};
+use crate::gpu::brush::stroke::Stroke;
+use crate::paint::{Footprint, IndexBox};
+use crate::volume::{BrickIndex, SLOT, SLOT_VOXELS};
+use std::collections::BTreeMap;
+
+/// Uniform offsets are multiples of this on every adapter.
+const ALIGNED: usize = 256;
+
+/// What one submission may cost, in texels times dabs, so that the queue is never held for long: some 25 ms on two cores without
+/// a graphics card.
+pub(crate) const MOST_COST: u64 = 4 << 20;
+/// Dabs of a dispatch, so that a whole slot under all of them costs no more than that.
+pub(crate) const GROUP_DABS: usize = 96;
+/// A texel's reading and writing costs as much as so many dabs.
+const TEXEL_DABS: u32 = 4;
+
+const _: () = assert!(GROUP_DABS <= MOST_DABS);
+const _: () = assert!(SLOT_VOXELS as u64 * (GROUP_DABS as u64 + TEXEL_DABS as u64) <= MOST_COST);
+
+/// A slot's share of up to [`GROUP_DABS`] dabs that follow each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Work {
+    /// Voxels that change at most.
+    pub(crate) bounds: IndexBox,
+    /// Numbers of the first and the last dab that meet the slot.
+    dabs: [u32; 2],
+}
+
+/// Dabs that follow each other, and the slots they meet.
+pub(crate) type Group<'a> = (&'a [Footprint], BTreeMap<BrickIndex, Work>);
+
+/// Dabs in groups of what a dispatch can take, each with the slots it meets.
+pub(crate) fn groups(footprints: &[Footprint], dims: [u32; 3]) -> Vec<Group<'_>> {
+    footprints
+        .chunks(GROUP_DABS)
+        .map(|group| {
+            let mut work: BTreeMap<BrickIndex, Work> = BTreeMap::new();
+            for (n, footprint) in (0_u32..).zip(group) {
+                for brick in footprint.bounds.slots(dims) {
+                    let new = Work { bounds: footprint.bounds, dabs: [n, n] };
+                    work.entry(brick)
+                        .and_modify(|w| *w = Work { bounds: w.bounds.union(&new.bounds), dabs: [w.dabs[0], n] })
+                        .or_insert(new);
+                }
+            }
+            (group, work)
+        })
+        .collect()
+}
+
+impl Work {
+    /// The same in the slot's own texels and words. `next` is the first word of the box among the new words.
+    pub(crate) fn item(&self, brick: BrickIndex, dims: [u32; 3], place: u32, per_word: u32, next: u32) -> BrushItem {
+        let origin = brick.origin().map(|o| o as i32 - 1);
+        let mut lo: [u32; 3] = std::array::from_fn(|a| (self.bounds.lo[a] as i32 - origin[a]).max(0) as u32);
+        let mut end: [u32; 3] =
+            std::array::from_fn(|a| (self.bounds.end[a] as i32 - origin[a]).clamp(0, SLOT as i32) as u32);
+        for a in 0..3 {
+            // Texels beyond the volume repeat its border.
+            if self.bounds.lo[a] == 0 {
+                lo[a] = 0;
+            }
+            if self.bounds.end[a] == dims[a] {
+                end[a] = SLOT;
+            }
+        }
+        (lo[0], end[0]) = (lo[0] / per_word, end[0].div_ceil(per_word));
+        BrushItem {
+            origin,
+            place,
+            lo,
+            next,
+            size: std::array::from_fn(|a| end[a] - lo[a]),
+            first_dab: self.dabs[0],
+            dab_count: self.dabs[1] - self.dabs[0] + 1,
+            first_job: 0,
+            choices: 0,
+            unused: 0,
+        }
+    }
+}
+
+/// A frame's dispatches and the bytes that they read.
+pub(crate) struct Plan {
+    /// The stroke's constants, then dabs and items at their offsets.
+    pub(crate) uniforms: Vec<u8>,
+    pub(crate) dispatches: Vec<Dispatch>,
+    /// Per workgroup of all dispatches: item and workgroup within it.
+    pub(crate) jobs: Vec<u32>,
+    /// Bytes of new words of the largest dispatch.
+    pub(crate) next_bytes: u64,
+}
+
+/// A dispatch that is being filled.
+#[derive(Default)]
+struct Begun {
+    items: Vec<BrushItem>,
+    copies: Vec<Copy>,
+    jobs: Vec<u32>,
+    words: u32,
+    cost: u64,
+}
+
+impl Begun {
+    fn add(&mut self, item: BrushItem, slot: [u32; 3], variant: Variant, cost: u64) {
+        self.copies.push(Copy::of(&item, slot, variant));
+        self.words += item.size[1] * item.size[2] * (PITCH / 4);
+        let number = (self.items.len() as u32) << 16;
+        self.jobs.extend((0..item.size.iter().product::<u32>().div_ceil(GROUP)).map(|group| number | group));
+        self.items.push(item);
+        self.cost += cost;
+    }
+}
+
+/// Texels times dabs, and what a texel costs without any.
+fn cost(item: &BrushItem, variant: Variant) -> u64 {
+    u64::from(item.size.iter().product::<u32>() * variant.per_word()) * u64::from(item.dab_count + TEXEL_DABS)
+}
+
+/// The work of one group of dabs on slots of one chunk, of [`MOST_COST`] or one slot's.
+pub(crate) struct Dispatch {
+    pub(crate) chunk: usize,
+    /// Offsets within the uniforms.
+    pub(crate) dabs_at: u32,
+    pub(crate) items_at: u32,
+    pub(crate) workgroups: u32,
+    /// See [`MOST_COST`].
+    pub(crate) cost: u64,
+    pub(crate) copies: Vec<Copy>,
+}
+
+/// From a box of new words into a slot.
+pub(crate) struct Copy {
+    pub(crate) offset: u64,
+    pub(crate) rows: u32,
+    pub(crate) to: [u32; 3],
+    pub(crate) extent: wgpu::Extent3d,
+}
+
+impl Plan {
+    pub(crate) fn new(stroke: &Stroke, groups: &[Group<'_>], variant: Variant) -> Self {
+        let mut plan = Self { uniforms: Vec::new(), dispatches: Vec::new(), jobs: Vec::new(), next_bytes: 0 };
+        plan.append(bytemuck::bytes_of(&stroke.constants), ALIGNED);
+        let choices = choices(&stroke.brush);
+        for (dabs, work) in groups {
+            let dabs: Vec<_> = dabs.iter().map(BrushDab::new).collect();
+            let dabs_at = plan.append(bytemuck::cast_slice(&dabs), DABS_BYTES as usize);
+            for chunk in 0..stroke.chunks.len() {
+                let mut begun = Begun::default();
+                for (brick, work) in work {
+                    let Some(home) = stroke.homes.get(brick).filter(|h| h.chunk == chunk) else { continue };
+                    let item = work.item(*brick, stroke.grid.dims, home.place, variant.per_word(), begun.words);
+                    let cost = cost(&item, variant);
+                    if begun.cost > 0 && begun.cost + cost > MOST_COST {
+                        plan.dispatch(chunk, dabs_at, std::mem::take(&mut begun));
+                    }
+                    begun.add(BrushItem { next: begun.words, choices, ..item }, home.slot, variant, cost);
+                }
+                plan.dispatch(chunk, dabs_at, begun);
+            }
+        }
+        plan
+    }
+
+    fn dispatch(&mut self, chunk: usize, dabs_at: u32, begun: Begun) {
+        if begun.items.is_empty() {
+            return;
+        }
+        let Begun { mut items, copies, jobs, words, cost } = begun;
+        items[0].first_job = self.jobs.len() as u32;
+        let items_at = self.append(bytemuck::cast_slice(&items), ITEMS_BYTES as usize);
+        self.next_bytes = self.next_bytes.max(u64::from(words) * 4);
+        let workgroups = jobs.len() as u32;
+        self.jobs.extend(jobs);
+        self.dispatches.push(Dispatch { chunk, dabs_at, items_at, workgroups, cost, copies });
+    }
+
+    /// Adds bytes, padded; answers where.
+    fn append(&mut self, bytes: &[u8], pad_to: usize) -> u32 {
+        let offset = self.uniforms.len();
+        self.uniforms.extend_from_slice(bytes);
+        self.uniforms.resize(offset + bytes.len().next_multiple_of(pad_to), 0);
+        offset as u32
+    }
+}
+
+impl Copy {
+    /// From the new words of an item's box into its slot.
+    fn of(item: &BrushItem, slot: [u32; 3], variant: Variant) -> Self {
+        let x = item.lo[0] * variant.per_word();
+        let end = ((item.lo[0] + item.size[0]) * variant.per_word()).min(SLOT);
+        Self {
+            offset: u64::from(item.next) * 4,
+            rows: item.size[1],
+            to: [slot[0] + x, slot[1] + item.lo[1], slot[2] + item.lo[2]],
+            extent: wgpu::Extent3d { width: end - x, height: item.size[1], depth_or_array_layers: item.size[2] },
+        }
+    }
+}

@@ -1,0 +1,13 @@
+//! The ray caster: bodies merged and ordered, tiles, uniforms, pictures, picks and how much is seen.
+//!
+//! Stands on `fields` and `picture`; knows no strokes.
+
+pub(crate) mod caster;
+pub(crate) mod merging;
+pub mod order;
+pub(crate) mod pass;
+pub(crate) mod probe;
+pub mod solid;
+pub mod tiles;
+pub mod uniforms;
+pub(crate) mod visibility;

@@ -1,0 +1,119 @@
+//! What the caster draws into and with: targets, small data textures, the layout of group 0.
+//!
+//! Knows the formats and labels, nothing of bodies or frames.
+
+use crate::gpu::device::gpu::Gpu;
+use crate::gpu::device::kernel::{Binding, group_layout};
+
+/// Colour, depth and object of a picture on the GPU.
+#[derive(Debug)]
+pub(crate) struct Targets {
+    pub size: [u32; 2],
+    pub colour: wgpu::Texture,
+    pub depth: wgpu::Texture,
+    pub object: wgpu::Texture,
+}
+
+pub(crate) const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+pub(crate) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
+pub(crate) const OBJECT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
+/// Entries in a row of the tiles' lists, as in shaders/lib/body.wgsl.
+pub(crate) const LIST_WIDTH: u32 = 2048;
+/// Greater depths mean nothing.
+pub(crate) const FAR: f32 = 1e38;
+/// The depth of nothing, as in shaders/lib/body.wgsl.
+pub(crate) const NO_DEPTH: f32 = 3e38;
+
+impl Targets {
+    pub(crate) fn new(gpu: &Gpu, size: [u32; 2]) -> Self {
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT
+            | wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_SRC;
+        let texture = |label, format| texture(gpu, label, size, format, usage);
+        Self {
+            size,
+            colour: texture("picture colour", COLOUR),
+            depth: texture("picture depth", DEPTH),
+            object: texture("picture objects", OBJECT),
+        }
+    }
+}
+
+/// Draws one triangle over all of a target.
+pub(crate) fn draw_over(
+    gpu: &Gpu,
+    label: &str,
+    target: &wgpu::TextureView,
+    pipeline: &wgpu::RenderPipeline,
+    groups: &[Option<&wgpu::BindGroup>],
+) {
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(label) });
+    {
+        let ops = wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store };
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(label),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: target,
+                depth_slice: None,
+                resolve_target: None,
+                ops,
+            })],
+            ..Default::default()
+        });
+        pass.set_pipeline(pipeline);
+        for (i, group) in (0..).zip(groups) {
+            pass.set_bind_group(i, *group, &[]);
+        }
+        pass.draw(0..3, 0..1);
+    }
+    gpu.queue.submit([encoder.finish()]);
+}
+
+/// Group 0 of everything that marches, as shaders/lib/body.wgsl, shaders/lib/look.wgsl and resumed pictures number it.
+pub(crate) fn layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
+    use Binding::Uniform;
+    let stages = wgpu::ShaderStages::FRAGMENT | wgpu::ShaderStages::COMPUTE;
+    let lists = [Binding::UINT_2D; 2];
+    let colours = [Binding::FLOAT_2D; 2];
+    let before = [Binding::FLOAT_2D, Binding::FLOAT_2D, Binding::UINT_2D];
+    let bindings: Vec<_> = [Uniform(0); 3].into_iter().chain(lists).chain(colours).chain(before).collect();
+    group_layout(gpu, "caster", stages, &bindings)
+}
+
+/// A plain 2D texture.
+pub(crate) fn texture(
+    gpu: &Gpu,
+    label: &str,
+    [width, height]: [u32; 2],
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[],
+    })
+}
+
+/// A texture that shaders load from and the host writes.
+pub(crate) fn data(gpu: &Gpu, label: &str, size: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
+    texture(gpu, label, size, format, wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST)
+}
+
+pub(crate) fn write(gpu: &Gpu, texture: &wgpu::Texture, bytes: &[u8], bytes_per_texel: u32) {
+    gpu.queue.write_texture(
+        texture.as_image_copy(),
+        bytes,
+        wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(texture.width() * bytes_per_texel),
+            rows_per_image: None,
+        },
+        texture.size(),
+    );
+}

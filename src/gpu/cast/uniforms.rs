@@ -1,0 +1,248 @@
+//! One picture as the shaders see it: the uniform structs, tables and lists of group 0.
+//!
+//! Owns the numbers that pass from `Frame` to `shaders/lib/body.wgsl`. World and index positions are taken relative to the
+//! eye in f64 here, before the GPU's f32 sees them.
+
+use crate::gpu::cast::merging::Drawn;
+use crate::gpu::cast::order::{Order, Sight};
+use crate::gpu::cast::tiles::{Tiles, Window};
+use crate::gpu::device::error::GpuError;
+use crate::gpu::picture::frame::{Frame, Mask, Overlay};
+use crate::math::{DAffine3, DVec3, Projection};
+use crate::shared_struct;
+use crate::volume::{Grid, Mode, TABLE_ENTRIES};
+
+/// Bodies that fit into one picture.
+pub const MOST_BODIES: usize = 512;
+/// Cutting planes of all bodies together that fit into one picture.
+pub const MOST_PLANES: usize = 4096;
+/// Loop iterations of one invocation are held below this; software Vulkan ends loops silently at 65,535.
+const ITERATIONS: f64 = 60_000.0;
+
+shared_struct! {
+    /// See shaders/lib/body.wgsl.
+    pub struct View {
+        /// Ray through the picture's corner.
+        pub corner: [f32; 3],
+        /// Distance of samples.
+        pub step_mm: f32,
+        /// Change of the ray from pixel to pixel.
+        pub dx: [f32; 3],
+        /// 1, or 0 for orthographic.
+        pub perspective: u32,
+        /// Change of the ray from row to row.
+        pub dy: [f32; 3],
+        /// Texel of the iso-surface.
+        pub iso: f32,
+        /// Unit direction of sight.
+        pub forward: [f32; 3],
+        /// Entry of the table = texel·scale + bias.
+        pub table_scale: f32,
+        /// Ambient, diffuse, specular, power.
+        pub lighting: [f32; 4],
+        /// Display-referred.
+        pub selection_colour: [f32; 3],
+        /// See `table_scale`.
+        pub table_bias: f32,
+        /// 0..1.
+        pub colour_opacity: f32,
+        /// 0..1.
+        pub label_opacity: f32,
+        /// 0..1.
+        pub selection_opacity: f32,
+        /// First sample of this pass.
+        pub k_from: f32,
+        /// First sample of the next pass.
+        pub k_to: f32,
+        /// Pixels of the window.
+        pub width: u32,
+        /// Pixels of the window.
+        pub height: u32,
+        /// Unused.
+        pub unused_a: u32,
+    }
+}
+
+shared_struct! {
+    /// See shaders/lib/body.wgsl.
+    pub struct CastBody {
+        /// index_from_world of the posed body, first column.
+        pub column_x: [f32; 3],
+        /// Its planes' place in the list.
+        pub first_plane: u32,
+        /// Second column.
+        pub column_y: [f32; 3],
+        /// Number of its planes.
+        pub plane_count: u32,
+        /// Third column.
+        pub column_z: [f32; 3],
+        /// 0 none, 1 selection, 2 background.
+        pub mask: u32,
+        /// The eye in index space.
+        pub eye: [f32; 3],
+        /// Object id in the picture, even.
+        pub code: u32,
+        /// Bounds in index space.
+        pub lo: [f32; 3],
+        /// Whether selected matter gets `code + 1`.
+        pub tells_selection: u32,
+        /// Bounds in index space.
+        pub hi: [f32; 3],
+        /// Unused.
+        pub unused_a: u32,
+        /// Multiplies colour.
+        pub tint: [f32; 3],
+        /// Unused.
+        pub unused_b: u32,
+    }
+}
+
+/// Everything that group 0 is filled with.
+pub(crate) struct Scene {
+    pub view: View,
+    pub bodies: Vec<CastBody>,
+    pub planes: Vec<[f32; 4]>,
+    pub tiles: Tiles,
+    /// Bounds `k_from`, `k_to` of each pass, nearest first; at least one.
+    pub passes: Vec<[f32; 2]>,
+}
+
+impl Scene {
+    /// `(lo, span)`: density = lo + texel·span.
+    ///
+    /// # Errors
+    /// If there are more bodies or planes than fit, or the step is no length.
+    pub fn new(
+        frame: &Frame,
+        grid: &Grid,
+        window: &Window,
+        drawn: &[Drawn],
+        (lo, span): (f64, f64),
+    ) -> Result<Self, GpuError> {
+        let plane_count = drawn.iter().map(|d| d.planes.len()).sum();
+        if drawn.len() > MOST_BODIES || plane_count > MOST_PLANES {
+            return Err(GpuError::TooManyBodies { bodies: drawn.len(), planes: plane_count });
+        }
+        if !(frame.step_mm.is_finite() && frame.step_mm > 0.0) {
+            return Err(GpuError::BadStep { step_mm: frame.step_mm });
+        }
+        let camera = &frame.camera;
+        let eye = camera.eye;
+        let mut bodies = Vec::with_capacity(drawn.len());
+        let mut planes = Vec::with_capacity(plane_count);
+        for (i, d) in drawn.iter().enumerate() {
+            let index_from_world: DAffine3 = grid.index_from_world() * d.pose.world_from_rest().inverse();
+            let m = index_from_world.matrix3;
+            bodies.push(CastBody {
+                column_x: narrow(m.x_axis),
+                first_plane: planes.len() as u32,
+                column_y: narrow(m.y_axis),
+                plane_count: d.planes.len() as u32,
+                column_z: narrow(m.z_axis),
+                mask: match d.mask {
+                    Mask::None => 0,
+                    Mask::Selection => 1,
+                    Mask::Background => 2,
+                },
+                eye: narrow(index_from_world.transform_point3(eye)),
+                code: 2 * (i as u32 + 1),
+                lo: narrow(d.bounds.min),
+                tells_selection: u32::from(d.selected.is_some()),
+                hi: narrow(d.bounds.max),
+                unused_a: 0,
+                tint: d.tint.unwrap_or([1.0; 3]),
+                unused_b: 0,
+            });
+            for plane in d.planes.iter().map(|p| d.pose.apply_plane(p)) {
+                let [x, y, z] = narrow(plane.normal);
+                planes.push([x, y, z, plane.distance(eye) as f32]);
+            }
+        }
+        let solids: Vec<_> = drawn.iter().map(|d| d.solid.clone()).collect();
+        let sight = Sight::of(camera);
+        let tiles = Tiles::of(&solids, &Order::of(&solids, sight), camera, window);
+        let passes = passes(drawn, sight, eye, frame.step_mm, &tiles);
+        Ok(Self { view: view(frame, window, lo, span), bodies, planes, tiles, passes })
+    }
+}
+
+/// The table's entries for a frame: opacity of a step, for MIP as it stands.
+pub(crate) fn table(frame: &Frame) -> Vec<[f32; 4]> {
+    frame.transfer.table(if frame.mode == Mode::Mip { frame.transfer.unit_mm } else { frame.step_mm })
+}
+
+fn narrow(v: DVec3) -> [f32; 3] {
+    v.as_vec3().to_array()
+}
+
+fn view(frame: &Frame, window: &Window, lo: f64, span: f64) -> View {
+    let camera = &frame.camera;
+    let (right, up) = camera.right_up();
+    let forward = camera.forward();
+    let half = camera.half_height();
+    let [w, h] = window.picture.map(f64::from);
+    let pixel = 2.0 * half / h.max(1.0);
+    let corner = forward + right * ((window.origin.x - 0.5 * w) * pixel) + up * ((0.5 * h - window.origin.y) * pixel);
+    let (first, last) = frame.transfer.domain();
+    // Halves, since their distance may be beyond all numbers.
+    let entries = (TABLE_ENTRIES - 1) as f64 * 0.5 / (last * 0.5 - first * 0.5);
+    let Overlay { colour, labels, selection, selection_colour, .. } = frame.overlay;
+    let light = frame.lighting.unwrap_or_default();
+    View {
+        corner: narrow(corner),
+        step_mm: frame.step_mm as f32,
+        dx: narrow(right * pixel),
+        perspective: u32::from(matches!(camera.projection, Projection::Perspective { .. })),
+        dy: narrow(up * -pixel),
+        iso: match frame.mode {
+            Mode::Iso(value) => ((value - lo) / span) as f32,
+            Mode::Dvr | Mode::Mip => 0.0,
+        },
+        forward: narrow(forward),
+        table_scale: (span * entries) as f32,
+        lighting: [light.ambient, light.diffuse, light.specular, light.power],
+        selection_colour,
+        table_bias: ((lo - first) * entries + 0.5) as f32,
+        colour_opacity: colour,
+        label_opacity: labels,
+        selection_opacity: selection,
+        k_from: 0.0,
+        k_to: 0.0,
+        width: window.size[0],
+        height: window.size[1],
+        unused_a: 0,
+    }
+}
+
+/// Divides the lattice so that no invocation loops too often.
+fn passes(drawn: &[Drawn], sight: Sight, eye: DVec3, step_mm: f64, tiles: &Tiles) -> Vec<[f32; 2]> {
+    let corners = || drawn.iter().flat_map(|d| d.solid.corners());
+    let far = |p: &DVec3| match sight {
+        Sight::Eye(_) => p.distance(eye),
+        Sight::Along(direction) => (*p - eye).dot(direction),
+    };
+    // Beyond that a sample's number is no whole number in 32-bit float, and a step of 1 leads nowhere.
+    const LAST: f64 = 16_777_216.0;
+    let last = ((corners().map(far).fold(0.0, f64::max) / step_mm).ceil() + 1.0).min(LAST);
+    // Nothing lies nearer than the plane through the nearest corner that rays cross: square to all of them in orthographic
+    // projection; from an eye any will do, best one across the mean direction.
+    let along = match sight {
+        Sight::Eye(_) => (corners().sum::<DVec3>() / corners().count().max(1) as f64 - eye).normalize_or_zero(),
+        Sight::Along(direction) => direction,
+    };
+    let nearest = corners().map(|p| (*p - eye).dot(along)).fold(f64::INFINITY, f64::min);
+    // A sample before it, since the GPU's narrower numbers may enter a body there.
+    let first = ((nearest / step_mm).floor() - 1.0).max(0.0);
+    // A sample costs at most four turns of loops per overlapping body, and five for the run it belongs to.
+    let stride = (ITERATIONS / (4.0 * tiles.longest_merged as f64 + 5.0)).floor().max(1.0);
+    let mut passes = Vec::new();
+    let mut from = first;
+    while from < last {
+        passes.push([from as f32, (from + stride) as f32]);
+        from += stride;
+    }
+    if passes.is_empty() {
+        passes.push([0.0, 0.0]);
+    }
+    passes
+}

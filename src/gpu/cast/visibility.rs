@@ -1,0 +1,136 @@
+//! How much of the selection is seen, and which bodies hide the rest.
+//!
+//! Feeds the viewing force's gain (ERRATA, Exploded Views). Counts pixels; the smaller the frame, the cheaper.
+
+use crate::gpu::cast::caster::Caster;
+use crate::gpu::cast::merging::drawn;
+use crate::gpu::cast::tiles::{TILE, Window};
+use crate::gpu::cast::uniforms::{MOST_BODIES, Scene};
+use crate::gpu::device::error::GpuError;
+use crate::gpu::device::gpu::Gpu;
+use crate::gpu::device::kernel::{Binding, Compute, Kernel};
+use crate::gpu::fields::pools::{FieldPools, Fields};
+use crate::gpu::picture::frame::{Frame, Mask};
+use crate::volume::{FieldKind, Mode};
+
+/// Samples along a ray are held below this by a longer step.
+const MOST_SAMPLES: f64 = 6000.0;
+
+/// Numbers of pixels.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Visibility {
+    /// Where the selected matter alone reaches opacity ½.
+    pub selected: u64,
+    /// Those of them with less than 5 % opacity before that sample.
+    pub visible: u64,
+    /// By id of every body that is not the selection: those that it alone hides by at least 5 %.
+    pub hidden_by: Vec<(u32, u64)>,
+}
+
+impl Visibility {
+    /// Visible share of the selected pixels, 1 if there are none.
+    pub fn share(&self) -> f64 {
+        if self.selected == 0 { 1.0 } else { self.visible as f64 / self.selected as f64 }
+    }
+}
+
+/// What counting needs on the GPU.
+#[derive(Debug)]
+pub(crate) struct Counter {
+    kernel: Kernel<Compute>,
+    counts: wgpu::Buffer,
+    answer: wgpu::Buffer,
+}
+
+impl Counter {
+    fn new(gpu: &Gpu) -> Self {
+        let size = 4 * (MOST_BODIES as u64 + 2);
+        let buffer = |label, usage| {
+            gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+        Self {
+            kernel: Kernel::new(gpu, "cast/visibility.wgsl", Compute("count"), &[Binding::Storage]),
+            counts: buffer("visibility counts", usage),
+            answer: buffer("visibility answer", wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST),
+        }
+    }
+}
+
+impl Caster {
+    /// Counts the selection's pixels in a frame, as if drawn by DVR; its bodies masked by [`Mask::Selection`] are the
+    /// selection, all others may hide it.
+    ///
+    /// # Errors
+    /// As [`Caster::image`].
+    pub fn visibility(
+        &mut self,
+        gpu: &Gpu,
+        pools: &mut FieldPools,
+        fields: &Fields<'_>,
+        frame: &Frame,
+    ) -> Result<Visibility, GpuError> {
+        let hiders = frame.bodies.iter().filter(|b| b.mask != Mask::Selection);
+        let mut answer = Visibility { hidden_by: hiders.map(|b| (b.id, 0)).collect(), ..Default::default() };
+        let running = pools.pinned(FieldKind::Selection);
+        let list = drawn(&frame.bodies, pools.grid(), fields, &running, false);
+        if frame.size.contains(&0) || !list.iter().any(|d| d.mask == Mask::Selection) {
+            return Ok(answer);
+        }
+        let length = 2.0 * pools.grid().world_bounds().half_diagonal();
+        let frame = Frame { mode: Mode::Dvr, step_mm: frame.step_mm.max(length / MOST_SAMPLES), ..frame.clone() };
+        pools.make_resident(gpu, fields, &frame)?;
+        let counts = gpu.scoped("visibility", || {
+            let scene = Scene::new(&frame, pools.grid(), &Window::whole(frame.size), &list, pools.value_of_texel())?;
+            self.set_table(gpu, &frame);
+            let lists = self.upload(gpu, &scene);
+            gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&scene.view));
+            let group = self.group(gpu, &lists, &self.nothing);
+            self.count(gpu, pools, &group, frame.size)
+        })?;
+        answer.selected = u64::from(counts[0]);
+        answer.visible = u64::from(counts[1]);
+        for (d, &count) in list.iter().zip(&counts[2..]) {
+            if let Some(hidden) = answer.hidden_by.iter_mut().find(|(id, _)| *id == d.members[0].0)
+                && d.mask != Mask::Selection
+            {
+                hidden.1 += u64::from(count);
+            }
+        }
+        Ok(answer)
+    }
+
+    fn count(
+        &mut self,
+        gpu: &Gpu,
+        pools: &FieldPools,
+        group: &wgpu::BindGroup,
+        size: [u32; 2],
+    ) -> Result<Vec<u32>, GpuError> {
+        let counter = self.visibility.get_or_insert_with(|| Counter::new(gpu));
+        let mut names: Vec<&'static str> = pools.defs(gpu).into_iter().map(|d| d.0).collect();
+        names.push("SELECTION");
+        let pipeline = counter.kernel.pipeline(gpu, &names, &[&self.layout, pools.layout()], &[])?;
+        let counts = counter.kernel.group(gpu, [counter.counts.as_entire_binding()]);
+        let mut encoder =
+            gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("visibility") });
+        encoder.clear_buffer(&counter.counts, 0, None);
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(&pipeline);
+            pass.set_bind_group(0, group, &[]);
+            pass.set_bind_group(1, pools.group(), &[]);
+            pass.set_bind_group(2, counts.as_ref(), &[]);
+            pass.dispatch_workgroups(size[0].div_ceil(TILE), size[1].div_ceil(TILE), 1);
+        }
+        encoder.copy_buffer_to_buffer(&counter.counts, 0, &counter.answer, 0, counter.counts.size());
+        gpu.queue.submit([encoder.finish()]);
+        let bytes = gpu.read_buffer(&counter.answer, "visibility")?;
+        Ok(bytes.chunks_exact(4).map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]])).collect())
+    }
+}

@@ -1,0 +1,10 @@
+//! The device and what every kernel needs of it: errors, the shader composer, structs shared with shaders, reading back.
+//!
+//! The lowest folder of the floor; knows no fields and no pictures.
+
+pub(crate) mod error;
+pub(crate) mod gpu;
+pub(crate) mod kernel;
+pub(crate) mod readback;
+pub mod shader;
+pub mod shared;

@@ -1,0 +1,111 @@
+//! Structs that Rust and WGSL share, declared once.
+//!
+//! Owns the [`Shared`] trait and the `shared_struct!` macro: a `repr(C)` plain-old-data struct that can list its members as
+//! WGSL sees them. A test reflects the shaders and compares. Vectors of three must be followed by a 4-byte member, so that
+//! Rust's packing and WGSL's alignment agree.
+
+/// A scalar's kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum Kind {
+    F32,
+    U32,
+    I32,
+    /// Another shared struct.
+    Struct,
+}
+
+/// A member of a shared struct.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Member {
+    /// Name in both languages.
+    pub name: &'static str,
+    /// Bytes from the struct's start.
+    pub offset: usize,
+    /// Bytes.
+    pub size: usize,
+    /// Kind of its scalars.
+    pub kind: Kind,
+}
+
+/// A struct that shaders see under the same name.
+pub trait Shared: bytemuck::Pod {
+    /// Its name in WGSL.
+    const NAME: &'static str;
+    /// Its members in order.
+    fn members() -> Vec<Member>;
+}
+
+/// A shared struct, described.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Declared {
+    /// Name in both languages.
+    pub name: &'static str,
+    /// Bytes.
+    pub size: usize,
+    /// Members in order.
+    pub members: Vec<Member>,
+}
+
+fn declared<T: Shared>() -> Declared {
+    Declared { name: T::NAME, size: size_of::<T>(), members: T::members() }
+}
+
+/// Every struct that a shader's buffers hold. A shader with another one fails a test.
+pub fn all() -> Vec<Declared> {
+    vec![
+        declared::<crate::gpu::fields::bindings::FieldInfo>(),
+        declared::<crate::gpu::brush::live_cells::CellsJob>(),
+        declared::<crate::gpu::brush::kernel::BrushDab>(),
+        declared::<crate::gpu::brush::kernel::BrushItem>(),
+        declared::<crate::gpu::brush::kernel::BrushStroke>(),
+        declared::<crate::gpu::cast::uniforms::CastBody>(),
+        declared::<crate::gpu::cast::uniforms::View>(),
+        declared::<crate::gpu::slice::Slice>(),
+    ]
+}
+
+/// The kind of a type's scalars.
+pub trait Scalars {
+    /// Kind.
+    const KIND: Kind;
+}
+impl Scalars for f32 {
+    const KIND: Kind = Kind::F32;
+}
+impl Scalars for u32 {
+    const KIND: Kind = Kind::U32;
+}
+impl Scalars for i32 {
+    const KIND: Kind = Kind::I32;
+}
+impl<T: Scalars, const N: usize> Scalars for [T; N] {
+    const KIND: Kind = T::KIND;
+}
+
+/// Declares a struct that is shared with WGSL: `shared_struct! { /// doc  pub struct Name { pub member: type, … } }`.
+#[macro_export]
+macro_rules! shared_struct {
+    ($(#[$meta:meta])* $vis:vis struct $name:ident { $($(#[$m:meta])* $mvis:vis $member:ident : $ty:ty,)* }) => {
+        $(#[$meta])*
+        #[repr(C)]
+        #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+        $vis struct $name { $($(#[$m])* $mvis $member: $ty,)* }
+
+        impl $crate::gpu::device::shared::Scalars for $name {
+            const KIND: $crate::gpu::device::shared::Kind = $crate::gpu::device::shared::Kind::Struct;
+        }
+
+        impl $crate::gpu::device::shared::Shared for $name {
+            const NAME: &'static str = stringify!($name);
+            fn members() -> Vec<$crate::gpu::device::shared::Member> {
+                vec![$($crate::gpu::device::shared::Member {
+                    name: stringify!($member),
+                    offset: std::mem::offset_of!($name, $member),
+                    size: std::mem::size_of::<$ty>(),
+                    kind: <$ty as $crate::gpu::device::shared::Scalars>::KIND,
+                },)*]
+            }
+        }
+    };
+}

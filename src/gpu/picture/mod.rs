@@ -1,0 +1,6 @@
+//! What is asked for and what comes back: frames, bodies, images. Plain data.
+//!
+//! Knows no device, but that images are read back from one.
+
+pub(crate) mod frame;
+pub(crate) mod image;

@@ -1,0 +1,59 @@
+//! How far a long command has got, told from whichever thread works, and whether it shall stop.
+//!
+//! The window sets the wish to stop, the worker takes it back before the next command. Knows of commands only that they are watched.
+
+use crate::document::Watch;
+use crate::ui::thread::session::Report;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::mpsc::Sender;
+
+/// The wish that a long command stop; copies are one wish.
+#[derive(Clone, Debug, Default)]
+pub struct Stop(Arc<AtomicBool>);
+
+impl Stop {
+    /// Says what is wished.
+    pub fn set(&self, stop: bool) {
+        self.0.store(stop, Ordering::Relaxed);
+    }
+
+    /// What is wished.
+    pub fn is_set(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// See the module's head.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Progress {
+    stop: Stop,
+    /// One more than the percent told last.
+    told: Arc<AtomicU32>,
+}
+
+impl Progress {
+    pub(crate) fn new(stop: Stop) -> Self {
+        Self { stop, told: Arc::default() }
+    }
+
+    /// Before a long command.
+    pub(crate) fn begin(&self) {
+        self.stop.set(false);
+        self.told.store(0, Ordering::Relaxed);
+    }
+
+    /// What the document tells: each percent is told once and never goes back.
+    pub(crate) fn watch(&self, reports: Sender<Report>, wake: egui::Context) -> Watch {
+        let Self { stop, told } = self.clone();
+        Watch::new(move |share| {
+            let percent = (share.clamp(0.0, 1.0) * 100.0) as u32;
+            if told.fetch_max(percent + 1, Ordering::Relaxed) <= percent {
+                // Nobody there: the worker finds out by itself.
+                let _gone = reports.send(Report::Progress(percent));
+                wake.request_repaint();
+            }
+            !stop.is_set()
+        })
+    }
+}

@@ -1,0 +1,91 @@
+//! Which views were drawn, and for the 3D view what lies at each pixel.
+
+use crate::document::{Scene, ViewName};
+use crate::explode::PartId;
+use crate::interact::Hit;
+use crate::interact::surface::Surface;
+use crate::math::{Camera, DVec2, DVec3, Pose};
+use crate::ui::thread::session::Picture;
+use std::cell::OnceCell;
+use std::collections::BTreeSet;
+
+/// See the module's head.
+#[derive(Default)]
+pub(crate) struct Pictures {
+    drawn: BTreeSet<ViewName>,
+    depth: Option<Depth>,
+}
+
+struct Depth {
+    size: [u32; 2],
+    depth_mm: Vec<f32>,
+    object: Vec<u32>,
+    camera: Camera,
+    /// Made when somebody asks.
+    surface: OnceCell<Surface>,
+}
+
+impl Pictures {
+    /// Forgets all, for another volume.
+    pub(crate) fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Notes a picture that is shown from now on.
+    pub(crate) fn take(&mut self, picture: Picture) {
+        self.drawn.insert(picture.view);
+        let pixels = picture.size[0] as usize * picture.size[1] as usize;
+        if picture.view == ViewName::ThreeD && picture.depth_mm.len() == pixels && picture.object.len() == pixels {
+            let Picture { size, depth_mm, object, camera, .. } = picture;
+            self.depth = Some(Depth { size, depth_mm, object, camera, surface: OnceCell::new() });
+        }
+    }
+
+    /// Notes that a view shows no picture any more.
+    pub(crate) fn lose(&mut self, view: ViewName) {
+        self.drawn.remove(&view);
+    }
+
+    /// Whether a view was drawn.
+    pub(crate) fn has(&self, view: ViewName) -> bool {
+        self.drawn.contains(&view)
+    }
+
+    /// The surface that the 3D view shows.
+    pub(crate) fn surface(&self) -> Option<&Surface> {
+        let depth = self.depth.as_ref()?;
+        let Depth { size, depth_mm, object, camera, surface } = depth;
+        Some(surface.get_or_init(|| Surface::new(camera, *size, depth_mm, object)))
+    }
+
+    /// What lies under a pixel of the 3D view of the given size.
+    pub(crate) fn hit(&self, px: DVec2, size: [u32; 2], scene: &Scene) -> Option<Hit> {
+        let depth = self.depth.as_ref()?;
+        let of = |a: usize| {
+            let at = px[a] * f64::from(depth.size[a]) / f64::from(size[a].max(1));
+            (at >= 0.0 && at < f64::from(depth.size[a])).then_some(at as usize)
+        };
+        let i = of(0)? + of(1)? * depth.size[0] as usize;
+        let along = f64::from(*depth.depth_mm.get(i)?);
+        if !along.is_finite() {
+            return None;
+        }
+        let world = depth.camera.ray(px, size).at(along);
+        let part = part_of(scene, depth.object[i].checked_sub(1)?, world);
+        let depth_mm = (world - depth.camera.eye).dot(depth.camera.forward());
+        Some(Hit { world, part, depth_mm })
+    }
+}
+
+/// The part that a body is. While all parts are at rest they are drawn as one body, which is in no part's name: the part is then
+/// the one that holds the point.
+fn part_of(scene: &Scene, body: u32, world: DVec3) -> Option<PartId> {
+    let parts = &scene.explosion.parts;
+    if let Some(part) = parts.iter().find(|p| p.id.0 == body) {
+        return Some(part.id);
+    }
+    if parts.iter().any(|p| p.pose != Pose::IDENTITY) {
+        return None;
+    }
+    scene.explosion.holding(world).map(|p| p.id)
+}

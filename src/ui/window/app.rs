@@ -1,0 +1,389 @@
+//! The window's state, and how commands leave it and reports reach it.
+
+use crate::document::{Command, OpenAs, ProjectCommand, Scene, ViewCommand, ViewName, VolumeCommand};
+use crate::explode::PartId;
+use crate::interact::{Context, Event, Interaction};
+use crate::ui::browse::names::shown;
+use crate::ui::dialogs::Dialog;
+use crate::ui::dialogs::export::Export;
+use crate::ui::dialogs::files::{Chosen, Parked, has_file_dialog};
+use crate::ui::dialogs::picture::Wish;
+use crate::ui::panels::messages::{Message, Toast};
+use crate::ui::panels::transfer::TransferEditor;
+use crate::ui::style::theme;
+use crate::ui::thread::prediction::echo;
+use crate::ui::thread::session::{Gravity, Opened, Request, Session, Snapshot};
+use crate::ui::views::hit_buffer::Pictures;
+use crate::ui::views::trail::Trail;
+use crate::ui::views::viewport::Viewports;
+use crate::ui::views::viewport::canvas::{Canvas, Grounds};
+use crate::ui::window::borders::Borders;
+use crate::ui::window::layout::Layout;
+use crate::ui::window::lesson::Lesson;
+use crate::ui::window::notes::Note;
+use crate::ui::window::recent::Recent;
+use crate::ui::window::saving::AfterSave;
+use crate::volume::FieldKind;
+use egui::{Id, Ui};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+/// See the module's head.
+pub struct App {
+    pub(crate) session: Session,
+    pub(crate) snapshot: Arc<Snapshot>,
+    /// The snapshot's scene and what was sent since.
+    pub(crate) scene: Option<Scene>,
+    pub(crate) interaction: Interaction,
+    pub(crate) viewports: Viewports,
+    pub(crate) pictures: Pictures,
+    pub(crate) grounds: Grounds,
+    /// How the window is divided; changed by borders and headings alone.
+    pub(crate) layout: Layout,
+    pub(crate) borders: Borders,
+    pub(crate) messages: Vec<Message>,
+    pub(crate) messages_open: bool,
+    pub(crate) toasts: Vec<Toast>,
+    pub(crate) keys_open: bool,
+    pub(crate) dialog: Option<Dialog>,
+    /// The browser of a path that is being tried.
+    pub(crate) parked: Option<Parked>,
+    /// Whether the system shows file dialogs; without them the browser does.
+    pub(crate) system_dialogs: bool,
+    /// How many files were glanced at.
+    pub(crate) glances: u64,
+    /// How the last picture was wished.
+    pub(crate) picture_wish: Wish,
+    /// What was exported last.
+    pub(crate) export_wish: Export,
+    /// The first steps on the sample.
+    pub(crate) lesson: Option<Lesson>,
+    pub(crate) recent: Recent,
+    /// Somebody has looked which of them are still there.
+    pub(crate) recent_looked: bool,
+    pub(crate) home: Option<PathBuf>,
+    /// To be woken by other threads.
+    pub(crate) context: egui::Context,
+    pub(crate) busy: Option<Busy>,
+    /// Since when the document has not caught up (seconds of egui's clock).
+    pub(crate) behind_since: Option<f64>,
+    pub(crate) probe: serde_json::Value,
+    /// Whether what is under a resting pointer may be another value now.
+    pub(crate) probe_again: bool,
+    /// The 3D stroke that no picture shows yet.
+    pub(crate) trail: Trail,
+    pub(crate) note: Option<Note>,
+    /// Whether the 3D view is to be drawn anew, or finer.
+    pub(crate) refining: bool,
+    /// Since when, with no hand on anything.
+    pub(crate) refining_since: Option<f64>,
+    /// When the wheel turned a view last; its turns until it rests are one change.
+    pub(crate) wheeled: Option<f64>,
+    pub(crate) transfer: TransferEditor,
+    /// The part whose row in the list is under the pointer.
+    pub(crate) pointed_part: Option<PartId>,
+    pub(crate) last_paint: BTreeMap<&'static str, crate::paint::Target>,
+    /// The control whose drag is one step of history.
+    pub(crate) group: Option<Id>,
+    pub(crate) chosen: (Sender<Chosen>, Receiver<Chosen>),
+    /// What came from there and waits until a question is answered.
+    pub(crate) later: Vec<Chosen>,
+    /// What a save was asked for on the way to; forgotten when a save is asked for its own sake.
+    pub(crate) after_save: Option<AfterSave>,
+    pub(crate) closing: bool,
+    /// Events that wait for the next frame.
+    pub(crate) held_back: Vec<egui::Event>,
+    title: String,
+    /// The zoom that the window's size asked for; 0 before the first pass.
+    zoom: f32,
+}
+
+/// What takes its time.
+#[derive(Clone, Debug)]
+pub(crate) struct Busy {
+    pub(crate) what: String,
+    /// Seconds of egui's clock.
+    pub(crate) since: f64,
+    /// Done; `None` if that is not known.
+    pub(crate) percent: Option<u32>,
+    /// Whether it was asked to stop.
+    pub(crate) stopping: bool,
+}
+
+impl App {
+    /// A window on a session.
+    pub fn new(session: Session) -> Self {
+        Self {
+            session,
+            snapshot: Arc::default(),
+            scene: None,
+            interaction: Interaction::default(),
+            viewports: Viewports::default(),
+            pictures: Pictures::default(),
+            grounds: Grounds::default(),
+            layout: Layout::default(),
+            borders: Borders::default(),
+            messages: Vec::new(),
+            messages_open: false,
+            toasts: Vec::new(),
+            keys_open: false,
+            dialog: None,
+            parked: None,
+            system_dialogs: false,
+            glances: 0,
+            picture_wish: Wish::default(),
+            export_wish: Export::of(FieldKind::Labels),
+            lesson: None,
+            recent: Recent::default(),
+            recent_looked: false,
+            home: None,
+            context: egui::Context::default(),
+            busy: None,
+            behind_since: None,
+            probe: serde_json::Value::Null,
+            probe_again: false,
+            trail: Trail::default(),
+            note: None,
+            refining: false,
+            refining_since: None,
+            wheeled: None,
+            transfer: TransferEditor::default(),
+            pointed_part: None,
+            last_paint: BTreeMap::new(),
+            group: None,
+            chosen: channel(),
+            later: Vec::new(),
+            after_save: None,
+            closing: false,
+            held_back: Vec::new(),
+            title: String::new(),
+            zoom: 0.0,
+        }
+    }
+
+    /// The same with something to draw pictures on; without it the window has controls only.
+    pub fn with_canvas(self, canvas: Canvas) -> Self {
+        Self { grounds: Grounds::on(canvas), ..self }
+    }
+
+    /// The same with the layout that a file keeps, and keeps it there.
+    pub fn with_layout(self, kept_in: PathBuf) -> Self {
+        Self { layout: Layout::read(&kept_in), borders: Borders::kept_in(kept_in), ..self }
+    }
+
+    /// The same with a list of what was open lately, and the user's home folder.
+    pub fn with_files(self, recent: Recent, home: Option<PathBuf>) -> Self {
+        Self { recent, home, ..self }
+    }
+
+    /// The same with the system's file dialogs, if it has any; without them the window's own browser asks for paths.
+    pub fn with_system_dialogs(self) -> Self {
+        Self { system_dialogs: has_file_dialog(), ..self }
+    }
+
+    /// The open volume, if any.
+    pub(crate) fn opened(&self) -> Option<&Opened> {
+        self.snapshot.open.as_ref()
+    }
+
+    /// Sends a command and lets the window's copy follow.
+    pub(crate) fn send(&mut self, command: Command) {
+        if let Some(scene) = &mut self.scene {
+            echo(scene, &command);
+        }
+        self.request(Request::Apply(command));
+    }
+
+    pub(crate) fn request(&mut self, request: Request) {
+        if !self.session.send(request) && !self.closing {
+            self.closing = true;
+            self.say(Gravity::Error, "The part of the program that keeps the volume has stopped. The journal on disk holds your work up to now: close the window and open the project again.".into());
+        }
+    }
+
+    /// Gives a tool what the hand did.
+    pub(crate) fn interact(&mut self, event: Event) {
+        let (Some(scene), Some(open)) = (&self.scene, &self.snapshot.open) else { return };
+        let was = self.interaction.gesture().is_some();
+        let grid = open.grid;
+        let context = Context { scene, grid: &grid, voxel_mm: grid.voxel_mm() };
+        let commands = self.interaction.handle(event, &context);
+        let is = self.interaction.gesture().is_some();
+        if is && !was {
+            // What a control or the wheel had begun ends here: a gesture is a change of its own.
+            self.end_wheel();
+            self.end_group();
+            let view = self.viewports.captured.map_or(self.viewports.last_used, |(_, view)| view);
+            self.request(Request::Held(Some(view)));
+        }
+        let at = match event {
+            Event::Press(_, e) | Event::Move(e) | Event::Release(_, e) if e.view == ViewName::ThreeD => Some(e),
+            _ => None,
+        };
+        for command in commands {
+            let stroke = match &command {
+                Command::Stroke(stroke) => Some(stroke.clone()),
+                _ => None,
+            };
+            self.send(command);
+            if let Some(stroke) = stroke {
+                self.follow_stroke(&stroke, at);
+            }
+        }
+        if was && !is {
+            self.request(Request::Held(None));
+        }
+    }
+
+    /// Opens whatever a path is: a project folder or a volume. What is open is replaced.
+    pub fn open(&mut self, path: &Path) {
+        // A dialog of the system may show a project's files and not let the folder be chosen.
+        let manifest = path.file_name().is_some_and(|name| name == "project.json");
+        let path = if manifest { path.parent().unwrap_or(path) } else { path };
+        if path.is_dir() {
+            self.send(Command::Project(ProjectCommand::Open { path: path.into(), source: None, generation: None }));
+        } else {
+            self.open_as(path.into(), OpenAs::Image);
+        }
+    }
+
+    /// Opens a volume.
+    pub(crate) fn open_as(&mut self, path: PathBuf, open_as: OpenAs) {
+        self.send(Command::Volume(VolumeCommand::Open {
+            path,
+            component: crate::document::USUAL_COMPONENT,
+            frame: 0,
+            range: None,
+            open_as,
+        }));
+    }
+
+    /// First thing: opens what was named, and asks for what a crash left behind.
+    pub(crate) fn start(&mut self, open: Option<&Path>, warning: Option<String>) {
+        if let Some(warning) = warning {
+            self.warn_until("project.save", warning);
+        }
+        if let Some(path) = open {
+            self.open_asked(path.into());
+        }
+        self.send(Command::Project(ProjectCommand::Lost {}));
+    }
+
+    /// Asks what takes its time to stop.
+    pub(crate) fn stop(&mut self) {
+        self.wait_no_more();
+        self.parked = None;
+        if let Some(busy) = &mut self.busy {
+            busy.stopping = true;
+            self.session.stop();
+        }
+    }
+
+    fn show_title(&mut self, ctx: &egui::Context) {
+        let title = format!("{} – Burin", self.document_title());
+        if title != self.title {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+    }
+
+    /// The document's name, with a star while there is something to lose.
+    pub(crate) fn document_title(&self) -> String {
+        let Some(open) = self.opened() else { return "Nothing open".into() };
+        let path = self.snapshot.project.as_deref().unwrap_or(&open.scene.origin.path);
+        let name = shown(path.file_name().unwrap_or(path.as_os_str()));
+        if self.snapshot.unsaved { format!("{name}*") } else { name }
+    }
+
+    /// Puts the theme on, and larger text where the window becomes large; what the user zooms by hand stays until then.
+    fn scale(&mut self, ctx: &egui::Context) {
+        if self.zoom == 0.0 {
+            theme::apply(ctx);
+            self.fold_as_kept(ctx);
+        }
+        let native = ctx.native_pixels_per_point().unwrap_or(1.0);
+        let zoom = theme::zoom_for(ctx.viewport_rect().height() * ctx.pixels_per_point(), native);
+        if zoom != self.zoom {
+            self.zoom = zoom;
+            ctx.set_zoom_factor(zoom);
+        }
+    }
+
+    /// One pass over the window.
+    pub fn show(&mut self, ui: &mut Ui) {
+        let ctx = ui.ctx().clone();
+        self.context = ctx.clone();
+        self.scale(&ctx);
+        self.rest_wheel(&ctx);
+        self.take_reports(&ctx);
+        self.pointed_part = None;
+        self.take_files(&ctx);
+        self.guard_close(&ctx);
+        self.take_keys(&ctx);
+        self.grounds.begin(ui);
+        self.top_bar(ui);
+        self.status_bar(ui);
+        self.lesson_strip(ui);
+        self.message_list(ui);
+        self.left_panel(ui);
+        self.right_panel(ui);
+        self.central(ui);
+        self.drag_borders(ui);
+        self.keep_folds(&ctx);
+        self.key_page(&ctx);
+        self.show_note(&ctx);
+        self.dialogs(&ctx);
+        self.drop_hint(&ctx);
+        if let Err(error) = self.grounds.end(ui) {
+            self.say(Gravity::Error, error.to_string());
+        }
+        self.rest_control(&ctx);
+        // A window that loses the focus never hears the button go up.
+        let left = ctx.input(|i| i.events.contains(&egui::Event::WindowFocused(false)));
+        if left && self.viewports.captured.take().is_some() {
+            self.viewports.pressure = 1.0;
+            self.interact(Event::Abort);
+        }
+        self.show_title(&ctx);
+        let now = ctx.input(|i| i.time);
+        let behind = self.snapshot.serial < self.session.serial();
+        self.behind_since = if behind { self.behind_since.or(Some(now)) } else { None };
+        if behind {
+            ctx.request_repaint_after(std::time::Duration::from_millis(50));
+        }
+        if self.busy.is_some() {
+            ctx.request_repaint_after(std::time::Duration::from_millis(100));
+        }
+    }
+
+    /// Tells the session which views are on the screen.
+    pub(crate) fn report_views(&mut self, shown: Vec<ViewName>, sizes: Vec<(ViewName, [u32; 2])>) {
+        if self.viewports.shown != shown {
+            self.viewports.shown.clone_from(&shown);
+            self.request(Request::Show(shown));
+        }
+        for (view, size) in sizes {
+            if self.viewports.sizes.insert(view, size) != Some(size) {
+                self.send(Command::View(ViewCommand::Size { view, size }));
+            }
+        }
+    }
+}
+
+impl eframe::App for App {
+    fn on_exit(&mut self) {
+        if self.closing || !self.snapshot.unsaved {
+            self.request(Request::Quit);
+        }
+    }
+
+    fn raw_input_hook(&mut self, ctx: &egui::Context, raw: &mut egui::RawInput) {
+        self.hold_back(ctx, raw);
+    }
+
+    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+        self.show(ui);
+    }
+}
