@@ -63,7 +63,7 @@ pub enum DocumentError {
     Explode(#[from] ExplodeError),
     /// Saving, journal or recovery failed.
     #[error(transparent)]
-    Keep(#[from] crate::document::project::error::KeepError),
+    Keep(#[from] crate::document::disk::error::KeepError),
     /// A volume file that cannot be read or written.
     #[error(transparent)]
     Io(IoError),

@@ -2,7 +2,7 @@
 
 use crate::document::error::DocumentError;
 use crate::document::scene::ViewName;
-use crate::document::slice_plane::SlicePlane;
+use crate::document::scene::slice_plane::SlicePlane;
 use crate::document::state::State;
 use crate::explode::{Explosion, PartId};
 use crate::gpu::{Body, Frame, Mask, Overlay, SliceFrame};

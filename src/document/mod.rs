@@ -7,6 +7,7 @@
 
 mod apply;
 mod command;
+pub mod disk;
 mod error;
 mod frame;
 mod history;
@@ -15,7 +16,6 @@ pub(crate) mod live;
 mod place;
 pub mod project;
 mod scene;
-mod slice_plane;
 mod state;
 mod watch;
 
@@ -26,30 +26,30 @@ pub use command::parts::*;
 pub use command::paths::at_home;
 pub use command::views::*;
 pub use command::*;
+pub use disk::error::KeepError;
+pub use disk::source_files::SourceFiles;
 pub use error::DocumentError;
 pub use frame::SELECTION_COLOUR;
-pub use history::past::Past;
 pub use history::spill::remove_dead_history;
 pub use history::{DEFAULT_BUDGET_BYTES, History};
 pub use journal::autosave::Keeper;
 pub use journal::loaded::{KeptDocument, Recovered};
 pub use journal::recovery;
-pub use project::error::KeepError;
 pub use project::read::{LoadedDensity, Wanted};
 pub use project::source::ZarrSource;
-pub use project::source_files::SourceFiles;
 pub use project::store::{DensityKeeping, Saved};
+pub use scene::past::{Past, PastOf};
+pub use scene::slice_plane::{SlicePlane, side_letter};
 pub use scene::*;
-pub use slice_plane::{SlicePlane, side_letter};
 pub use state::State;
 pub use watch::Watch;
 
 use crate::document::apply::stroke::Running;
 use crate::document::history::edit::Edit;
-use crate::document::history::past::PastGroup;
 use crate::document::history::step::Refreshed;
 use crate::document::live::graphics::Graphics;
 use crate::document::live::motion::Motion;
+use crate::document::scene::past::PastGroup;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 

@@ -4,7 +4,7 @@ use crate::document::Document;
 use crate::document::command::Place;
 use crate::document::error::DocumentError;
 use crate::document::scene::ViewName;
-use crate::document::slice_plane::SlicePlane;
+use crate::document::scene::slice_plane::SlicePlane;
 use crate::document::state::State;
 use crate::gpu::Hit;
 use crate::math::{DVec2, DVec3};

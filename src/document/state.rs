@@ -3,10 +3,10 @@
 //! This is all that a save writes and all that undo brings back. Knows neither history nor the GPU, and can be built on a
 //! thread of its own, since reading a volume takes seconds.
 
+use crate::document::disk::source_files::SourceFiles;
 use crate::document::error::DocumentError;
-use crate::document::history::past::Past;
-use crate::document::project::source_files::SourceFiles;
 use crate::document::scene::Scene;
+use crate::document::scene::past::Past;
 use crate::io::FileMark;
 use crate::paint::Reach;
 use crate::volume::{BrickSource, DensityMap, Field, FieldKind, Grid, Histogram, Statistics, TexelFormat, unit};

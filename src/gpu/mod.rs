@@ -24,3 +24,18 @@ pub use fields::skip_maps::{Shows, distances};
 pub use picture::frame::{Body, Frame, Mask, Overlay};
 pub use picture::image::{Image, ImageError};
 pub use slice::{SliceCaster, SliceFrame};
+
+/// Every struct that a shader's buffers hold. A shader with another one fails a test.
+pub fn shared_structs() -> Vec<device::shared::Declared> {
+    use device::shared::declared;
+    vec![
+        declared::<fields::bindings::FieldInfo>(),
+        declared::<brush::live_cells::CellsJob>(),
+        declared::<brush::kernel::BrushDab>(),
+        declared::<brush::kernel::BrushItem>(),
+        declared::<brush::kernel::BrushStroke>(),
+        declared::<cast::uniforms::CastBody>(),
+        declared::<cast::uniforms::View>(),
+        declared::<slice::Slice>(),
+    ]
+}

@@ -1,7 +1,8 @@
 //! Every shader under every condition: it composes, validates, and its buffers hold what Rust declares.
 
 use burin::gpu::device::shader::{Def, compose, conditions, kernels, one_of};
-use burin::gpu::device::shared::{Declared, Kind, all};
+use burin::gpu::device::shared::{Declared, Kind};
+use burin::gpu::shared_structs;
 use wgpu::naga;
 
 /// All subsets of few conditions; of many: none, all, each alone, each left out. Of those that exclude each other one each time.
@@ -74,7 +75,7 @@ fn check(module: &naga::Module, ty: naga::Handle<naga::Type>, declared: &[Declar
 
 #[test]
 fn every_shader_composes_validates_and_shares_its_structs_with_rust() {
-    let declared = all();
+    let declared = shared_structs();
     let mut seen = std::collections::BTreeSet::new();
     for file in kernels() {
         for defs in variants(file) {

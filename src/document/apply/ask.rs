@@ -3,10 +3,10 @@
 use crate::document::Document;
 use crate::document::apply::view::checked;
 use crate::document::command::Question;
-use crate::document::command::views::PastOf;
 use crate::document::error::DocumentError;
 use crate::document::frame::WHOLE;
 use crate::document::place::check_size;
+use crate::document::scene::past::PastOf;
 use crate::document::state::State;
 use crate::math::DVec2;
 use crate::volume::{BrickIndex, FieldKind, Number, SourceError, Total};

@@ -139,7 +139,7 @@ impl Document {
                 self.keeper = Some(keeper);
                 saved
             }
-            (None, None) => return Err(crate::document::project::error::KeepError::NoPath.into()),
+            (None, None) => return Err(crate::document::disk::error::KeepError::NoPath.into()),
         };
         self.unsaved = false;
         Ok(saved)

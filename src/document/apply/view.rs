@@ -1,13 +1,14 @@
 //! Commands on cameras, slices, looks and layers.
 
 use crate::document::Document;
-use crate::document::command::views::{PastOf, ViewCommand};
+use crate::document::command::views::ViewCommand;
 use crate::document::error::DocumentError;
 use crate::document::history::edit::Edit;
-use crate::document::history::past::PastGroup;
 use crate::document::place::check_size;
+use crate::document::scene::past::PastGroup;
+use crate::document::scene::past::PastOf;
+use crate::document::scene::slice_plane::SlicePlane;
 use crate::document::scene::{Layer, ViewName, Views, Window};
-use crate::document::slice_plane::SlicePlane;
 use crate::document::state::State;
 use crate::math::{Aabb, Camera, DVec2, DVec3, Projection};
 use crate::volume::{Lighting, Mode};

@@ -5,11 +5,11 @@
 
 use crate::document::command::files::{ProjectCommand, RenderCommand, VolumeCommand};
 use crate::document::command::{Command, SegmentCommand, SelectionCommand};
+use crate::document::disk::lock::LOCK;
+use crate::document::disk::source_files::SourceFiles;
 use crate::document::error::DocumentError;
-use crate::document::project::lock::LOCK;
 use crate::document::project::manifest::PROJECT;
 use crate::document::project::read::{check_project, generation_of};
-use crate::document::project::source_files::SourceFiles;
 use crate::io::FileMark;
 use std::path::{Path, PathBuf};
 

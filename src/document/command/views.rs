@@ -3,6 +3,7 @@
 #![allow(missing_docs)] // fields: the command's own text says what they are
 
 use crate::document::command::Place;
+use crate::document::scene::past::PastOf;
 use crate::document::scene::{Layer, ViewName};
 use crate::math::Camera;
 use crate::volume::{Lighting, Mode, TransferFunction};
@@ -78,14 +79,4 @@ pub enum ViewCommand {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         of: Option<PastOf>,
     },
-}
-
-/// What `view.back` walks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum PastOf {
-    /// Cameras, slices, crosshair.
-    Views,
-    /// Transfer function, look, window, layers.
-    Looks,
 }

@@ -5,7 +5,6 @@
 
 pub(crate) mod edit;
 pub(crate) mod packed;
-pub(crate) mod past;
 pub(crate) mod spill;
 pub(crate) mod step;
 

@@ -3,7 +3,7 @@
 //! A folder is its owner's alone and has a lock in it, which the system gives back when the process ends, however it ends. A
 //! folder whose lock nobody holds is nobody's. Knows no steps.
 
-use crate::document::project::lock::Lock;
+use crate::document::disk::lock::Lock;
 use std::path::Path;
 use tempfile::TempDir;
 

@@ -4,15 +4,15 @@
 //! done and never looks for itself. Dropping it leaves everything to be found at the next start, as a crash would.
 
 use crate::document::command::Command;
+use crate::document::disk::error::KeepError;
+use crate::document::disk::files::remove_dir;
+use crate::document::disk::lock::Lock;
+use crate::document::journal::Journal;
 use crate::document::journal::loaded::KeptDocument;
 use crate::document::journal::recovery;
 use crate::document::journal::replay::{Replay, free_aside};
-use crate::document::journal::{HEADER, Journal};
-use crate::document::project::error::KeepError;
-use crate::document::project::files::remove_dir;
 use crate::document::project::link::Link;
-use crate::document::project::lock::Lock;
-use crate::document::project::manifest::{Kept, MANIFEST, Manifest};
+use crate::document::project::manifest::{JOURNAL_HEADER, Kept, MANIFEST, Manifest};
 use crate::document::project::read::{Wanted, load, named, read_unsaved};
 use crate::document::project::store::{Committed, DensityKeeping, Saved, Store};
 use crate::document::state::State;
@@ -50,7 +50,7 @@ impl Keeper {
         let (dir, lock) = recovery::create(state_dir)?;
         let start = || {
             let manifest = Manifest::of(0, state, Kept::Linked(link), BTreeMap::new());
-            crate::document::project::files::write_new(&dir.join(MANIFEST), &manifest.json()?)?;
+            crate::document::disk::files::write_new(&dir.join(MANIFEST), &manifest.json()?)?;
             Journal::create(&dir.join(recovery::JOURNAL), 0, &state.scene, &state.past, state.density.map())
         };
         match start() {
@@ -300,7 +300,7 @@ fn save_into(
     let start = |generation| {
         let path = dir.join(journal_name(generation));
         // Of a generation that is no more; whatever steps are in it are somebody's.
-        if path.symlink_metadata().is_ok_and(|about| about.is_file() && about.len() > HEADER) {
+        if path.symlink_metadata().is_ok_and(|about| about.is_file() && about.len() > JOURNAL_HEADER) {
             std::fs::rename(&path, free_aside(&path)).map_err(KeepError::io("set aside", &path))?;
         }
         Journal::create(&path, generation, &state.scene, &state.past, state.density.map())
@@ -354,7 +354,7 @@ fn remove_older_journals(dir: &Path, read: u64, current: u64) {
         };
         let Some(number) = number else { continue };
         let path = entry.path();
-        let unread = number > read && entry.metadata().is_ok_and(|about| about.len() > HEADER);
+        let unread = number > read && entry.metadata().is_ok_and(|about| about.len() > JOURNAL_HEADER);
         let gone = if unread { std::fs::rename(&path, free_aside(&path)) } else { std::fs::remove_file(&path) };
         gone.unwrap_or_else(|e| tracing::warn!("{}: {e}", path.display()));
     }

@@ -1,12 +1,12 @@
 //! A document as it was kept: a generation with its journal laid over it, ready to become a [`State`] again.
 
+use crate::document::disk::error::KeepError;
+use crate::document::disk::source_files::SourceFiles;
 use crate::document::error::DocumentError;
-use crate::document::history::past::Past;
 use crate::document::journal::replay::Replay;
-use crate::document::project::error::KeepError;
 use crate::document::project::fields::Edits;
 use crate::document::project::read::{Loaded, LoadedDensity};
-use crate::document::project::source_files::SourceFiles;
+use crate::document::scene::past::Past;
 use crate::document::scene::{Origin, Scene};
 use crate::document::state::State;
 use crate::paint::Sample;

@@ -15,13 +15,14 @@ pub(crate) mod replay;
 
 use crate::document::command::Command;
 use crate::document::command::files::VolumeCommand;
-use crate::document::history::past::{Past, PastDelta};
+use crate::document::disk::error::KeepError;
+use crate::document::disk::files::sync_dir;
 use crate::document::journal::record::{
     BrickEntry, Kind, RECORD_HEAD, SamplesHead, StepHead, decode, encode, encode_brick, runs,
 };
-use crate::document::project::error::KeepError;
-use crate::document::project::files::sync_dir;
+use crate::document::project::manifest::JOURNAL_HEADER;
 use crate::document::scene::Scene;
+use crate::document::scene::past::{Past, PastDelta};
 use crate::document::state::State;
 use crate::io::disk;
 use crate::paint::Sample;
@@ -35,7 +36,6 @@ use std::path::{Path, PathBuf};
 
 pub(crate) const MAGIC: &[u8; 8] = b"BURINJNL";
 pub(crate) const VERSION: u32 = 1;
-pub(crate) const HEADER: u64 = 28;
 /// A journal below this is not worth gathering.
 const GATHER_ABOVE: u64 = 4 << 20;
 
@@ -132,7 +132,7 @@ impl Journal {
         Self {
             path: path.to_owned(),
             file,
-            end: HEADER,
+            end: JOURNAL_HEADER,
             generation,
             sequence,
             now,
@@ -141,7 +141,7 @@ impl Journal {
             stroke_runs: false,
             pending: VecDeque::new(),
             gather_above: GATHER_ABOVE,
-            found: Some(HEADER),
+            found: Some(JOURNAL_HEADER),
         }
     }
 
@@ -226,7 +226,7 @@ impl Journal {
 
     /// Whether it held anything when it was opened.
     pub fn found_anything(&self) -> bool {
-        self.found != Some(HEADER)
+        self.found != Some(JOURNAL_HEADER)
     }
 
     /// Takes off what was written since it was opened. What was gathered meanwhile cannot be told apart and stays.
@@ -294,7 +294,7 @@ impl Journal {
         let mut places: Vec<_> = self.live.values().copied().collect();
         places.sort_unstable();
         let ends = runs(places.iter().map(|(_, length)| *length));
-        let (mut end, mut sequence, mut from) = (HEADER, self.sequence, 0);
+        let (mut end, mut sequence, mut from) = (JOURNAL_HEADER, self.sequence, 0);
         let mut noted = Vec::new();
         for (i, &to) in ends.iter().enumerate() {
             let mut bricks = Vec::new();
@@ -319,7 +319,7 @@ impl Journal {
         disk::rename(&beside, &self.path).map_err(doing)?;
         // From here on the path names the new file.
         (self.file, self.end, self.sequence) = (file, end, sequence);
-        self.found = self.found.filter(|&found| found == HEADER);
+        self.found = self.found.filter(|&found| found == JOURNAL_HEADER);
         noted.iter().for_each(|(entries, body_at)| self.note(entries, *body_at));
         self.path.parent().map_or(Ok(()), sync_dir)
     }
@@ -345,7 +345,7 @@ fn start(path: &Path, generation: u64, first_sequence: u64) -> Result<File, Keep
     header.extend(generation.to_le_bytes());
     header.extend(first_sequence.to_le_bytes());
     let write = || {
-        let mut file = crate::document::project::inside::create_anew(path)?;
+        let mut file = crate::document::disk::inside::create_anew(path)?;
         let begun = file.write_all(&header).and_then(|()| disk::sync(&file, path));
         if begun.is_err() {
             // Half a header would be taken for damage.

@@ -4,7 +4,7 @@
 //! `sequence u64, kind u8, head length u32, head (JSON), bricks`; a brick is `field u8, x, y, z u32, state u8` and its content:
 //! nothing (0, the edit is gone), 4 bytes (1, uniform), `length u32` and lz4 (2, dense). All little-endian. Knows no files.
 
-use crate::document::history::past::PastDelta;
+use crate::document::scene::past::PastDelta;
 use crate::paint::Sample;
 use crate::volume::{BRICK_VOXELS, Brick, BrickIndex, DensityMap, FieldKind, TexelFormat};
 use serde::{Deserialize, Serialize};

@@ -4,11 +4,11 @@
 //! removes its folder; what a crash leaves is offered at the next start. Whoever calls names the place; for programs it is
 //! [`state_dir`].
 
+use crate::document::disk::error::KeepError;
+use crate::document::disk::files::{create_dir, remove_dir};
+use crate::document::disk::inside;
+use crate::document::disk::lock::Lock;
 use crate::document::journal::Journal;
-use crate::document::project::error::KeepError;
-use crate::document::project::files::{create_dir, remove_dir};
-use crate::document::project::inside;
-use crate::document::project::lock::Lock;
 use crate::document::project::manifest::Manifest;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;

@@ -3,14 +3,15 @@
 //! Nothing is executed: the latest content of every touched brick and the latest parts of the scene are found, and laid over
 //! the generation. Memory follows the bricks touched, never what a damaged length claims.
 
-use crate::document::history::past::Past;
+use crate::document::disk::error::KeepError;
+use crate::document::disk::inside;
 use crate::document::journal::record::{
     BrickEntry, Kind, RECORD_HEAD, Record, SamplesHead, StepHead, checksum, decode, decode_brick,
 };
-use crate::document::journal::{HEADER, Journal, MAGIC, Now, VERSION};
-use crate::document::project::error::KeepError;
-use crate::document::project::inside;
+use crate::document::journal::{Journal, MAGIC, Now, VERSION};
+use crate::document::project::manifest::JOURNAL_HEADER;
 use crate::document::scene::Scene;
+use crate::document::scene::past::Past;
 use crate::paint::Sample;
 use crate::volume::{Brick, BrickIndex, DensityMap, FieldKind};
 use serde_json::{Map, Value};
@@ -114,9 +115,9 @@ impl Journal {
         let (dir, name) = place(path);
         let reading = |e| KeepError::io("read", path)(e);
         let file = inside::open(dir, &name).map_err(reading)?;
-        let mut left = file.metadata().map_err(reading)?.len().saturating_sub(HEADER);
+        let mut left = file.metadata().map_err(reading)?.len().saturating_sub(JOURNAL_HEADER);
         let mut reader = BufReader::with_capacity(1 << 20, file);
-        reader.seek(SeekFrom::Start(HEADER)).map_err(reading)?;
+        reader.seek(SeekFrom::Start(JOURNAL_HEADER)).map_err(reading)?;
         let (mut body, mut stroke) = (Vec::new(), Vec::new());
         while left > 0 {
             let Body::Whole = next_body(&mut reader, left, &mut body).map_err(reading)? else { return Ok(true) };
@@ -169,7 +170,7 @@ impl Journal {
         length: u64,
     ) -> Result<(Vec<Sample>, Option<String>), KeepError> {
         let path = self.path().to_owned();
-        reader.seek(SeekFrom::Start(HEADER)).map_err(KeepError::io("read", &path))?;
+        reader.seek(SeekFrom::Start(JOURNAL_HEADER)).map_err(KeepError::io("read", &path))?;
         let (mut at, mut sequence) = (self.end, self.sequence);
         let mut body = Vec::new();
         let mut stroke = Vec::new();
@@ -229,10 +230,10 @@ impl Journal {
 
 /// Checks the header and answers the first record's sequence.
 fn read_header(path: &Path, mut file: &File, generation: u64) -> Result<u64, KeepError> {
-    let mut header = [0; HEADER as usize];
+    let mut header = [0; JOURNAL_HEADER as usize];
     match file.seek(SeekFrom::Start(0)).and_then(|_| file.read_exact(&mut header)) {
         Err(error) if error.kind() == ErrorKind::UnexpectedEof => {
-            return Err(KeepError::malformed(path, "header", "fewer bytes", format!("{HEADER} bytes")));
+            return Err(KeepError::malformed(path, "header", "fewer bytes", format!("{JOURNAL_HEADER} bytes")));
         }
         other => other.map_err(KeepError::io("read", path))?,
     }

@@ -4,9 +4,9 @@
 //! checksum, and fill value 0, so that bricks that are not there cost nothing. OME metadata holds scale and translation in
 //! millimetres; it cannot say more, so the whole of `world_from_index` stands beside it. Knows zarrs, and no project.
 
-use crate::document::project::error::KeepError;
-use crate::document::project::inside;
-use crate::document::project::inside::Files;
+use crate::document::disk::error::KeepError;
+use crate::document::disk::inside;
+use crate::document::disk::inside::Files;
 use crate::volume::{BRICK, Grid, VoxelType};
 use serde_json::{Map, Value, json};
 use std::num::NonZeroU64;

@@ -5,9 +5,9 @@
 //! fractions below the source's type survive), and beside it `edited` holds 1 for each brick that is one. A shard is written
 //! again only if a brick in it changed, which its hash tells; all others are links.
 
+use crate::document::disk::error::KeepError;
+use crate::document::disk::files::Writer;
 use crate::document::project::arrays::{Layout, SHARD, SHARD_BRICKS, group_json, ome_attributes};
-use crate::document::project::error::KeepError;
-use crate::document::project::files::Writer;
 use crate::volume::{
     BRICK, BRICK_VOXELS, Brick, BrickIndex, DensityMap, Field, FieldKind, Grid, TexelFormat, VoxelType,
 };

@@ -3,8 +3,8 @@
 //! A project that was moved together with its source finds it by the way between them; one whose source is elsewhere says which
 //! file it wants, by length and hash. Knows nothing of voxels.
 
-use crate::document::project::error::KeepError;
-use crate::document::project::source_files::{SourceFiles, hash_one};
+use crate::document::disk::error::KeepError;
+use crate::document::disk::source_files::{SourceFiles, hash_one};
 use crate::io::FileMark;
 use serde::{Deserialize, Serialize};
 use std::path::{Component, Path, PathBuf};

@@ -1,12 +1,12 @@
 //! The two JSON files of a project: which generation is current, and what a generation is beside its arrays.
 
-use crate::document::history::past::Past;
+use crate::document::disk::error::KeepError;
+use crate::document::disk::inside;
 use crate::document::project::arrays::rows;
-use crate::document::project::error::KeepError;
 use crate::document::project::fields::Shards;
-use crate::document::project::inside;
 use crate::document::project::link::Link;
 use crate::document::scene::Scene;
+use crate::document::scene::past::Past;
 use crate::document::state::State;
 use crate::math::{DAffine3, DMat3, DVec3};
 use crate::volume::{DensityMap, Grid, Histogram, Number, Statistics, TexelFormat, VoxelType};
@@ -18,6 +18,8 @@ use std::path::Path;
 pub(crate) const VERSION: u64 = 1;
 /// Names the current generation.
 pub(crate) const PROJECT: &str = "project.json";
+/// Bytes before the first record of a journal: one that has no more holds no work.
+pub(crate) const JOURNAL_HEADER: u64 = 28;
 /// A generation's own description.
 pub(crate) const MANIFEST: &str = "generation.json";
 /// No histogram has more.

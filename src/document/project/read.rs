@@ -3,13 +3,13 @@
 //! `project.json` says it. A folder that lost that file is no leftover: its newest whole generation is the project. Of a damaged
 //! generation the one before it is offered. Changes nothing on disk; knows neither lock nor journal.
 
-use crate::document::project::error::KeepError;
+use crate::document::disk::error::KeepError;
+use crate::document::disk::inside;
+use crate::document::disk::source_files::SourceFiles;
 use crate::document::project::fields::{EDITED, Edits, array_name, read_edited, read_field};
-use crate::document::project::inside;
 use crate::document::project::link::Link;
 use crate::document::project::manifest::{Kept, MANIFEST, Manifest, PROJECT, read_project};
 use crate::document::project::source::ZarrSource;
-use crate::document::project::source_files::SourceFiles;
 use crate::volume::FieldKind;
 use std::collections::BTreeMap;
 use std::io::ErrorKind;

@@ -1,10 +1,10 @@
 //! The density of a project as a source: read by the chunk from its Zarr array, so that a reopened project needs neither
 //! the original file nor room for the whole volume.
 
+use crate::document::disk::error::KeepError;
+use crate::document::disk::inside;
+use crate::document::disk::inside::Files;
 use crate::document::project::arrays::{Layout, damaged_chunk};
-use crate::document::project::error::KeepError;
-use crate::document::project::inside;
-use crate::document::project::inside::Files;
 use crate::volume::{BRICK, BrickSource, Grid, SourceError, VoxelType, Voxels};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};

@@ -9,19 +9,19 @@
 //! and `generation.json`: the scene, the grid with its full orientation, the density map, and the hashes of all shards.
 //! Owns the folder and its lock; knows nothing of the journal but the generation that it belongs to.
 
+use crate::document::disk::error::KeepError;
+use crate::document::disk::files::{Writer, create_dir, remove_dir, replace, sync_dir};
+use crate::document::disk::inside;
+use crate::document::disk::lock::{LOCK, Lock};
+use crate::document::disk::source_files::SourceFiles;
 use crate::document::project::arrays::{SHARD, group_json, ome_attributes};
-use crate::document::project::error::KeepError;
 use crate::document::project::fields::{array_name, write_edited, write_field};
-use crate::document::project::files::{Writer, create_dir, remove_dir, replace, sync_dir};
-use crate::document::project::inside;
 use crate::document::project::link::Link;
-use crate::document::project::lock::{LOCK, Lock};
-use crate::document::project::manifest::{Kept, MANIFEST, Manifest, PROJECT, VERSION, project_json};
+use crate::document::project::manifest::{JOURNAL_HEADER, Kept, MANIFEST, Manifest, PROJECT, VERSION, project_json};
 use crate::document::project::read::{
     Loaded, LoadedDensity, Wanted, check_project, described, generation_name, generation_of, load,
 };
 use crate::document::project::source::{ZarrSource, density_layout};
-use crate::document::project::source_files::SourceFiles;
 use crate::document::state::State;
 use crate::volume::{BRICK, BrickSource, FieldKind, Grid};
 use rayon::prelude::*;
@@ -270,7 +270,7 @@ fn check_leftovers(dir: &Path) -> Result<(), KeepError> {
             () if name == LOCK || name == "project.new" => about.is_file(),
             () if generation_of(&name).is_some() => about.is_dir(),
             // One with steps in it is somebody's work.
-            () if name.starts_with("journal-") => about.is_file() && about.len() <= crate::document::journal::HEADER,
+            () if name.starts_with("journal-") => about.is_file() && about.len() <= JOURNAL_HEADER,
             () => false,
         };
         if !left {

@@ -5,6 +5,8 @@ pub(crate) mod defaults;
 pub(crate) mod first_look;
 pub(crate) mod histogram;
 pub(crate) mod outliers;
+pub(crate) mod past;
+pub(crate) mod slice_plane;
 
 use crate::explode::Explosion;
 use crate::math::{Camera, DVec3};

@@ -127,7 +127,7 @@ impl Caster {
         gpu.scoped("a picture", || {
             let targets = Targets::new(gpu, window.size);
             self.render(gpu, pools, frame, &drawn, window, &targets)?;
-            let mut image = crate::gpu::device::readback::image(gpu, &targets)?;
+            let mut image = crate::gpu::cast::readback::image(gpu, &targets)?;
             resolve(&mut image, &drawn, frame, window);
             Ok(image)
         })

@@ -7,6 +7,7 @@ pub(crate) mod merging;
 pub mod order;
 pub(crate) mod pass;
 pub(crate) mod probe;
+pub(crate) mod readback;
 pub mod solid;
 pub mod tiles;
 pub mod uniforms;

@@ -5,6 +5,5 @@
 pub(crate) mod error;
 pub(crate) mod gpu;
 pub(crate) mod kernel;
-pub(crate) mod readback;
 pub mod shader;
 pub mod shared;

@@ -47,22 +47,9 @@ pub struct Declared {
     pub members: Vec<Member>,
 }
 
-fn declared<T: Shared>() -> Declared {
+/// Describes a shared struct.
+pub(crate) fn declared<T: Shared>() -> Declared {
     Declared { name: T::NAME, size: size_of::<T>(), members: T::members() }
-}
-
-/// Every struct that a shader's buffers hold. A shader with another one fails a test.
-pub fn all() -> Vec<Declared> {
-    vec![
-        declared::<crate::gpu::fields::bindings::FieldInfo>(),
-        declared::<crate::gpu::brush::live_cells::CellsJob>(),
-        declared::<crate::gpu::brush::kernel::BrushDab>(),
-        declared::<crate::gpu::brush::kernel::BrushItem>(),
-        declared::<crate::gpu::brush::kernel::BrushStroke>(),
-        declared::<crate::gpu::cast::uniforms::CastBody>(),
-        declared::<crate::gpu::cast::uniforms::View>(),
-        declared::<crate::gpu::slice::Slice>(),
-    ]
 }
 
 /// The kind of a type's scalars.

@@ -13,10 +13,10 @@ pub(crate) mod pages;
 pub(crate) mod slots;
 pub(crate) mod upload;
 
+use crate::gpu::fields::pool::pages::Page;
 use crate::gpu::fields::pool::pages::UNWRITTEN;
 use crate::gpu::fields::pool::slots::{grow_grid, limit, places, slots_texture, texels};
 use crate::gpu::fields::pool::upload::Upload;
-use pages::Page;
 
 #[derive(Clone, Copy, Debug)]
 struct Held {

@@ -24,8 +24,8 @@ use crate::ui::window::saving::Coming;
 use egui::{Align2, Color32, Id, Modal, RichText, Ui, vec2};
 pub(super) use export::Export;
 
+use crate::ui::dialogs::picture::Picturing;
 pub(super) use meaning::Meaning;
-use picture::Picturing;
 pub(super) use questions::Lost;
 pub(super) use what::What;
 

@@ -1,7 +1,7 @@
 //! One process per project. The lock is the system's own, so a process that dies leaves none behind.
 
-use crate::document::project::error::KeepError;
-use crate::document::project::inside;
+use crate::document::disk::error::KeepError;
+use crate::document::disk::inside;
 use std::fs::{File, TryLockError};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::Path;

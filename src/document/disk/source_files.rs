@@ -3,7 +3,7 @@
 //! The hash is taken on a thread of its own, so that a picture need not wait for it; whoever writes a link does. Of a linked project
 //! the hash is compared with the one that was saved. A file that is not what it was is never linked. Knows no project.
 
-use crate::document::project::error::KeepError;
+use crate::document::disk::error::KeepError;
 use crate::io::{FileMark, open_regular};
 use std::io::Read;
 use std::path::Path;

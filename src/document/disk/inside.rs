@@ -4,7 +4,7 @@
 //! is no regular file is refused by name before it can hold the program. `root` is the project's (or a generation's) folder, `name`
 //! is relative to it, with slashes. Owns the looking; knows no format.
 
-use crate::document::project::error::KeepError;
+use crate::document::disk::error::KeepError;
 use crate::io::regular::{kind, must_be_regular, read_up_to};
 use std::fs::{File, OpenOptions};
 use std::io::{Error, ErrorKind, Result};

@@ -4,9 +4,18 @@
 //! ahead again; it is saved with the project, and the journal writes only what is new of it. A group of history is one change.
 //! Knows no command and no disk.
 
-use crate::document::command::views::PastOf;
 use crate::document::scene::{Looks, Scene, Views};
 use serde::{Deserialize, Serialize};
+
+/// What `view.back` walks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum PastOf {
+    /// Cameras, slices, crosshair.
+    Views,
+    /// Transfer function, look, window, layers.
+    Looks,
+}
 
 /// More are not kept: nobody walks back that far, and every save writes them.
 const KEPT: usize = 128;

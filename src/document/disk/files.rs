@@ -3,8 +3,8 @@
 //! Owns nothing but the habit: no file of a generation is ever changed once it is there, so that a hard link to it is a copy.
 //! Knows no format.
 
-use crate::document::project::error::KeepError;
-use crate::document::project::inside;
+use crate::document::disk::error::KeepError;
+use crate::document::disk::inside;
 use crate::io::disk;
 use rayon::prelude::*;
 use std::fs::{File, OpenOptions};
