@@ -1,5 +1,6 @@
 //! Commands, history, journal, projects.
 
+mod before_many_volumes;
 mod brushes;
 mod colours;
 mod doors;
