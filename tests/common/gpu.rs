@@ -4,22 +4,26 @@ use burin::gpu::device::shader;
 use burin::gpu::{FieldPools, Gpu};
 use std::sync::OnceLock;
 
-/// Says that a test cannot run for want of something. That fails, unless `BURIN_WITHOUT_GPU=1` says that it is known: a suite
-/// that passes because nothing ran tells nobody anything.
+/// Says that a test cannot run for want of something, and what to `install`. That fails, unless `BURIN_WITHOUT_GPU=1` says that it
+/// is known: a suite that passes because nothing ran tells nobody anything.
 ///
 /// # Panics
 /// Where the variable does not say so.
-pub fn missing(reason: impl std::fmt::Display) {
+pub fn missing(reason: impl std::fmt::Display, install: &str) {
     let known = std::env::var("BURIN_WITHOUT_GPU").is_ok_and(|v| v == "1");
-    assert!(known, "{reason}; BURIN_WITHOUT_GPU=1 leaves out the tests that need it");
+    assert!(known, "{reason}. Install {install}; or set BURIN_WITHOUT_GPU=1, which leaves out the tests that need it");
     println!("skipped: {reason}");
 }
 
-/// The device, or `None` where there is none and that is known: such tests end early.
+/// The device, or `None` where there is none and that is known: such tests end early. No test asks in another way.
+///
+/// # Panics
+/// Where there is none and `BURIN_WITHOUT_GPU=1` does not say so.
 pub fn gpu() -> Option<Gpu> {
     static GPU: OnceLock<Result<Gpu, String>> = OnceLock::new();
     let gpu = GPU.get_or_init(|| Gpu::headless().map_err(|e| e.to_string()));
-    gpu.as_ref().map_err(missing).ok().cloned()
+    let install = "a Vulkan loader and a driver, of the graphics card or Mesa's software one (Debian: libvulkan1, mesa-vulkan-drivers)";
+    gpu.as_ref().map_err(|reason| missing(reason, install)).ok().cloned()
 }
 
 /// What a field's texel is at a place, as the shader sees it.

@@ -50,7 +50,13 @@ impl Click {
     fn on(&self, voxel: &mut Voxel, at: [u32; 3]) {
         let Self(to, centre, radius, smooth) = self;
         let x = apart(at.map(f64::from), centre.map(f64::from)) / radius;
-        let g = if x > 1.0 { return } else if *smooth { (1.0 - x * x).powi(2) } else { 1.0 };
+        let g = if x > 1.0 {
+            return;
+        } else if *smooth {
+            (1.0 - x * x).powi(2)
+        } else {
+            1.0
+        };
         match to {
             To::Density(v) => voxel.density = *v,
             To::Colour(v) => voxel.colour = *v,
@@ -188,7 +194,10 @@ fn assert_says(now: &Value, told: &Value, place: &str) {
         }
         (Value::Array(told), Value::Array(now)) => {
             assert_eq!(now.len(), told.len(), "{place}");
-            now.iter().zip(told).enumerate().for_each(|(i, (now, told))| assert_says(now, told, &format!("{place}[{i}]")));
+            now.iter()
+                .zip(told)
+                .enumerate()
+                .for_each(|(i, (now, told))| assert_says(now, told, &format!("{place}[{i}]")));
         }
         (Value::Number(old), Value::Number(new)) => {
             let (old, new) = (old.as_f64().unwrap(), new.as_f64().unwrap());

@@ -293,13 +293,9 @@ fn seen(document: &mut Document, view: ViewName) -> (f64, f64) {
     (shown.len() as f64 / 4096.0, f64::from(ends[1] - ends[0]).max(0.0))
 }
 
-fn has_gpu() -> bool {
-    Document::new().describe_gpu().is_ok()
-}
-
 #[test]
 fn one_value_alone_is_seen_in_3d_and_in_slices() {
-    if !has_gpu() {
+    if crate::common::gpu::gpu().is_none() {
         return;
     }
     let folder = Folder::new();
@@ -342,7 +338,7 @@ fn one_value_alone_is_seen_in_3d_and_in_slices() {
 
 #[test]
 fn a_single_slice_is_seen_from_its_face_as_the_slice_shows_it() {
-    if !has_gpu() {
+    if crate::common::gpu::gpu().is_none() {
         return;
     }
     let folder = Folder::new();

@@ -8,11 +8,8 @@ use std::sync::Arc;
 
 /// 64 × 48 × 40 voxels of 1 mm, the first at the origin; 200 in the block 8..56 × 8..40 × 8..32, 0 about it.
 pub fn block() -> Option<Document> {
+    crate::common::gpu::gpu()?;
     let mut document = Document::new();
-    if let Err(reason) = document.describe_gpu() {
-        crate::common::gpu::missing(reason);
-        return None;
-    }
     let dims = [64, 48, 40];
     let grid = Grid::aligned(dims, DVec3::ONE, DVec3::ZERO);
     let mut voxels = Vec::new();
@@ -43,11 +40,8 @@ pub fn block() -> Option<Document> {
 
 /// A document over voxels that are made here.
 pub fn made(voxels: Voxels, dims: [u32; 3], spacing: DVec3) -> Option<Document> {
+    crate::common::gpu::gpu()?;
     let mut document = Document::new();
-    if let Err(reason) = document.describe_gpu() {
-        crate::common::gpu::missing(reason);
-        return None;
-    }
     let grid = Grid::aligned(dims, spacing, DVec3::ZERO);
     let source = Arc::new(MemorySource::new("made", grid, voxels, (1.0, 0.0)).unwrap());
     let statistics = burin::io::statistics(source.as_ref(), &|_| true).unwrap();

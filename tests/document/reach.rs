@@ -12,14 +12,8 @@ const N: u32 = 6;
 
 /// A document that opened these voxels from a file.
 fn of(voxels: Voxels) -> Option<Document> {
-    let (mut document, _) = Data::new(voxels, [N; 3]).open(json!({}));
-    match document.describe_gpu() {
-        Ok(_) => Some(document),
-        Err(reason) => {
-            crate::common::gpu::missing(reason);
-            None
-        }
-    }
+    crate::common::gpu::gpu()?;
+    Some(Data::new(voxels, [N; 3]).open(json!({})).0)
 }
 
 fn brush(document: &mut Document, settings: Value) {

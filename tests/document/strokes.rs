@@ -298,7 +298,11 @@ fn pictures_follow_a_wider_map_and_its_undo() {
 
 #[test]
 fn a_stroke_whose_device_and_source_were_lost_can_be_cancelled() {
-    let Some(gpu) = crate::common::gpu::gpu().and_then(|_| burin::gpu::Gpu::headless().ok()) else { return };
+    if crate::common::gpu::gpu().is_none() {
+        return;
+    }
+    // One of its own, to lose.
+    let gpu = burin::gpu::Gpu::headless().unwrap();
     let folder = tempfile::tempdir().unwrap();
     let volume = folder.path().join("v.nrrd");
     let grid = burin::volume::Grid::aligned([40, 36, 34], burin::math::DVec3::ONE, burin::math::DVec3::ZERO);

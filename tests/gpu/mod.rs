@@ -19,3 +19,4 @@ mod residency;
 mod shader;
 mod slice;
 mod underlay;
+mod without;

@@ -51,18 +51,18 @@ impl Desk {
             .stdout(Stdio::piped())
             .stderr(Stdio::null());
         let Ok(mut server) = Running::start(&mut server) else {
-            missing("Xvfb is not installed");
+            missing("Xvfb does not start", "Xvfb (Debian: xvfb)");
             return None;
         };
         let mut number = String::new();
         BufReader::new(server.0.stdout.take().unwrap()).read_line(&mut number).unwrap();
         let desk = Self { display: format!(":{}", number.trim()), _server: server };
         if number.trim().is_empty() {
-            missing("Xvfb gave no display");
+            missing("Xvfb gave no display", "Xvfb with its fonts (Debian: xvfb)");
             return None;
         }
         if desk.xdotool(&["version"]).is_none() {
-            missing("xdotool is not installed");
+            missing("xdotool does not start", "xdotool (Debian: xdotool)");
             return None;
         }
         Some(desk)
