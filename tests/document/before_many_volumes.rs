@@ -286,7 +286,7 @@ fn a_document_that_was_never_saved_comes_back_with_every_step_and_the_stroke_tha
         let at = at.map(f64::from);
         let nearest = (0..=100).map(|t| f64::from(t) / 100.0).map(|t| apart(at, [60.0 + t, 8.0 + t, 30.0]));
         let distance = nearest.fold(f64::INFINITY, f64::min);
-        (painted && distance <= 2.81).then(|| if distance < 2.7 { 0.4 } else { f64::NAN })
+        (painted && distance <= 2.81).then_some(if distance < 2.7 { 0.4 } else { f64::NAN })
     };
     also_saved_again(document, &dir.path().join("saved.burin"), |document| {
         assert_voxels(document, FIELDS.iter(), running);
