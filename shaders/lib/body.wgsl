@@ -5,7 +5,8 @@
 // No branch here hangs on a uniform's value alone: Mesa's software Vulkan (22.3) takes such a value for a constant, compiles the
 // whole shader anew for every draw, and keeps each one, a megabyte and more, as long as the pipeline lives.
 
-#import burin::field::{Page, brick_of, density_page, density_texel, skip_all, skip_selection, skip_background, info}
+#import burin::constants::{MOST_BODIES, MOST_PLANES, TILE, LIST_WIDTH, MERGE_MARK}
+#import burin::field::info
 
 struct View {
     corner: vec3<f32>,          // ray through the picture's corner: from the eye, before it is given length 1
@@ -47,18 +48,13 @@ struct CastBody {
 }
 
 @group(0) @binding(0) var<uniform> view: View;
-@group(0) @binding(1) var<uniform> bodies: array<CastBody, 512>;
-@group(0) @binding(2) var<uniform> planes: array<vec4<f32>, 4096>;
+@group(0) @binding(1) var<uniform> bodies: array<CastBody, MOST_BODIES>;
+@group(0) @binding(2) var<uniform> planes: array<vec4<f32>, MOST_PLANES>;
 @group(0) @binding(3) var tile_heads: texture_2d<u32>;
 @group(0) @binding(4) var tile_lists: texture_2d<u32>;
 
-const FAR: f32 = 3.0e38;
-const TILE: u32 = 8u;
-const LIST_WIDTH: u32 = 2048u;
-const MERGE: u32 = 0x80000000u;
-
 // A pixel's ray in world mm: `start` as seen from the eye.
-struct Sight {
+struct Ray {
     start: vec3<f32>,
     dir: vec3<f32>,
 }
@@ -74,21 +70,30 @@ struct BodyRay {
     cell_i: vec3<f32>,          // 1 / cell_d
 }
 
-fn sight_of(px: vec2<f32>) -> Sight {
+fn ray_through(px: vec2<f32>) -> Ray {
     let v = view.corner + view.dx * px.x + view.dy * px.y;
     // Chosen, not branched on; see the head.
     let diverging = view.perspective != 0u;
-    return Sight(
+    return Ray(
         select(v - view.forward, vec3<f32>(0.0), diverging),
         select(view.forward, normalize(v), diverging),
     );
 }
 
-fn head_of(px: vec2<f32>) -> vec2<u32> {
-    return textureLoad(tile_heads, vec2<i32>(vec2<u32>(px) / TILE), 0).rg;
+// The bodies that a pixel's tile lists: the first place in the lists, how many, and whether they overlap without an order.
+struct Listed {
+    first: u32,
+    count: u32,
+    merge: bool,
 }
 
-fn listed(i: u32) -> u32 {
+fn listed_at(px: vec2<f32>) -> Listed {
+    let head = textureLoad(tile_heads, vec2<i32>(vec2<u32>(px) / TILE), 0).rg;
+    return Listed(head.x, head.y & ~MERGE_MARK, (head.y & MERGE_MARK) != 0u);
+}
+
+// The body at a place of the lists.
+fn body_at(i: u32) -> u32 {
     return textureLoad(tile_lists, vec2<i32>(vec2<u32>(i % LIST_WIDTH, i / LIST_WIDTH)), 0).r;
 }
 
@@ -96,13 +101,13 @@ fn matrix_of(b: u32) -> mat3x3<f32> {
     return mat3x3<f32>(bodies[b].column_x, bodies[b].column_y, bodies[b].column_z);
 }
 
-fn ray_of(b: u32, sight: Sight) -> BodyRay {
+fn body_ray(b: u32, ray: Ray) -> BodyRay {
     let m = matrix_of(b);
     var r: BodyRay;
     r.body = b;
     r.mask = bodies[b].mask;
-    r.o = bodies[b].eye + m * sight.start;
-    let d = m * sight.dir * view.step_mm;
+    r.o = bodies[b].eye + m * ray.start;
+    let d = m * ray.dir * view.step_mm;
     // A component of exactly 0 has no reciprocal; one this small moves no sample.
     r.d = select(d, vec3<f32>(1e-20), abs(d) < vec3<f32>(1e-20));
     let cells = 1.0 / f32(info.cell);
@@ -113,7 +118,7 @@ fn ray_of(b: u32, sight: Sight) -> BodyRay {
 }
 
 // Where the ray is inside the body, in steps: from x to y; x ≥ y where it is not.
-fn interval(r: BodyRay, sight: Sight) -> vec2<f32> {
+fn interval(r: BodyRay, ray: Ray) -> vec2<f32> {
     let inverse = r.cell_i / f32(info.cell);
     let a = (bodies[r.body].lo - r.o) * inverse;
     let b = (bodies[r.body].hi - r.o) * inverse;
@@ -125,8 +130,8 @@ fn interval(r: BodyRay, sight: Sight) -> vec2<f32> {
     let count = bodies[r.body].plane_count;
     for (var i = 0u; i < count; i += 1u) {
         let plane = planes[first + i];
-        let distance = plane.w + dot(plane.xyz, sight.start);
-        let slope = dot(plane.xyz, sight.dir) * view.step_mm;
+        let distance = plane.w + dot(plane.xyz, ray.start);
+        let slope = dot(plane.xyz, ray.dir) * view.step_mm;
         if (slope == 0.0) {
             t1 = select(t1, -1.0, distance > 0.0);
         } else {
@@ -136,77 +141,4 @@ fn interval(r: BodyRay, sight: Sight) -> vec2<f32> {
         }
     }
     return vec2<f32>(t0, t1);
-}
-
-// The first sample at or after k whose cell may show something; k1 or later if there is none before k1.
-fn skip_empty(r: BodyRay, k_first: f32, k1: f32) -> f32 {
-    var k = k_first;
-#ifndef PLAIN
-    loop {
-        if (k >= k1) {
-            break;
-        }
-        let cell = floor(r.cell_o + r.cell_d * k);
-        let at = vec3<i32>(cell);
-#ifdef SELECTION
-        var distance = skip_all(at);
-        if (r.mask == 1u) {
-            distance = max(distance, skip_selection(at));
-        } else if (r.mask == 2u) {
-            distance = max(distance, skip_background(at));
-        }
-#else
-        let distance = skip_all(at);
-#endif
-        if (distance == 0u) {
-            break;
-        }
-        let leave = (cell + 0.5 - r.cell_o) * r.cell_i + (f32(distance) - 0.5) * abs(r.cell_i);
-        k = max(k + 1.0, ceil(min(leave.x, min(leave.y, leave.z))));
-    }
-#endif
-    return k;
-}
-
-// Samples on end that one page serves.
-struct Run {
-    brick: vec3<i32>,           // of the first sample
-    page: Page,
-    // Sample k is at the address q + dq·k.
-    q: vec3<f32>,
-    dq: vec3<f32>,
-    end: f32,                   // the first sample that is none of them
-}
-
-// The run that begins at sample k and ends at `most` at the latest.
-fn run_from(r: BodyRay, k: f32, most: f32) -> Run {
-    let brick = brick_of(r.o + r.d * k);
-    let page = density_page(brick);
-    return Run(brick, page, r.o * page.scale + page.off, r.d * page.scale, run_end(r, brick, k, most));
-}
-
-// The texel at sample k of a run.
-fn run_texel(run: Run, k: f32) -> f32 {
-    return density_texel(run.page, run.q + run.dq * k);
-}
-
-// Where a run that begins at sample k of a brick of level 0 ends: with the brick, at `most` at the latest. One sample at least.
-fn run_end(r: BodyRay, brick: vec3<i32>, k: f32, most: f32) -> f32 {
-#ifdef IN_PLACE
-#ifndef SELECTION
-    // One page serves all bricks.
-    return most;
-#else
-    return min(most, max(brick_end(r, brick), k + 1.0));
-#endif
-#else
-    return min(most, max(brick_end(r, brick), k + 1.0));
-#endif
-}
-
-// The first sample at or after which the ray has left a brick of level 0.
-fn brick_end(r: BodyRay, brick: vec3<i32>) -> f32 {
-    let corner = 32.0 * (vec3<f32>(brick) + select(vec3<f32>(0.0), vec3<f32>(1.0), r.d > vec3<f32>(0.0))) - 0.5;
-    let leave = (corner - r.o) * r.cell_i / f32(info.cell);
-    return ceil(min(leave.x, min(leave.y, leave.z)));
 }

@@ -3,6 +3,8 @@
 // p is a place in voxels of level 0, voxel centres at integers. Values come as texels: density 0..1 of a 16-bit code or the
 // value itself (value = value_lo + texel·value_span), NaN where a tap is NaN.
 
+#import burin::constants::{BRICK, SLOT}
+
 struct FieldInfo {
     dims: vec3<u32>,            // voxels of level 0
     cell: u32,                  // voxels along an edge of a cell of the skip maps
@@ -44,22 +46,22 @@ struct Page {
 
 // The brick of level 0 that a sample belongs to: ⌊(p+½)/32⌋, inside the volume.
 fn brick_of(p: vec3<f32>) -> vec3<i32> {
-    return clamp(vec3<i32>(floor((p + 0.5) * (1.0 / 32.0))), vec3<i32>(0), vec3<i32>(info.bricks) - 1);
+    return clamp(vec3<i32>(floor((p + 0.5) * (1.0 / f32(BRICK)))), vec3<i32>(0), vec3<i32>(info.bricks) - 1);
 }
 
 fn page_of(entry: u32, brick: vec3<i32>, texel: vec3<f32>) -> Page {
     var page: Page;
     page.held = (entry & 1u) != 0u;
     page.level = (entry >> 1u) & 31u;
-    page.slot = ((vec3<u32>(entry) >> vec3<u32>(8u, 16u, 24u)) & vec3<u32>(255u)) * 34u;
+    page.slot = ((vec3<u32>(entry) >> vec3<u32>(8u, 16u, 24u)) & vec3<u32>(255u)) * SLOT;
     let size = 1.0 / f32(1u << page.level);
     let coarse = vec3<f32>(brick >> vec3<u32>(page.level));
     // Voxel i of the coarse brick has its centre at slot + 1 + i + ½; a place p is at (p+½)·size − ½ in coarse voxels.
     page.scale = size * texel;
-    page.off = (vec3<f32>(page.slot) + (1.0 + 0.5 * size) - 32.0 * coarse) * texel;
+    page.off = (vec3<f32>(page.slot) + (1.0 + 0.5 * size) - f32(BRICK) * coarse) * texel;
     page.first = (vec3<f32>(page.slot) + 0.5) * texel;
     // A hair short of the last centre, so that the tap beyond it is never touched.
-    page.last = (vec3<f32>(page.slot) + (33.5 - 1.0 / 256.0)) * texel;
+    page.last = (vec3<f32>(page.slot) + (f32(SLOT) - 0.5 - 1.0 / 256.0)) * texel;
     return page;
 }
 
@@ -70,8 +72,8 @@ fn address(page: Page, p: vec3<f32>) -> vec3<f32> {
 
 // The level-l voxel of a page that a place lies in, as a texel of the pool.
 fn nearest_texel(page: Page, brick: vec3<i32>, p: vec3<f32>) -> vec3<i32> {
-    let inside = vec3<i32>(floor((p + 0.5) / f32(1u << page.level))) - 32 * (brick >> vec3<u32>(page.level));
-    return vec3<i32>(page.slot) + 1 + clamp(inside, vec3<i32>(0), vec3<i32>(31));
+    let inside = vec3<i32>(floor((p + 0.5) / f32(1u << page.level))) - i32(BRICK) * (brick >> vec3<u32>(page.level));
+    return vec3<i32>(page.slot) + 1 + clamp(inside, vec3<i32>(0), vec3<i32>(i32(BRICK) - 1));
 }
 
 fn is_nan(x: f32) -> bool {
@@ -148,6 +150,15 @@ fn selection_texel(page: Page, q: vec3<f32>) -> f32 {
 
 fn selection_at(page: Page, p: vec3<f32>) -> f32 {
     return selection_texel(page, address(page, p));
+}
+
+// The selection at any place; 0 where the picture asks for none.
+fn selected(p: vec3<f32>) -> f32 {
+#ifdef SELECTION
+    return selection_at(selection_page(brick_of(p)), p);
+#else
+    return 0.0;
+#endif
 }
 
 // ---- painted colour, not premultiplied

@@ -2,7 +2,8 @@
 
 use burin::gpu::cast::order::{Order, Sight};
 use burin::gpu::cast::solid::Solid;
-use burin::gpu::cast::tiles::{TILE, Tiles, Window};
+use burin::gpu::cast::tiles::{Tiles, Window};
+use burin::gpu::device::constants::{MERGE_MARK, TILE};
 use burin::math::{Aabb, Camera, DQuat, DVec2, DVec3, Plane, Pose, Projection, Ray};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -49,8 +50,8 @@ fn check(pieces: &[Piece], camera: &Camera, window: &Window) -> Tiles {
             let px = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) + window.origin;
             let ray = camera.ray(px, window.picture);
             let [first, count] = tiles.heads[(x / TILE + y / TILE * tiles.dims[0]) as usize];
-            let merge = count & Tiles::MERGE != 0;
-            let list = &tiles.lists[first as usize..(first + (count & !Tiles::MERGE)) as usize];
+            let merge = count & MERGE_MARK != 0;
+            let list = &tiles.lists[first as usize..(first + (count & !MERGE_MARK)) as usize];
             let met: Vec<_> = list.iter().filter_map(|&b| interval(&pieces[b as usize].planes, &ray)).collect();
             let all = pieces.iter().filter(|p| interval(&p.planes, &ray).is_some()).count();
             assert_eq!(met.len(), all, "pixel {x} {y}: a body of this ray is not in its tile's list");
@@ -75,7 +76,7 @@ fn check_areas(tiles: &Tiles, [width, height]: [u32; 2]) {
             for x in 0..width {
                 let within = |a: &&[u32; 4]| a[0] <= x && x < a[2] && a[1] <= y && y < a[3];
                 let [_, count] = tiles.heads[(x / TILE + y / TILE * tiles.dims[0]) as usize];
-                let due = count & !Tiles::MERGE > 0 && kind(count & Tiles::MERGE != 0);
+                let due = count & !MERGE_MARK > 0 && kind(count & MERGE_MARK != 0);
                 assert_eq!(areas.iter().filter(within).count(), usize::from(due), "pixel {x} {y}, {wanted:?}");
             }
         }

@@ -1,6 +1,6 @@
 //! Every shader under every condition: it composes, validates, and its buffers hold what Rust declares.
 
-use burin::gpu::device::shader::{Def, compose, conditions, kernels, one_of};
+use burin::gpu::device::shader::{Def, compose, compose_source, conditions, kernels, one_of};
 use burin::gpu::device::shared::{Declared, Kind};
 use burin::gpu::shared_structs;
 use wgpu::naga;
@@ -104,9 +104,52 @@ fn every_shader_composes_validates_and_shares_its_structs_with_rust() {
 }
 
 #[test]
+fn shaders_take_shared_numbers_from_rust() {
+    use burin::gpu::device::constants as shared;
+    let source = "#import burin::constants::{MOST_BODIES, TILE, LIST_WIDTH, MERGE_MARK, FAR, TABLE_LAST, SLOT}
+        @group(0) @binding(0) var<storage, read_write> all: array<f32, MOST_BODIES>;
+        @compute @workgroup_size(8) fn main() {
+            all[TILE] = f32(LIST_WIDTH) + f32(MERGE_MARK) + FAR + TABLE_LAST + f32(SLOT);
+        }";
+    let module = compose_source("constants.wgsl", source, &[]).unwrap();
+    let value = |name: &str| {
+        let constant = module.constants.iter().find(|(_, c)| c.name.as_deref().map(plain) == Some(name));
+        let (_, constant) = constant.unwrap_or_else(|| panic!("{name} is a constant of the module"));
+        match module.global_expressions[constant.init] {
+            naga::Expression::Literal(naga::Literal::F32(x)) => f64::from(x),
+            naga::Expression::Literal(naga::Literal::U32(x)) => f64::from(x),
+            ref other => panic!("{name}: {other:?}"),
+        }
+    };
+    assert_eq!(value("FAR"), f64::from(shared::FAR));
+    assert_eq!(value("TABLE_LAST"), f64::from(shared::TABLE_LAST));
+    let whole = [("TILE", shared::TILE), ("LIST_WIDTH", shared::LIST_WIDTH), ("MERGE_MARK", shared::MERGE_MARK)];
+    for (name, here) in whole.into_iter().chain([("SLOT", shared::SLOT), ("MOST_BODIES", shared::MOST_BODIES)]) {
+        assert_eq!(value(name), f64::from(here), "{name}");
+    }
+}
+
+#[test]
+fn no_shader_repeats_a_shared_number() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+    for file in [folder.join("lib"), folder].iter().flat_map(|f| std::fs::read_dir(f).unwrap()) {
+        let path = file.unwrap().path();
+        if path.is_dir() {
+            continue;
+        }
+        for (i, line) in std::fs::read_to_string(&path).unwrap().lines().enumerate() {
+            let code = line.split("//").next().unwrap();
+            let words: Vec<&str> = code.split(|c: char| !c.is_alphanumeric() && c != '.').collect();
+            for number in ["34u", "33.5", "4095.0", "4095", "2048u", "512", "4096", "3.0e38"] {
+                assert!(!words.contains(&number), "{}:{}: {number} stands by hand", path.display(), i + 1);
+            }
+        }
+    }
+}
+
+#[test]
 fn a_shader_that_does_not_compose_says_which_and_why() {
-    let error = burin::gpu::device::shader::compose_source("broken.wgsl", "fn f() -> u32 { return nothing; }", &[])
-        .unwrap_err();
+    let error = compose_source("broken.wgsl", "fn f() -> u32 { return nothing; }", &[]).unwrap_err();
     let text = error.to_string();
     assert!(text.contains("broken.wgsl") && text.contains("nothing"), "{text}");
     let text = compose("missing.wgsl", &[]).unwrap_err().to_string();

@@ -1,12 +1,13 @@
 //! The ray caster: pictures of bodies through the field pools.
 //!
 //! Owns the kernels, specialised by mode, light, painted fields and merging instead of branching, and group 0. Frames become
-//! numbers in `scene`; what a pixel costs is in `shaders/cast/*.wgsl` (after Bruckner and Gröller 2006, section 4).
+//! numbers in `scene`; what a pixel costs is in `shaders/cast/picture.wgsl` (after Bruckner and Gröller 2006, section 4).
 
 use crate::gpu::cast::merging::{Drawn, drawn, resolve};
-use crate::gpu::cast::pass::{COLOUR, DEPTH, LIST_WIDTH, NO_DEPTH, OBJECT, Targets, data, layout, write};
+use crate::gpu::cast::pass::{COLOUR, DEPTH, OBJECT, Targets, data, layout, write};
 use crate::gpu::cast::tiles::{Tiles, Window};
-use crate::gpu::cast::uniforms::{MOST_BODIES, MOST_PLANES, Scene, View, table};
+use crate::gpu::cast::uniforms::{Scene, View, table};
+use crate::gpu::device::constants::{FAR, LIST_WIDTH, MOST_BODIES, MOST_PLANES};
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::device::kernel::{Draw, Kernel, group};
@@ -26,8 +27,7 @@ pub struct Caster {
     table: (Vec<[f32; 4]>, wgpu::Texture),
     segments: (Option<Segments>, wgpu::Texture),
     pub(crate) nothing: Targets,
-    /// By mode: see [`kernel`].
-    kernels: [Kernel<Draw>; 3],
+    kernel: Kernel<Draw>,
     pub(crate) visibility: Option<crate::gpu::cast::visibility::Counter>,
     /// Whether empty space is skipped and equal bodies are united; tests turn both off to compare pictures.
     pub shortcuts: bool,
@@ -51,13 +51,20 @@ impl Caster {
             Ok(Self {
                 layout: layout(gpu),
                 view: uniform("caster view", size_of::<View>()),
-                bodies: uniform("caster bodies", MOST_BODIES * size_of::<crate::gpu::cast::uniforms::CastBody>()),
-                planes: uniform("caster planes", MOST_PLANES * 16),
+                bodies: uniform(
+                    "caster bodies",
+                    MOST_BODIES as usize * size_of::<crate::gpu::cast::uniforms::CastBody>(),
+                ),
+                planes: uniform("caster planes", MOST_PLANES as usize * 16),
                 table: (Vec::new(), data(gpu, "transfer table", [TABLE_ENTRIES as u32, 1], COLOUR)),
                 segments: (None, data(gpu, "segment colours", [256, 1], wgpu::TextureFormat::Rgba8Unorm)),
                 nothing: Targets::new(gpu, [1; 2]),
-                kernels: ["cast/dvr.wgsl", "cast/iso.wgsl", "cast/mip.wgsl"]
-                    .map(|file| Kernel::new(gpu, file, Draw::cover("march_pixel", &[COLOUR, DEPTH, OBJECT]), &[])),
+                kernel: Kernel::new(
+                    gpu,
+                    "cast/picture.wgsl",
+                    Draw::cover("march_pixel", &[COLOUR, DEPTH, OBJECT]),
+                    &[],
+                ),
                 visibility: None,
                 shortcuts: true,
             })
@@ -170,10 +177,7 @@ impl Caster {
                 .map(|(capacity, areas)| {
                     let conditions = self.conditions(gpu, pools, frame, drawn, *capacity, i > 0, i + 1 < count);
                     let groups = [&self.layout, pools.layout()];
-                    Ok((
-                        kernel(&mut self.kernels, frame.mode).pipeline(gpu, &conditions, &groups, &[])?,
-                        areas.as_slice(),
-                    ))
+                    Ok((self.kernel.pipeline(gpu, &conditions, &groups, &[])?, areas.as_slice()))
                 })
                 .collect::<Result<Vec<_>, GpuError>>()?;
             // The second pass is the first into its targets.
@@ -200,7 +204,7 @@ impl Caster {
             Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
         };
         let [colour, depth, object] = &views;
-        let attachments = [attachment(colour, 0.0), attachment(depth, f64::from(NO_DEPTH)), attachment(object, 0.0)];
+        let attachments = [attachment(colour, 0.0), attachment(depth, f64::from(FAR)), attachment(object, 0.0)];
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("cast") });
         {
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -239,16 +243,22 @@ impl Caster {
         let masked = drawn.iter().any(|d| d.mask != Mask::None || d.selected.is_some());
         let selection = masked || painted(FieldKind::Selection, frame.overlay.selection);
         let tinted = drawn.iter().any(|d| d.tint.is_some());
+        let (dvr, iso) = (frame.mode == Mode::Dvr, matches!(frame.mode, Mode::Iso(_)));
         let own = [
+            ("DVR", dvr),
+            ("ISO", iso),
+            ("MIP", frame.mode == Mode::Mip),
             ("LIT", lit),
             ("COLOUR", colour),
             ("LABELS", labels),
             ("SELECTION", selection),
-            ("STAGED", lit || tinted || colour || labels || selection),
+            // Samples that show nothing are passed over before those that do are looked at closely: for light and paint, and
+            // for the one sample in which a surface lies. A maximum is asked of every sample.
+            ("STAGED", iso || (dvr && (lit || tinted || colour || labels || selection))),
             ("MERGE", capacity > 0),
             ("UP_TO_16", capacity == 16),
             ("UP_TO_64", capacity == 64),
-            ("UP_TO_ALL", capacity == MOST_BODIES as u32),
+            ("UP_TO_ALL", capacity == MOST_BODIES),
             ("RESUME", resume),
             ("CONTINUES", continues && frame.mode == Mode::Mip),
             ("PLAIN", !self.shortcuts),
@@ -301,14 +311,6 @@ impl Caster {
     }
 }
 
-fn kernel(kernels: &mut [Kernel<Draw>; 3], mode: Mode) -> &mut Kernel<Draw> {
-    &mut kernels[match mode {
-        Mode::Dvr => 0,
-        Mode::Iso(_) => 1,
-        Mode::Mip => 2,
-    }]
-}
-
 /// What is drawn where: the intervals that a ray must hold (0: bodies follow one another), and rectangles of pixels. A pixel that
 /// no body can be met in costs nothing.
 fn areas(mode: Mode, tiles: &Tiles, size: [u32; 2]) -> Vec<(u32, Vec<[u32; 4]>)> {
@@ -319,9 +321,9 @@ fn areas(mode: Mode, tiles: &Tiles, size: [u32; 2]) -> Vec<(u32, Vec<[u32; 4]>)>
         return vec![(0, all.into_iter().collect())];
     }
     // Few capacities, so that few pipelines are made.
-    let capacity = [4, 16, 64].into_iter().find(|&c| c >= tiles.longest_merged).unwrap_or(MOST_BODIES);
+    let capacity = [4, 16, 64].into_iter().find(|&c| c as usize >= tiles.longest_merged).unwrap_or(MOST_BODIES);
     let merged = tiles.areas(size, |merges| merges);
-    let mut areas = vec![(0, tiles.areas(size, |merges| !merges)), (capacity as u32, merged)];
+    let mut areas = vec![(0, tiles.areas(size, |merges| !merges)), (capacity, merged)];
     areas.retain(|(_, areas)| !areas.is_empty());
     areas
 }

@@ -17,12 +17,6 @@ pub(crate) struct Targets {
 pub(crate) const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 pub(crate) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 pub(crate) const OBJECT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
-/// Entries in a row of the tiles' lists, as in shaders/lib/body.wgsl.
-pub(crate) const LIST_WIDTH: u32 = 2048;
-/// Greater depths mean nothing.
-pub(crate) const FAR: f32 = 1e38;
-/// The depth of nothing, as in shaders/lib/body.wgsl.
-pub(crate) const NO_DEPTH: f32 = 3e38;
 
 impl Targets {
     pub(crate) fn new(gpu: &Gpu, size: [u32; 2]) -> Self {

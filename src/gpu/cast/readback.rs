@@ -1,6 +1,7 @@
 //! Pictures from the GPU to the host.
 
-use crate::gpu::cast::pass::{FAR, Targets};
+use crate::gpu::cast::pass::Targets;
+use crate::gpu::device::constants::FAR;
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::picture::image::Image;

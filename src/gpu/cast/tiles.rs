@@ -5,10 +5,9 @@
 
 use crate::gpu::cast::order::Order;
 use crate::gpu::cast::solid::Solid;
+use crate::gpu::device::constants::{MERGE_MARK, TILE};
 use crate::math::{Camera, DVec2};
 
-/// Pixels along an edge of a tile.
-pub const TILE: u32 = 8;
 /// Pixels by which silhouettes are widened, for the GPU's narrower numbers.
 const MARGIN: f64 = 0.02;
 
@@ -35,7 +34,7 @@ impl Window {
 pub struct Tiles {
     /// Tiles along x and y.
     pub dims: [u32; 2],
-    /// Per tile, x fastest: first entry in `lists`, and count with [`Tiles::MERGE`] where intervals must be merged.
+    /// Per tile, x fastest: first entry in `lists`, and count with [`MERGE_MARK`] where intervals must be merged.
     pub heads: Vec<[u32; 2]>,
     /// Indices of solids, nearest first.
     pub lists: Vec<u32>,
@@ -46,9 +45,6 @@ pub struct Tiles {
 }
 
 impl Tiles {
-    /// Set in a count whose tile holds bodies without an order.
-    pub const MERGE: u32 = 1 << 31;
-
     /// Lists for solids in world mm.
     pub fn of(solids: &[Solid], order: &Order, camera: &Camera, window: &Window) -> Self {
         let dims = window.size.map(|s| s.div_ceil(TILE));
@@ -67,7 +63,7 @@ impl Tiles {
             let clash = (1..list.len()).any(|i| list[..i].iter().any(|&a| order.clash(a as usize, list[i] as usize)));
             let longest = if clash { &mut tiles.longest_merged } else { &mut tiles.longest_ordered };
             *longest = (*longest).max(list.len());
-            let mark = if clash { Self::MERGE } else { 0 };
+            let mark = if clash { MERGE_MARK } else { 0 };
             tiles.heads.push([tiles.lists.len() as u32, list.len() as u32 | mark]);
             tiles.lists.extend(list);
         }
@@ -77,7 +73,7 @@ impl Tiles {
     /// Rectangles of pixels, left, top, right and bottom, that together are the tiles that hold bodies and whose mark `wanted`
     /// asks for, within a target's size.
     pub fn areas(&self, [width, height]: [u32; 2], wanted: impl Fn(bool) -> bool) -> Vec<[u32; 4]> {
-        let holds = |&[_, count]: &[u32; 2]| count & !Self::MERGE > 0 && wanted(count & Self::MERGE != 0);
+        let holds = |&[_, count]: &[u32; 2]| count & !MERGE_MARK > 0 && wanted(count & MERGE_MARK != 0);
         let mut areas: Vec<[u32; 4]> = Vec::new();
         // Those that reach down to this row, and may go on.
         let mut above: Vec<usize> = Vec::new();

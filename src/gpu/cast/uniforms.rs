@@ -6,16 +6,13 @@
 use crate::gpu::cast::merging::Drawn;
 use crate::gpu::cast::order::{Order, Sight};
 use crate::gpu::cast::tiles::{Tiles, Window};
+use crate::gpu::device::constants::{MASK_BACKGROUND, MASK_SELECTION, MOST_BODIES, MOST_PLANES};
 use crate::gpu::device::error::GpuError;
 use crate::gpu::picture::frame::{Frame, Mask, Overlay};
 use crate::math::{DAffine3, DVec3, Projection};
 use crate::shared_struct;
 use crate::volume::{Grid, Mode, TABLE_ENTRIES};
 
-/// Bodies that fit into one picture.
-pub const MOST_BODIES: usize = 512;
-/// Cutting planes of all bodies together that fit into one picture.
-pub const MOST_PLANES: usize = 4096;
 /// Loop iterations of one invocation are held below this; software Vulkan ends loops silently at 65,535.
 const ITERATIONS: f64 = 60_000.0;
 
@@ -120,7 +117,7 @@ impl Scene {
         (lo, span): (f64, f64),
     ) -> Result<Self, GpuError> {
         let plane_count = drawn.iter().map(|d| d.planes.len()).sum();
-        if drawn.len() > MOST_BODIES || plane_count > MOST_PLANES {
+        if drawn.len() > MOST_BODIES as usize || plane_count > MOST_PLANES as usize {
             return Err(GpuError::TooManyBodies { bodies: drawn.len(), planes: plane_count });
         }
         if !(frame.step_mm.is_finite() && frame.step_mm > 0.0) {
@@ -141,8 +138,8 @@ impl Scene {
                 column_z: narrow(m.z_axis),
                 mask: match d.mask {
                     Mask::None => 0,
-                    Mask::Selection => 1,
-                    Mask::Background => 2,
+                    Mask::Selection => MASK_SELECTION,
+                    Mask::Background => MASK_BACKGROUND,
                 },
                 eye: narrow(index_from_world.transform_point3(eye)),
                 code: 2 * (i as u32 + 1),

@@ -4,8 +4,9 @@
 
 use crate::gpu::cast::caster::Caster;
 use crate::gpu::cast::merging::drawn;
-use crate::gpu::cast::tiles::{TILE, Window};
-use crate::gpu::cast::uniforms::{MOST_BODIES, Scene};
+use crate::gpu::cast::tiles::Window;
+use crate::gpu::cast::uniforms::Scene;
+use crate::gpu::device::constants::{MOST_BODIES, TILE};
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::device::kernel::{Binding, Compute, Kernel};
@@ -44,7 +45,7 @@ pub(crate) struct Counter {
 
 impl Counter {
     fn new(gpu: &Gpu) -> Self {
-        let size = 4 * (MOST_BODIES as u64 + 2);
+        let size = 4 * (u64::from(MOST_BODIES) + 2);
         let buffer = |label, usage| {
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -114,7 +115,7 @@ impl Caster {
     ) -> Result<Vec<u32>, GpuError> {
         let counter = self.visibility.get_or_insert_with(|| Counter::new(gpu));
         let mut names: Vec<&'static str> = pools.defs(gpu).into_iter().map(|d| d.0).collect();
-        names.push("SELECTION");
+        names.extend(["SELECTION", "COUNTS"]);
         let pipeline = counter.kernel.pipeline(gpu, &names, &[&self.layout, pools.layout()], &[])?;
         let counts = counter.kernel.group(gpu, [counter.counts.as_entire_binding()]);
         let mut encoder =

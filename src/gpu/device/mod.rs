@@ -2,6 +2,7 @@
 //!
 //! The lowest folder of the floor; knows no fields and no pictures.
 
+pub mod constants;
 pub(crate) mod error;
 pub(crate) mod gpu;
 pub(crate) mod kernel;

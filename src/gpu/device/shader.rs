@@ -4,6 +4,7 @@
 //! tests call the same [`compose`]; a pipeline is specialised by `defs` instead of branching on the GPU. Two rules of the
 //! composer: names of a library module do not end in a digit, and an imported name must not also be a member's name.
 
+use crate::gpu::device::constants;
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
 use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescriptor};
@@ -16,16 +17,27 @@ macro_rules! files {
     ($($path:literal),* $(,)?) => { &[$(($path, include_str!(concat!("../../../shaders/", $path)))),*] };
 }
 
-/// Modules that others import, each after those it imports itself.
-const LIBRARY: &[(&str, &str)] = files!["lib/field.wgsl", "lib/body.wgsl", "lib/look.wgsl"];
+/// Modules that others import, each after those it imports itself; before all of them come the `constants`.
+const LIBRARY: &[(&str, &str)] = files![
+    "lib/field.wgsl",
+    "lib/body.wgsl",
+    "lib/picture.wgsl",
+    "lib/look.wgsl",
+    "lib/light.wgsl",
+    "lib/span.wgsl",
+    "lib/dvr.wgsl",
+    "lib/iso.wgsl",
+    "lib/mip.wgsl",
+    "lib/fade.wgsl",
+    "lib/march.wgsl",
+    "lib/merge.wgsl",
+];
 
 /// Files with entry points.
 const KERNELS: &[(&str, &str)] = files![
     "brush/brush.wgsl",
     "brush/live_cells.wgsl",
-    "cast/dvr.wgsl",
-    "cast/iso.wgsl",
-    "cast/mip.wgsl",
+    "cast/picture.wgsl",
     "cast/visibility.wgsl",
     "slice.wgsl",
     "backdrop.wgsl",
@@ -105,7 +117,8 @@ pub fn compose_source(file: &str, source: &str, defs: &[(&str, Def)]) -> Result<
 
 fn library() -> Result<Composer, GpuError> {
     let mut composer = Composer::default();
-    for (path, source) in LIBRARY {
+    let constants = constants::source();
+    for (path, source) in std::iter::once(&("lib/constants.wgsl", constants.as_str())).chain(LIBRARY) {
         let descriptor =
             ComposableModuleDescriptor { source, file_path: path, shader_defs: HashMap::new(), ..Default::default() };
         if let Err(error) = composer.add_composable_module(descriptor) {

@@ -1,0 +1,169 @@
+#define_import_path burin::iso
+// The surface at a density: the nearest hit of any body, refined by bisection, cut faces capped with the plane's normal.
+//
+// Bodies may overlap: each ends the others' search at its own hit. A mask divides matter at ½; where it, and not the density,
+// makes the surface, the selection's gradient is the normal.
+
+#import burin::constants::{FAR, MASK_SELECTION}
+#import burin::field::{brick_of, density_page, density_texel, address, selection_page, selected}
+#import burin::body::{Ray, BodyRay, view, bodies, planes, body_ray}
+#import burin::look::{reaches, surface_colour, painted}
+#import burin::light::{gradient, selection_gradient, lit, facing}
+#import burin::picture::{Picture, object_of}
+#import burin::span::Run
+
+const RUN: f32 = 8.0;
+const BISECTIONS: u32 = 12u;
+
+// The nearest hit of all bodies, in steps; whether it is where the ray enters its body; the body.
+var<private> nearest: f32;
+var<private> nearest_caps: bool;
+var<private> nearest_body: u32;
+// The same of the body that is searched.
+var<private> hit: f32;
+var<private> hit_caps: bool;
+
+fn begin(before: Picture) -> bool {
+    nearest = FAR;
+    nearest_caps = false;
+    nearest_body = 0u;
+    return before.object == 0u;
+}
+
+fn owns(mask: u32, s: f32) -> bool {
+    return mask == 0u || (s >= 0.5) == (mask == MASK_SELECTION);
+}
+
+fn dense(p: vec3<f32>) -> bool {
+    let page = density_page(brick_of(p));
+    return reaches(density_texel(page, address(page, p)));
+}
+
+fn inside(r: BodyRay, k: f32) -> bool {
+    let p = r.o + r.d * k;
+    return dense(p) && owns(r.mask, selected(p));
+}
+
+// What a sample finds lies after the sample before it: an entry belongs to the pass of the sample that follows it, and the sample
+// that follows the nearest hit so far may still find something before it.
+fn enter(r: BodyRay, ray: Ray, within: vec2<f32>) -> vec2<f32> {
+    hit = FAR;
+    hit_caps = false;
+    let follows = ceil(within.x);
+    let enters = within.x < min(within.y, nearest) && follows >= view.k_from && follows < view.k_to;
+    if (enters && inside(r, within.x)) {
+        hit = within.x;
+        hit_caps = true;
+        return vec2<f32>(0.0);
+    }
+    return vec2<f32>(max(follows, view.k_from), min(min(ceil(within.y), ceil(nearest) + 1.0), view.k_to));
+}
+
+fn meet(texel: f32) -> vec4<f32> {
+    return vec4<f32>(0.0, 0.0, 0.0, select(0.0, 1.0, reaches(texel)));
+}
+
+fn add(r: BodyRay, run: Run, k: f32, texel: f32, c: vec4<f32>) {
+#ifdef SELECTION
+    if (owns(r.mask, selected(r.o + r.d * k))) {
+        hit = k;
+    }
+#else
+    hit = k;
+#endif
+}
+
+fn done() -> bool {
+    return hit < FAR;
+}
+
+fn leave(r: BodyRay, within: vec2<f32>) {
+    if (hit < FAR && !hit_caps) {
+        var outer = max(hit - 1.0, within.x);
+        for (var i = 0u; i < BISECTIONS; i += 1u) {
+            let middle = 0.5 * (outer + hit);
+            if (inside(r, middle)) {
+                hit = middle;
+            } else {
+                outer = middle;
+            }
+        }
+    }
+    if (hit < nearest) {
+        nearest = hit;
+        nearest_caps = hit_caps;
+        nearest_body = r.body;
+    }
+}
+
+fn over(merge: bool) -> bool {
+    return nearest < FAR && !merge;
+}
+
+// Cosine between the ray and the outward normal of the face by which it enters the body.
+fn entry_cosine(r: BodyRay, ray: Ray, entry: f32) -> f32 {
+    let a = (bodies[r.body].lo - r.o) / r.d;
+    let b = (bodies[r.body].hi - r.o) / r.d;
+    let near = min(a, b);
+    let m = mat3x3<f32>(bodies[r.body].column_x, bodies[r.body].column_y, bodies[r.body].column_z);
+    // A face is told by the place at which the ray meets it, as far as these numbers tell places apart.
+    var closest = 1e-3 + 2e-6 * entry;
+    var cosine = 1.0;
+    // Faces of the box: planes of one index, normal = a row of index_from_world.
+    for (var axis = 0u; axis < 3u; axis += 1u) {
+        let off = abs(near[axis] - entry);
+        if (off < closest) {
+            closest = off;
+            let normal = vec3<f32>(m[0][axis], m[1][axis], m[2][axis]);
+            cosine = dot(normal, ray.dir) / length(normal);
+        }
+    }
+    for (var i = 0u; i < bodies[r.body].plane_count; i += 1u) {
+        let plane = planes[bodies[r.body].first_plane + i];
+        let slope = dot(plane.xyz, ray.dir);
+        let t = -(plane.w + dot(plane.xyz, ray.start)) / (slope * view.step_mm);
+        if (slope < 0.0 && abs(t - entry) <= closest) {
+            closest = abs(t - entry);
+            cosine = slope;
+        }
+    }
+    return cosine;
+}
+
+// Cosine of the surface's normal at a refined hit.
+fn surface_cosine(r: BodyRay, k: f32) -> f32 {
+    let p = r.o + r.d * k;
+    let brick = brick_of(p);
+#ifdef SELECTION
+    // A hair before the hit there is matter, but another body's: the mask makes the surface.
+    if (r.mask != 0u && dense(r.o + r.d * (k - 1.0 / 256.0))) {
+        return facing(r, selection_gradient(selection_page(brick), p), 1.0);
+    }
+#endif
+    let page = density_page(brick);
+    return facing(r, gradient(page, p), density_texel(page, address(page, p)));
+}
+
+fn end(before: Picture, ray: Ray) -> Picture {
+    var picture = before;
+    if (nearest < FAR) {
+        let r = body_ray(nearest_body, ray);
+        let p = r.o + r.d * nearest;
+        let s = selected(p);
+        // The colour of the surface's value, for caps too.
+        var colour = painted(surface_colour(), p, s) * bodies[nearest_body].tint;
+#ifdef LIT
+        var cosine = 1.0;
+        if (nearest_caps) {
+            cosine = entry_cosine(r, ray, nearest);
+        } else {
+            cosine = surface_cosine(r, nearest);
+        }
+        colour = lit(colour, cosine);
+#endif
+        picture.colour = vec4<f32>(colour, 1.0);
+        picture.depth = nearest * view.step_mm;
+        picture.object = object_of(nearest_body, s);
+    }
+    return picture;
+}

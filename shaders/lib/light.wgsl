@@ -1,0 +1,56 @@
+#define_import_path burin::light
+// Light on matter: the gradient as its normal, a headlight, lit on both sides.
+
+#import burin::field::{Page, density_texel, selection_at, address, is_nan}
+#import burin::body::{BodyRay, view, matrix_of}
+
+fn difference(a: f32, b: f32) -> f32 {
+#ifdef FLOAT_DENSITY
+    let d = a - b;
+    return select(d, 0.0, is_nan(d));
+#else
+    return a - b;
+#endif
+}
+
+// Central differences half a voxel either way, in texels per voxel along the axes of index space.
+fn gradient(page: Page, p: vec3<f32>) -> vec3<f32> {
+    let x = vec3<f32>(0.5, 0.0, 0.0);
+    let y = vec3<f32>(0.0, 0.5, 0.0);
+    let z = vec3<f32>(0.0, 0.0, 0.5);
+    return vec3<f32>(
+        difference(density_texel(page, address(page, p + x)), density_texel(page, address(page, p - x))),
+        difference(density_texel(page, address(page, p + y)), density_texel(page, address(page, p - y))),
+        difference(density_texel(page, address(page, p + z)), density_texel(page, address(page, p - z))),
+    );
+}
+
+// The same of the selection.
+fn selection_gradient(page: Page, p: vec3<f32>) -> vec3<f32> {
+    let x = vec3<f32>(0.5, 0.0, 0.0);
+    let y = vec3<f32>(0.0, 0.5, 0.0);
+    let z = vec3<f32>(0.0, 0.0, 0.5);
+    return vec3<f32>(
+        selection_at(page, p + x) - selection_at(page, p - x),
+        selection_at(page, p + y) - selection_at(page, p - y),
+        selection_at(page, p + z) - selection_at(page, p - z),
+    );
+}
+
+// Blinn-Phong with a headlight, lit on both sides; `cosine` between normal and ray, either sign.
+fn lit(rgb: vec3<f32>, cosine: f32) -> vec3<f32> {
+    let c = min(abs(cosine), 1.0);
+    return rgb * (view.lighting.x + view.lighting.y * c) + view.lighting.z * pow(c, view.lighting.w);
+}
+
+// Cosine between the ray and the normal of a gradient in index space. A gradient of no more than the noise of arithmetic on
+// values of this size counts as facing the light.
+fn facing(r: BodyRay, g: vec3<f32>, texel: f32) -> f32 {
+    let largest = max(abs(g.x), max(abs(g.y), abs(g.z)));
+    if (largest <= 2.4e-7 * abs(texel)) {
+        return 1.0;
+    }
+    let n = g / largest;
+    // World normal = transpose(index_from_world) · gradient; r.d is index_from_world · ray · step.
+    return dot(n, r.d) / (length(n * matrix_of(r.body)) * view.step_mm);
+}

@@ -1,0 +1,133 @@
+#define_import_path burin::merge
+// Any number of overlapping bodies at once, direct volume rendering: extinctions add, colours are weighted by extinction.
+//
+// Where only one body's samples lie ahead its ray is marched as if it were alone; where several overlap their samples are
+// gathered, SHARED_RUN at a time, and composed together.
+
+#import burin::constants::{FAR, MOST_BODIES}
+#import burin::body::{Ray, BodyRay, Listed, body_ray, body_at, interval}
+#import burin::dvr::{evaluate, compose, turn_to, done}
+#import burin::span::{next_sample, run_from, samples_in}
+#import burin::march::{march, seek}
+
+// Extinction that stands for an opaque sample: finite, so that overlapping ones share the colour.
+const OPAQUE: f32 = 1.0e6;
+
+// Intervals that a ray can hold.
+#ifdef UP_TO_ALL
+const CAPACITY: u32 = MOST_BODIES;
+#else
+#ifdef UP_TO_64
+const CAPACITY: u32 = 64u;
+#else
+#ifdef UP_TO_16
+const CAPACITY: u32 = 16u;
+#else
+const CAPACITY: u32 = 4u;
+#endif
+#endif
+#endif
+const SHARED_RUN: u32 = 16u;
+// So many samples of one body are not worth the merging of several.
+const ALONE: f32 = 8.0;
+
+// Extinction-weighted colour and extinction of a run of samples in which several bodies overlap, and its strongest body.
+var<private> matter: array<vec4<f32>, SHARED_RUN>;
+var<private> strongest: array<vec2<f32>, SHARED_RUN>;
+
+fn mix_in(c: vec4<f32>, i: u32, body: u32) {
+    let extinction = select(-log(1.0 - c.a), OPAQUE, c.a >= 0.999999);
+    matter[i] += vec4<f32>(c.rgb * extinction, extinction);
+    if (extinction > strongest[i].x) {
+        strongest[i] = vec2<f32>(extinction, f32(body));
+    }
+}
+
+// Adds a body's samples k0 ≤ k < k1, less than SHARED_RUN after `first`, to `matter`.
+fn gather(r: BodyRay, first: f32, k0: f32, k1: f32) {
+    var k = k0;
+    loop {
+        k = next_sample(r, k, k1);
+        if (k >= k1) {
+            break;
+        }
+        let run = run_from(r, k, k1);
+        loop {
+            let found = seek(run, k);
+            k = found.k;
+            if (found.colour.a > 0.0) {
+                let c = evaluate(r, run, k - 1.0, found.texel, found.colour);
+                mix_in(c, u32(k - 1.0 - first), r.body);
+            }
+            if (k >= run.end) {
+                break;
+            }
+        }
+    }
+}
+
+fn march_merged(listed: Listed, ray: Ray) {
+    // By interval: its body, its end, and the first sample from the current one on that may show something of it.
+    var ahead: array<f32, CAPACITY>;
+    var k1: array<f32, CAPACITY>;
+    var who: array<u32, CAPACITY>;
+    var n = 0u;
+    for (var i = 0u; i < listed.count; i += 1u) {
+        let body = body_at(listed.first + i);
+        let r = body_ray(body, ray);
+        let span = samples_in(interval(r, ray));
+        if (span.x < span.y && n < CAPACITY) {
+            ahead[n] = next_sample(r, span.x, span.y);
+            k1[n] = span.y;
+            who[n] = body;
+            n += 1u;
+        }
+    }
+    loop {
+        var first = FAR;
+        var second = FAR;
+        var nearest = 0u;
+        for (var j = 0u; j < n; j += 1u) {
+            let at = select(FAR, ahead[j], ahead[j] < k1[j]);
+            if (at < first) {
+                second = first;
+                first = at;
+                nearest = j;
+            } else {
+                second = min(second, at);
+            }
+        }
+        if (first == FAR || done()) {
+            break;
+        }
+        var reached = min(second, k1[nearest]);
+        if (second - first >= ALONE) {
+            turn_to(who[nearest]);
+            march(body_ray(who[nearest], ray), first, reached);
+        } else {
+            reached = first + f32(SHARED_RUN);
+            for (var i = 0u; i < SHARED_RUN; i += 1u) {
+                matter[i] = vec4<f32>(0.0);
+                strongest[i] = vec2<f32>(0.0);
+            }
+            for (var j = 0u; j < n; j += 1u) {
+                let end = min(reached, k1[j]);
+                if (ahead[j] < end) {
+                    gather(body_ray(who[j], ray), first, ahead[j], end);
+                }
+            }
+            for (var i = 0u; i < SHARED_RUN; i += 1u) {
+                let m = matter[i];
+                if (m.a > 0.0 && !done()) {
+                    turn_to(u32(strongest[i].y));
+                    compose(vec4<f32>(m.rgb / m.a, 1.0 - exp(-m.a)), first + f32(i));
+                }
+            }
+        }
+        for (var j = 0u; j < n; j += 1u) {
+            if (ahead[j] < reached) {
+                ahead[j] = next_sample(body_ray(who[j], ray), reached, k1[j]);
+            }
+        }
+    }
+}

@@ -1,0 +1,92 @@
+#define_import_path burin::mip
+// Maximum intensity projection: the table at the largest density that any body meets, opacity uncorrected.
+//
+// The maximum does not care for order, so overlapping bodies need no merging; of equal ones the nearest is taken. A mask divides
+// matter at ½.
+
+#import burin::constants::{FAR, MASK_SELECTION}
+#import burin::field::{selected, is_nan}
+#import burin::body::{Ray, BodyRay, view, bodies, body_ray}
+#import burin::look::{table_at, painted}
+#import burin::picture::{Picture, object_of}
+#import burin::span::{Run, samples_in}
+
+const RUN: f32 = 32.0;
+
+var<private> largest: f32;
+var<private> largest_at: f32;
+var<private> largest_body: u32;
+
+fn begin(before: Picture) -> bool {
+    largest = -FAR;
+    largest_at = 0.0;
+    largest_body = 0u;
+#ifdef RESUME
+    // Earlier passes leave their largest texel instead of the picture's colour, which the last pass makes.
+    largest = before.colour.x;
+    largest_at = before.colour.y;
+    largest_body = u32(before.colour.z);
+#endif
+    return true;
+}
+
+fn enter(r: BodyRay, ray: Ray, within: vec2<f32>) -> vec2<f32> {
+    return samples_in(within);
+}
+
+fn meet(texel: f32) -> vec4<f32> {
+    return vec4<f32>(0.0);
+}
+
+// Of equal maxima the nearest, in whatever order bodies come.
+fn exceeds(texel: f32, k: f32) -> bool {
+    let better = texel > largest || (texel == largest && k < largest_at);
+#ifdef FLOAT_DENSITY
+    return !is_nan(texel) && better;
+#else
+    return better;
+#endif
+}
+
+fn add(r: BodyRay, run: Run, k: f32, texel: f32, c: vec4<f32>) {
+    var better = exceeds(texel, k);
+#ifdef SELECTION
+    if (better && r.mask != 0u) {
+        better = (selected(r.o + r.d * k) >= 0.5) == (r.mask == MASK_SELECTION);
+    }
+#endif
+    largest = select(largest, texel, better);
+    largest_at = select(largest_at, k, better);
+    largest_body = select(largest_body, r.body, better);
+}
+
+fn done() -> bool {
+    return false;
+}
+
+fn leave(r: BodyRay, within: vec2<f32>) {}
+
+fn over(merge: bool) -> bool {
+    return false;
+}
+
+fn end(before: Picture, ray: Ray) -> Picture {
+    var picture = Picture(vec4<f32>(0.0), FAR, 0u);
+#ifdef CONTINUES
+    picture.colour = vec4<f32>(largest, largest_at, f32(largest_body), 0.0);
+#else
+    if (largest > -FAR) {
+        let r = body_ray(largest_body, ray);
+        let p = r.o + r.d * largest_at;
+        let s = selected(p);
+        let c = table_at(largest);
+        let colour = painted(c.rgb, p, s) * bodies[largest_body].tint;
+        picture.colour = vec4<f32>(colour * c.a, c.a);
+        if (c.a > 0.0) {
+            picture.depth = largest_at * view.step_mm;
+            picture.object = object_of(largest_body, s);
+        }
+    }
+#endif
+    return picture;
+}

@@ -1,0 +1,37 @@
+#define_import_path burin::picture
+// A pixel of the picture: what a pass writes, and what the passes before it wrote.
+
+#import burin::constants::FAR
+#import burin::body::bodies
+
+struct Picture {
+    @location(0) colour: vec4<f32>,     // multiplied by opacity, and opacity
+    @location(1) depth: f32,            // mm along the ray; FAR for nothing
+    @location(2) object: u32,           // 0 for nothing
+}
+
+#ifdef RESUME
+@group(0) @binding(7) var before_colour: texture_2d<f32>;
+@group(0) @binding(8) var before_depth: texture_2d<f32>;
+@group(0) @binding(9) var before_object: texture_2d<u32>;
+#endif
+
+// What earlier passes left of a pixel; nothing for the first one.
+fn before_at(px: vec2<f32>) -> Picture {
+#ifdef RESUME
+    let texel = vec2<i32>(px);
+    return Picture(
+        textureLoad(before_colour, texel, 0),
+        textureLoad(before_depth, texel, 0).r,
+        textureLoad(before_object, texel, 0).r,
+    );
+#else
+    return Picture(vec4<f32>(0.0), FAR, 0u);
+#endif
+}
+
+// What a pixel says of the body that it shows where the selection is s.
+fn object_of(body: u32, s: f32) -> u32 {
+    let selected_matter = bodies[body].tells_selection != 0u && s >= 0.5;
+    return bodies[body].code + select(0u, 1u, selected_matter);
+}

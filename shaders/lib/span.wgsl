@@ -1,0 +1,93 @@
+#define_import_path burin::span
+// Which samples of a body's ray are looked at, and where their voxels are.
+//
+// A span is a half-open interval of the lattice, k0 ≤ k < k1. The next sample of a span is the first one that does not lie in
+// empty space. A run is the samples from there on that one page serves: it ends at a brick's border, at the span's end or after
+// as many samples as its caller says, whichever comes first, and ignores the borders of cells.
+
+#import burin::constants::{BRICK, MASK_SELECTION, MASK_BACKGROUND}
+#import burin::field::{Page, brick_of, density_page, density_texel, selection_page, skip_all, skip_selection, skip_background, info}
+#import burin::body::{BodyRay, view}
+
+// The samples of this pass between two places of a ray, in steps: from x on, before y.
+fn samples_in(within: vec2<f32>) -> vec2<f32> {
+    return vec2<f32>(max(ceil(within.x), view.k_from), min(ceil(within.y), view.k_to));
+}
+
+// The first sample at or after `first` whose cell may show something; k1 or later if there is none before k1.
+fn next_sample(r: BodyRay, first: f32, k1: f32) -> f32 {
+    var k = first;
+#ifndef PLAIN
+    loop {
+        if (k >= k1) {
+            break;
+        }
+        let cell = floor(r.cell_o + r.cell_d * k);
+        let at = vec3<i32>(cell);
+#ifdef SELECTION
+        var distance = skip_all(at);
+        if (r.mask == MASK_SELECTION) {
+            distance = max(distance, skip_selection(at));
+        } else if (r.mask == MASK_BACKGROUND) {
+            distance = max(distance, skip_background(at));
+        }
+#else
+        let distance = skip_all(at);
+#endif
+        if (distance == 0u) {
+            break;
+        }
+        let leave = (cell + 0.5 - r.cell_o) * r.cell_i + (f32(distance) - 0.5) * abs(r.cell_i);
+        k = max(k + 1.0, ceil(min(leave.x, min(leave.y, leave.z))));
+    }
+#endif
+    return k;
+}
+
+struct Run {
+    brick: vec3<i32>,           // of the first sample
+    page: Page,
+    selection: Page,            // where the picture asks for the selection
+    // Sample k is at the address q + dq·k.
+    q: vec3<f32>,
+    dq: vec3<f32>,
+    end: f32,                   // the first sample that is none of them
+}
+
+// The run that begins at sample k and ends at `most` at the latest.
+fn run_from(r: BodyRay, k: f32, most: f32) -> Run {
+    let brick = brick_of(r.o + r.d * k);
+    let page = density_page(brick);
+#ifdef SELECTION
+    let selection = selection_page(brick);
+#else
+    let selection = page;
+#endif
+    return Run(brick, page, selection, r.o * page.scale + page.off, r.d * page.scale, run_end(r, brick, k, most));
+}
+
+// The texel at sample k of a run.
+fn run_texel(run: Run, k: f32) -> f32 {
+    return density_texel(run.page, run.q + run.dq * k);
+}
+
+// Where a run that begins at sample k of a brick of level 0 ends: with the brick, at `most` at the latest. One sample at least.
+fn run_end(r: BodyRay, brick: vec3<i32>, k: f32, most: f32) -> f32 {
+#ifdef IN_PLACE
+#ifndef SELECTION
+    // One page serves all bricks.
+    return most;
+#else
+    return min(most, max(brick_end(r, brick), k + 1.0));
+#endif
+#else
+    return min(most, max(brick_end(r, brick), k + 1.0));
+#endif
+}
+
+// The first sample at or after which the ray has left a brick of level 0.
+fn brick_end(r: BodyRay, brick: vec3<i32>) -> f32 {
+    let corner = f32(BRICK) * (vec3<f32>(brick) + select(vec3<f32>(0.0), vec3<f32>(1.0), r.d > vec3<f32>(0.0))) - 0.5;
+    let leave = (corner - r.o) * r.cell_i / f32(info.cell);
+    return ceil(min(leave.x, min(leave.y, leave.z)));
+}

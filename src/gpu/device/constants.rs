@@ -1,0 +1,44 @@
+//! Numbers that shaders and host share, said once: the module `burin::constants` is written from here.
+//!
+//! Owns names, types and values; whoever needs one on the host takes it from here too. Shared structs are in `layout`.
+
+/// Declares constants for Rust and writes the same ones in WGSL.
+macro_rules! shared {
+    ($($(#[$doc:meta])* $name:ident: $ty:ident = $value:expr;)*) => {
+        $($(#[$doc])* pub const $name: $ty = $value;)*
+
+        /// The source of the shaders' module `burin::constants`.
+        pub(crate) fn source() -> String {
+            let mut source = String::from("#define_import_path burin::constants\n");
+            $(source.push_str(&format!("const {}: {} = {:?};\n", stringify!($name), stringify!($ty), $value));)*
+            source
+        }
+    };
+}
+
+shared! {
+    /// Bodies that fit into one picture.
+    MOST_BODIES: u32 = 512;
+    /// Cutting planes of all bodies together that fit into one picture.
+    MOST_PLANES: u32 = 4096;
+    /// Pixels along an edge of a tile.
+    TILE: u32 = 8;
+    /// Entries in a row of the tiles' lists.
+    LIST_WIDTH: u32 = 2048;
+    /// Set in a tile's count where its bodies have no order and must be merged.
+    MERGE_MARK: u32 = 1 << 30;
+    /// The depth of nothing, and a sample that no ray reaches.
+    FAR: f32 = 3e38;
+    /// Last entry of the table of colour and opacity.
+    TABLE_LAST: f32 = (crate::volume::TABLE_ENTRIES - 1) as f32;
+    /// Voxels along an edge of a brick.
+    BRICK: u32 = crate::volume::BRICK;
+    /// Texels along an edge of a slot: a brick and one voxel of apron on each side.
+    SLOT: u32 = crate::volume::BRICK + 2;
+    /// A body takes the selected share of the matter in its region.
+    MASK_SELECTION: u32 = 1;
+    /// A body takes the share that is not selected.
+    MASK_BACKGROUND: u32 = 2;
+    /// Transmittance under which a ray ends.
+    CLEAR_END: f32 = 1.0 / 256.0;
+}
