@@ -4,20 +4,20 @@
 //! it in place. Knows no camera (see `splitters`) and no forces.
 
 use super::convex;
-use super::convex::{area, polygon, volume};
 use super::{ExplodeError, Explosion, Face, Forces, Part, PartId};
+use crate::math::convex::{area, diameter, mean, polygon, volume};
 use crate::math::{DVec3, Plane, Pose};
 use crate::volume::Grid;
 
 impl Part {
     /// Mean of the corners at rest, world mm: the centre that forces turn the part about.
     pub fn centre(&self) -> DVec3 {
-        convex::mean(&self.vertices)
+        mean(&self.vertices)
     }
 
     /// Volume, mm³.
     pub fn volume_mm3(&self) -> f64 {
-        volume(&self.faces, &self.vertices)
+        volume(self.faces.iter().map(|f| f.plane), &self.vertices)
     }
 
     /// The faces' corners at rest, world mm, counter-clockwise seen from outside, in order of `faces`.
@@ -34,7 +34,7 @@ impl Explosion {
     /// One part: the volume's box, also where the grid is oblique. Degree 0, forces as published.
     pub fn whole(grid: &Grid) -> Self {
         let corners = grid.world_corners();
-        let centre = convex::mean(&corners);
+        let centre = mean(&corners);
         let mut faces = Vec::with_capacity(6);
         for axis in 0..3 {
             for side in 0..2 {
@@ -209,7 +209,7 @@ impl Part {
         if self.vertices.len() < 4 || self.vertices.iter().any(|v| !v.is_finite()) {
             return Err(invalid("vertices", format!("{} corners", self.vertices.len()), "at least 4 finite corners"));
         }
-        let near = 1e-5 * convex::diameter(&self.vertices);
+        let near = 1e-5 * diameter(&self.vertices);
         for face in &self.faces {
             let plane = &face.plane;
             let unit = (plane.normal.length() - 1.0).abs() < 1e-6;
@@ -225,7 +225,7 @@ impl Part {
         }
         // A closed body's outward face areas cancel.
         let sum: DVec3 = self.faces.iter().map(|f| f.plane.normal * area(&polygon(&f.plane, &self.vertices))).sum();
-        if self.faces.len() < 4 || sum.length() > 1e-5 * convex::diameter(&self.vertices).powi(2) {
+        if self.faces.len() < 4 || sum.length() > 1e-5 * diameter(&self.vertices).powi(2) {
             return Err(invalid("faces", format!("{} planes", self.faces.len()), "planes that close a body"));
         }
         Ok(())

@@ -3,9 +3,9 @@
 //! The nearest point of a convex body to a point outside lies on a face that the point is outside of, so only these few are
 //! asked. All in `f64` and in the order of faces: the same input gives the same bits.
 
-use super::convex::polygon;
 use super::{ExplodeError, Part};
 use crate::math::DVec3;
+use crate::math::convex::polygon;
 
 #[derive(Clone, Debug)]
 struct Side {

@@ -4,8 +4,9 @@
 //! from the direction of sight, so that the plane stays edge-on where it was clicked. Planes are in the world as it is seen,
 //! exploded or not; [`Explosion::split`] takes them back to rest.
 
-use super::convex::{ON_PLANE, section};
+use super::convex::ON_PLANE;
 use super::{Axis, ExplodeError, Explosion, Part, PartId};
+use crate::math::convex::{diameter, section};
 use crate::math::{Camera, DVec2, DVec3, Plane, Projection};
 
 /// The plane of the axis splitter: through `hit` (world mm, seen through `px`), holding the viewing ray and a screen axis.
@@ -77,7 +78,7 @@ impl Part {
         else {
             return false;
         };
-        let near = ON_PLANE * super::convex::diameter(&vertices);
+        let near = ON_PLANE * diameter(&vertices);
         let mut ring = section(&vertices, &distances, plane, near);
         for bound in &bounds {
             ring = clip(&ring, bound);

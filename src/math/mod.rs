@@ -4,6 +4,7 @@
 //! narrows to `f32`. Knows nothing of voxels, files or the GPU.
 
 mod camera;
+pub mod convex;
 mod pose;
 mod shapes;
 

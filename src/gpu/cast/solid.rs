@@ -1,21 +1,16 @@
 //! Convex solids on the host: the volume's box cut by a body's planes.
 //!
-//! Owns their faces, corners and volume, and whether a face of one parts it from another. The tiles project the corners,
-//! the order of sight asks for the parting faces. Knows nothing of voxels or shaders.
+//! Owns their planes and corners, and whether a face of one parts it from another. The tiles project the corners, the order of
+//! sight asks for the parting faces. The cutting is `math::convex`'s. Knows nothing of voxels or shaders.
 
+use crate::math::convex::{half, section, volume};
 use crate::math::{DVec3, Plane, Pose};
-
-/// A face: its plane (outward) and its corners in order around it.
-#[derive(Clone, Debug)]
-struct Face {
-    plane: Plane,
-    corners: Vec<DVec3>,
-}
 
 /// A closed convex polyhedron in whatever space its maker names.
 #[derive(Clone, Debug)]
 pub struct Solid {
-    faces: Vec<Face>,
+    /// Outward.
+    planes: Vec<Plane>,
     corners: Vec<DVec3>,
     /// Length below which two points are one.
     slack: f64,
@@ -27,70 +22,39 @@ impl Solid {
         let centre = corners.iter().sum::<DVec3>() / 8.0;
         let slack = 1e-9 * (corners[7] - corners[0]).length().max((corners[6] - corners[1]).length());
         let quads = [[0, 2, 6, 4], [1, 5, 7, 3], [0, 4, 5, 1], [2, 3, 7, 6], [0, 1, 3, 2], [4, 6, 7, 5]];
-        let faces = quads
-            .iter()
-            .filter_map(|quad| {
-                let corners: Vec<DVec3> = quad.iter().map(|&i: &usize| corners[i]).collect();
-                let plane = Plane::through(corners[0], (corners[2] - corners[0]).cross(corners[3] - corners[1]))?;
-                Some(Face { plane: if plane.distance(centre) > 0.0 { plane.flipped() } else { plane }, corners })
-            })
-            .collect();
-        Self { faces, corners: corners.to_vec(), slack }
+        let plane = |quad: &[usize; 4]| {
+            let [a, b, c, d] = quad.map(|i| corners[i]);
+            let plane = Plane::through(a, (c - a).cross(d - b))?;
+            Some(if plane.distance(centre) > 0.0 { plane.flipped() } else { plane })
+        };
+        Self { planes: quads.iter().filter_map(plane).collect(), corners: corners.to_vec(), slack }
     }
 
     /// What is left on the inner side of a plane; `None` if nothing of any thickness is.
     #[must_use]
     pub fn cut(self, plane: &Plane) -> Option<Self> {
-        let distances = self.corners.iter().map(|&p| plane.distance(p));
-        let (lo, hi) = distances.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), d| (lo.min(d), hi.max(d)));
+        let distances: Vec<f64> = self.corners.iter().map(|&p| plane.distance(p)).collect();
+        let lo = distances.iter().copied().fold(f64::INFINITY, f64::min);
+        let hi = distances.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         if hi <= self.slack {
             return Some(self);
         }
         if lo >= -self.slack {
             return None;
         }
-        let mut rim = Vec::new();
-        let mut faces = Vec::with_capacity(self.faces.len() + 1);
-        for face in self.faces {
-            let mut kept = Vec::with_capacity(face.corners.len() + 1);
-            for (i, &a) in face.corners.iter().enumerate() {
-                let b = face.corners[(i + 1) % face.corners.len()];
-                let (da, db) = (plane.distance(a), plane.distance(b));
-                if da <= self.slack {
-                    kept.push(a);
-                    if da >= -self.slack {
-                        rim.push(a);
-                    }
-                }
-                if (da < -self.slack && db > self.slack) || (da > self.slack && db < -self.slack) {
-                    let p = a + (b - a) * (da / (da - db));
-                    kept.push(p);
-                    rim.push(p);
-                }
-            }
-            if kept.len() >= 3 {
-                faces.push(Face { plane: face.plane, corners: kept });
-            }
-        }
-        let rim = around(plane.normal, distinct(rim, self.slack));
-        if rim.len() >= 3 {
-            faces.push(Face { plane: *plane, corners: rim });
-        }
-        let corners = distinct(faces.iter().flat_map(|f| f.corners.iter().copied()).collect(), self.slack);
-        (corners.len() >= 4).then_some(Self { faces, corners, slack: self.slack })
+        let section = section(&self.corners, &distances, plane, self.slack);
+        let half = half(&self.planes, &self.corners, &distances, &section, -1.0, self.slack);
+        let mut planes: Vec<Plane> = half.planes.iter().map(|&i| self.planes[i]).collect();
+        planes.push(*plane);
+        (half.corners.len() >= 4).then_some(Self { planes, corners: half.corners, slack: self.slack })
     }
 
     /// The same solid, moved.
     #[must_use]
     pub fn posed(&self, pose: &Pose) -> Self {
-        let moved = |points: &[DVec3]| points.iter().map(|&p| pose.apply(p)).collect();
         Self {
-            faces: self
-                .faces
-                .iter()
-                .map(|f| Face { plane: pose.apply_plane(&f.plane), corners: moved(&f.corners) })
-                .collect(),
-            corners: moved(&self.corners),
+            planes: self.planes.iter().map(|p| pose.apply_plane(p)).collect(),
+            corners: self.corners.iter().map(|&p| pose.apply(p)).collect(),
             slack: self.slack,
         }
     }
@@ -102,18 +66,13 @@ impl Solid {
 
     /// Its volume.
     pub fn volume(&self) -> f64 {
-        let apex = self.corners[0];
-        self.faces
-            .iter()
-            .flat_map(|f| f.corners[1..].windows(2).map(move |w| (f.corners[0], w[0], w[1])))
-            .map(|(a, b, c)| (a - apex).dot((b - apex).cross(c - apex)).abs() / 6.0)
-            .sum()
+        volume(self.planes.iter().copied(), &self.corners)
     }
 
     /// A face of this solid that has all of the other outside.
     pub fn face_before(&self, other: &Self) -> Option<Plane> {
         let outside = |plane: &Plane| other.corners.iter().all(|&p| plane.distance(p) >= -self.slack);
-        self.faces.iter().map(|f| f.plane).find(outside)
+        self.planes.iter().copied().find(outside)
     }
 
     /// Whether a face of either has the other outside.
@@ -125,23 +84,4 @@ impl Solid {
     pub fn is_inside(&self, plane: &Plane) -> bool {
         self.corners.iter().all(|&p| plane.distance(p) <= self.slack)
     }
-}
-
-fn distinct(points: Vec<DVec3>, slack: f64) -> Vec<DVec3> {
-    let mut kept: Vec<DVec3> = Vec::with_capacity(points.len());
-    for p in points {
-        if kept.iter().all(|q| q.distance_squared(p) > 4.0 * slack * slack) {
-            kept.push(p);
-        }
-    }
-    kept
-}
-
-/// Points of a convex polygon in order around their middle.
-fn around(normal: DVec3, mut points: Vec<DVec3>) -> Vec<DVec3> {
-    let centre = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
-    let (u, v) = normal.any_orthonormal_pair();
-    let angle = |p: &DVec3| (*p - centre).dot(v).atan2((*p - centre).dot(u));
-    points.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
-    points
 }
