@@ -2,7 +2,7 @@
 
 use super::head::Failure;
 use super::measure::{Report, measure};
-use burin::explode::{Explosion, ExplosionPoint, MAX_POINTS, Simulation};
+use burin::explode::{Explosion, ExplosionPoint, MAX_POINTS, Poses, Simulation};
 use burin::math::{Camera, DVec3, Plane};
 use burin::volume::Grid;
 
@@ -40,7 +40,7 @@ pub fn settle(report: &mut Report) -> Result<(), Failure> {
         let camera = Camera::framing(&grid.world_bounds(), DVec3::new(1.0, 0.7, 0.4), DVec3::Z);
         let mut poses = None;
         let time = measure(1, 5, |_| -> Result<(), Failure> {
-            let mut simulation = Simulation::new(&explosion, &points)?;
+            let mut simulation = Simulation::new(&explosion, &Poses::default(), &points)?;
             for _ in 0..STEPS {
                 simulation.step(&camera);
             }

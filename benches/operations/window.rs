@@ -88,6 +88,7 @@ fn snapshot(document: &Document) -> Result<Snapshot, Failure> {
     let state = document.state().ok_or("nothing is open")?;
     let open = Opened {
         scene: Arc::new(state.scene.clone()),
+        poses: Arc::new(document.poses().clone()),
         grid: *state.grid(),
         voxel_type: state.source.voxel_type(),
         statistics: state.statistics,

@@ -4,9 +4,9 @@ use crate::document::error::DocumentError;
 use crate::document::scene::ViewName;
 use crate::document::scene::slice_plane::SlicePlane;
 use crate::document::state::State;
-use crate::explode::{Explosion, PartId};
+use crate::explode::{PartId, Poses};
 use crate::gpu::{Body, Frame, Mask, Overlay, SliceFrame};
-use crate::math::{Camera, DVec3, Pose};
+use crate::math::{Camera, DVec3};
 use crate::volume::FieldKind;
 
 /// Id of the body that is not a part: the whole volume, or the selection among its parts. Parts' ids begin at 1.
@@ -19,18 +19,18 @@ pub const SELECTION_COLOUR: [f32; 3] = [1.0, 0.6, 0.15];
 const ALL_BLACK: (f64, f64) = (2e38, 2e38);
 
 impl State {
-    /// What the 3D view shows.
-    pub(super) fn frame(&self, camera: &Camera, size: [u32; 2]) -> Frame {
-        let explosion = &self.scene.explosion;
-        let plain = explosion.parts.iter().all(|p| p.visible && p.pose == Pose::IDENTITY && p.colour.is_none());
-        let bodies = if plain { vec![Body::whole(WHOLE)] } else { self.bodies(explosion) };
+    /// What the 3D view shows with the parts in these poses.
+    pub(super) fn frame(&self, poses: &Poses, camera: &Camera, size: [u32; 2]) -> Frame {
+        let parts = &self.scene.explosion.parts;
+        let plain = poses.at_rest(parts) && parts.iter().all(|p| p.visible && p.colour.is_none());
+        let bodies = if plain { vec![Body::whole(WHOLE)] } else { self.bodies(poses) };
         self.frame_of(bodies, camera, size)
     }
 
     /// The selection and every visible part as a body of its own, also where all are at rest. What hides what is told by samples a
     /// voxel apart, however finely pictures are drawn.
-    pub(super) fn parted_frame(&self, explosion: &Explosion, camera: &Camera, size: [u32; 2]) -> Frame {
-        let frame = self.frame_of(self.bodies(explosion), camera, size);
+    pub(super) fn parted_frame(&self, poses: &Poses, camera: &Camera, size: [u32; 2]) -> Frame {
+        let frame = self.frame_of(self.bodies(poses), camera, size);
         Frame { step_mm: frame.step_mm.max(self.grid().voxel_mm()), ..frame }
     }
 
@@ -48,12 +48,12 @@ impl State {
         }
     }
 
-    fn bodies(&self, explosion: &Explosion) -> Vec<Body> {
+    fn bodies(&self, poses: &Poses) -> Vec<Body> {
         let selected = !self.selection.is_blank();
         let mask = if selected { Mask::Background } else { Mask::None };
-        let parts = explosion.parts.iter().filter(|p| p.visible).map(|part| Body {
+        let parts = self.scene.explosion.parts.iter().filter(|p| p.visible).map(|part| Body {
             id: part.id.0,
-            pose: part.pose,
+            pose: poses.of(part),
             // The volume's own box is every body's.
             region: part.faces.iter().filter(|f| f.cut).map(|f| f.plane).collect(),
             mask,
@@ -91,10 +91,6 @@ impl State {
 
     /// The part that a picked body is, or that holds the point of a body that is none.
     pub(super) fn part_at(&self, body: u32, rest: DVec3) -> Result<PartId, DocumentError> {
-        if body != WHOLE {
-            return Ok(PartId(body));
-        }
-        let nearest = self.scene.explosion.holding(rest);
-        nearest.map(|p| p.id).ok_or(DocumentError::NothingOpen)
+        self.scene.explosion.of_body(body, rest).ok_or(DocumentError::NothingOpen)
     }
 }

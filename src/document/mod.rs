@@ -38,6 +38,7 @@ pub use journal::recovery;
 pub use project::read::{LoadedDensity, Wanted};
 pub use project::source::ZarrSource;
 pub use project::store::{DensityKeeping, Saved};
+pub use scene::kept_poses::KeptPoses;
 pub use scene::past::{Past, PastOf};
 pub use scene::slice_plane::{SlicePlane, side_letter};
 pub use scene::*;
@@ -50,6 +51,7 @@ use crate::document::history::step::Refreshed;
 use crate::document::live::graphics::Graphics;
 use crate::document::live::motion::Motion;
 use crate::document::scene::past::PastGroup;
+use crate::explode::Poses;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -122,7 +124,7 @@ impl Document {
     pub fn apply(&mut self, command: Command) -> Result<Value, DocumentError> {
         let command = command.at_home()?;
         if self.running.is_some() && !apply::stroke::leaves_running(&command) {
-            self.settle()?;
+            self.finish_stroke()?;
         }
         let answer = match command {
             Command::Stroke(command) => return self.stroke(command),
@@ -168,6 +170,10 @@ impl Document {
             }
         };
         let (voxels, bricks) = edit.counts();
+        if let Some(before) = edit.before() {
+            let remember = !self.history.group_has_explosion();
+            self.motion.decided(&before.explosion, &state.scene.explosion, remember);
+        }
         let called = edit.called().to_owned();
         let (step, refreshed) = edit.finish(state);
         self.mirror(&refreshed);
@@ -184,9 +190,12 @@ impl Document {
             self.unsaved = true;
             warnings.extend(self.history.push(step)?);
         }
-        if !matches!(said, Command::Explosion(ExplosionCommand::Step { .. })) || answer["moving"] == json!(false) {
-            // Frames of an animation are worth nothing; where it ends is.
+        // What the simulation finds was decided by nobody. Frames of an animation are worth nothing to anybody; where it ends is.
+        if !matches!(said, Command::Explosion(ExplosionCommand::Step { .. } | ExplosionCommand::Settle {})) {
             warnings.extend(self.note(&said, &refreshed.bricks, synced));
+        }
+        if answer["moving"] != json!(true) {
+            self.note_poses();
         }
         warn(&mut answer, warnings);
         Ok(answer)
@@ -219,6 +228,18 @@ impl Document {
             Some(state) if self.running.is_none() => self.motion.prepare(state),
             _ => Ok(()),
         }
+    }
+
+    /// Where the parts stand: what the simulation found, or a hand holds. Nothing of it is in the scene.
+    pub fn poses(&self) -> &Poses {
+        self.motion.poses()
+    }
+
+    /// Whether parts do not stand where forces would have them now: then `explosion.step` moves them. What their rest depends on,
+    /// and a stroke that explosion points follow, says it; no command does.
+    pub fn must_move(&self) -> bool {
+        let Some(state) = &self.state else { return false };
+        self.motion.must_move(state) || (state.scene.explosion.degree > 0.0 && self.has_stroke_to_follow())
     }
 
     /// Hands changed voxels on to their mirrors.

@@ -70,7 +70,8 @@ impl Document {
         if !px.is_finite() {
             return Err(DocumentError::invalid("px", px, "two finite numbers"));
         }
-        self.graphics.pick(state, &state.looking(&state.scene.views.camera, size), px)
+        let frame = state.looking(self.motion.poses(), &state.scene.views.camera, size);
+        self.graphics.pick(state, &frame, px)
     }
 }
 

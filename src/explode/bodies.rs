@@ -1,4 +1,4 @@
-//! The rigid bodies: the only file that knows the physics engine.
+//! The rigid bodies, and the engine's exact arithmetic: the only file that knows the physics engine.
 //!
 //! A body's position is its part's displacement from rest in half-diagonals, so that at rest it is zero exactly. There is no
 //! gravity, no collider and no sleep: forces are given anew for every step.
@@ -6,6 +6,7 @@
 use crate::math::{DQuat, DVec3};
 use rapier3d::dynamics::RigidBodyType;
 use rapier3d::math::{Pose, Rotation, Vector};
+use rapier3d::na::ComplexField;
 use rapier3d::prelude::{MassProperties, PhysicsWorld, RigidBody, RigidBodyBuilder, RigidBodyHandle};
 
 /// Where a body is: shift of its centre in half-diagonals, and turn about it.
@@ -99,4 +100,14 @@ impl Bodies {
 fn pose(state: State) -> Pose {
     let q: Rotation = state.rotation.as_quat();
     Pose::from_parts(state.shift.as_vec3(), q)
+}
+
+/// The engine's own software exponential: the system's may differ in the last bit from one processor to the next.
+pub(super) fn exp(x: f64) -> f64 {
+    ComplexField::exp(x)
+}
+
+/// The same of ln(1 + x).
+pub(super) fn ln_1p(x: f64) -> f64 {
+    ComplexField::ln_1p(x)
 }

@@ -33,6 +33,19 @@ pub enum ExplodeError {
     },
 }
 
+impl ExplodeError {
+    /// The same with `whole` before the field's name.
+    #[must_use]
+    pub(super) fn within(self, whole: &str) -> Self {
+        match self {
+            Self::Invalid { field, found, expected } => {
+                Self::Invalid { field: format!("{whole}{field}"), found, expected }
+            }
+            other => other,
+        }
+    }
+}
+
 fn list(parts: &[PartId]) -> String {
     parts.iter().map(PartId::to_string).collect::<Vec<_>>().join(", ")
 }

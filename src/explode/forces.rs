@@ -4,9 +4,9 @@
 //! equation 2 has no direction for a point inside a part, where at rest every point is. These forms keep finite and keep the
 //! intent: c_r·ln(1 + r/ℓ_r); c_e·exp(−r/λ_e), inside at r = 0 along the cut faces; c_v/(r + ε); c_s/(r² + ε²).
 
+use super::bodies::{exp, ln_1p};
 use super::solid::{Nearest, Solid};
 use crate::math::{Camera, DVec3, Projection, Ray};
-use rapier3d::na::ComplexField;
 
 /// A force and where it is applied, about the part's centre in the part's own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,13 +67,4 @@ pub fn viewing_ray(camera: &Camera, point: DVec3) -> Ray {
 /// From the nearest point of a ray of unit direction to `centre`.
 pub fn from_ray(ray: &Ray, centre: DVec3) -> DVec3 {
     centre - ray.at(ray.dir.dot(centre - ray.origin).max(0.0))
-}
-
-/// The engine's own software exponential: the system's may differ in the last bit from one processor to the next.
-pub(super) fn exp(x: f64) -> f64 {
-    ComplexField::exp(x)
-}
-
-fn ln_1p(x: f64) -> f64 {
-    ComplexField::ln_1p(x)
 }

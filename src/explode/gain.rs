@@ -7,7 +7,7 @@
 
 use super::octree::ExplosionPoint;
 use super::simulation::Simulation;
-use super::{ExplodeError, Explosion};
+use super::{ExplodeError, Explosion, Poses};
 use crate::math::{Camera, Pose};
 
 /// Measurements at most.
@@ -93,8 +93,7 @@ impl Search {
     /// # Errors
     /// If the explosion is not sound.
     pub fn new(explosion: &Explosion, points: &[ExplosionPoint], camera: &Camera) -> Result<Self, ExplodeError> {
-        let mut simulation = Simulation::new(explosion, points)?;
-        simulation.rewind();
+        let mut simulation = Simulation::new(explosion, &Poses::default(), points)?;
         let measuring = explosion.forces.measured_gain && explosion.forces.viewing && explosion.degree > 0.0;
         let measuring = measuring && explosion.forces.delta_viewing > 0.0 && !points.is_empty();
         let gains = vec![if measuring { 0.0 } else { 1.0 }; explosion.parts.len()];

@@ -4,9 +4,9 @@
 //! it in place. Knows no camera (see `splitters`) and no forces.
 
 use super::convex;
-use super::{ExplodeError, Explosion, Face, Forces, Part, PartId};
+use super::{ExplodeError, Explosion, Face, Forces, Part, PartId, Poses};
 use crate::math::convex::{area, diameter, mean, polygon, volume};
-use crate::math::{DVec3, Plane, Pose};
+use crate::math::{DVec3, Plane, Pose, nearest_region};
 use crate::volume::Grid;
 
 impl Part {
@@ -54,19 +54,23 @@ impl Explosion {
             name: Part::default_name(id),
             colour: None,
             visible: true,
-            pinned: false,
+            held: None,
             importance: 1.0,
             faces,
             vertices: corners.to_vec(),
-            pose: Pose::IDENTITY,
         };
         Self { parts: vec![part], degree: 0.0, forces: Forces::default(), seed: 0, next_id: 2 }
     }
 
     /// The part that holds a point of the volume at rest, world mm; of a point outside all of them the nearest. `None` without parts.
     pub fn holding(&self, rest: DVec3) -> Option<&Part> {
-        let outside = |p: &Part| p.faces.iter().map(|f| f.plane.distance(rest)).fold(f64::NEG_INFINITY, f64::max);
-        self.parts.iter().min_by(|a, b| outside(a).total_cmp(&outside(b)))
+        nearest_region(self.parts.iter().map(|p| p.faces.iter().map(|f| &f.plane)), rest).map(|i| &self.parts[i])
+    }
+
+    /// The part that a body of a picture is. Parts' ids are those of their bodies; body 0 is what shows no single part, and then it is
+    /// the part that holds the point at rest, world mm.
+    pub fn of_body(&self, body: u32, rest: DVec3) -> Option<PartId> {
+        if body == 0 { self.holding(rest).map(|p| p.id) } else { Some(PartId(body)) }
     }
 
     /// The part of an id.
@@ -98,14 +102,14 @@ impl Explosion {
         pairs.fold(0.0, f64::max).sqrt()
     }
 
-    /// Splits a part by a plane of the world as it stands now, exploded or not. The inner half comes first; both keep
-    /// colour, pose and the rest, get new ids, and names that follow from the old one. `None`, and nothing changes, if the
+    /// Splits a part by a plane of the world where it stands now, exploded or not. The inner half comes first; both keep
+    /// colour, hand and the rest, get new ids, and names that follow from the old one. `None`, and nothing changes, if the
     /// plane leaves less than a fraction of a voxel on either side.
     ///
     /// # Errors
     /// If there is no such part.
-    pub fn split(&mut self, id: PartId, world: &Plane) -> Result<Option<[PartId; 2]>, ExplodeError> {
-        let rest = self.part(id)?.pose.unapply_plane(world);
+    pub fn split(&mut self, id: PartId, poses: &Poses, world: &Plane) -> Result<Option<[PartId; 2]>, ExplodeError> {
+        let rest = poses.of(self.part(id)?).unapply_plane(world);
         self.split_at_rest(id, &rest)
     }
 
@@ -134,34 +138,23 @@ impl Explosion {
     /// # Errors
     /// If there is no such part, or the pose is not a rigid motion.
     pub fn place(&mut self, id: PartId, pose: Pose) -> Result<(), ExplodeError> {
-        check_pose(&pose, "pose")?;
-        self.check_reach(self.part(id)?, &pose)?;
-        let part = self.part_mut(id)?;
-        part.pose = Pose { rotation: pose.rotation.normalize(), ..pose };
-        part.pinned = true;
+        self.check_pose(self.part(id)?, &pose)?;
+        self.part_mut(id)?.held = Some(Pose { rotation: pose.rotation.normalize(), ..pose });
         Ok(())
     }
 
-    /// A part that is out of sight from anywhere else costs every picture the way to it.
-    fn check_reach(&self, part: &Part, pose: &Pose) -> Result<(), ExplodeError> {
+    /// Whether a part can stand there: a rigid motion, and not out of sight, where it would cost every picture the way to it.
+    ///
+    /// # Errors
+    /// What is wrong with the pose.
+    pub(super) fn check_pose(&self, part: &Part, pose: &Pose) -> Result<(), ExplodeError> {
+        check_rigid(pose, "pose")?;
         let centre = part.centre();
         let away = pose.apply(centre).distance(centre);
         if away <= REACH * self.diagonal_mm() {
             return Ok(());
         }
         Err(invalid("pose", format!("a part moved by {away:e} mm"), "at most 100 diagonals of the volume"))
-    }
-
-    /// Gives every part the simulation's answer, in order of parts.
-    pub fn set_poses(&mut self, poses: &[Pose]) {
-        for (part, pose) in self.parts.iter_mut().zip(poses) {
-            part.pose = *pose;
-        }
-    }
-
-    /// Poses in order of parts.
-    pub fn poses(&self) -> Vec<Pose> {
-        self.parts.iter().map(|p| p.pose).collect()
     }
 
     /// Checks numbers and shapes, for instance of a project written by another program.
@@ -182,12 +175,8 @@ impl Explosion {
                 return Err(invalid(&at("id"), part.id.0, expected));
             }
             last = Some(part.id);
-            part.check().and_then(|()| self.check_reach(part, &part.pose)).map_err(|e| match e {
-                ExplodeError::Invalid { field, found, expected } => {
-                    ExplodeError::Invalid { field: at(&field), found, expected }
-                }
-                other => other,
-            })?;
+            let held = || part.held.map_or(Ok(()), |pose| self.check_pose(part, &pose));
+            part.check().and_then(|()| held()).map_err(|e| e.within(&at("")))?;
         }
         Ok(())
     }
@@ -202,7 +191,6 @@ const MAX_DEGREE: f64 = 10.0;
 impl Part {
     fn check(&self) -> Result<(), ExplodeError> {
         within("importance", self.importance, 1e-3, 1e6, "a number from 0.001 to 1,000,000 (pin a part to hold it)")?;
-        check_pose(&self.pose, "pose")?;
         if let Some(c) = self.colour.filter(|c| c.iter().any(|x| !(0.0..=1.0).contains(x))) {
             return Err(invalid("colour", format!("{c:?}"), "components between 0 and 1"));
         }
@@ -249,7 +237,7 @@ impl Forces {
     }
 }
 
-fn check_pose(pose: &Pose, field: &str) -> Result<(), ExplodeError> {
+fn check_rigid(pose: &Pose, field: &str) -> Result<(), ExplodeError> {
     let rigid = (pose.rotation.length() - 1.0).abs() < 1e-3 && pose.translation.is_finite();
     let small = pose.translation.abs().max_element() < 1e9;
     if rigid && small {

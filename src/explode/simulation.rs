@@ -8,7 +8,7 @@ use super::bodies::{Bodies, STEP_S, State};
 use super::forces::{explosion_force, from_ray, return_force, spacing_force, viewing_force, viewing_ray};
 use super::octree::ExplosionPoint;
 use super::solid::Solid;
-use super::{ExplodeError, Explosion, Forces};
+use super::{ExplodeError, Explosion, Forces, Poses};
 use crate::math::{Camera, DQuat, DVec3, Pose, Ray};
 use rayon::prelude::*;
 
@@ -70,11 +70,11 @@ pub struct Wrench {
 }
 
 impl Simulation {
-    /// Parts where they are now, without speed; every gain 1, or 0 if gains are to be measured.
+    /// Parts in these poses, without speed; every gain 1, or 0 if gains are to be measured.
     ///
     /// # Errors
     /// If the explosion is not sound (see [`Explosion::check`]).
-    pub fn new(explosion: &Explosion, points: &[ExplosionPoint]) -> Result<Self, ExplodeError> {
+    pub fn new(explosion: &Explosion, poses: &Poses, points: &[ExplosionPoint]) -> Result<Self, ExplodeError> {
         explosion.check()?;
         let unit_mm = explosion.diagonal_mm() * 0.5;
         let forces = explosion.forces;
@@ -91,16 +91,16 @@ impl Simulation {
             let spread = corners.iter().map(|c| c.length_squared()).sum::<f64>() / corners.len() as f64;
             let reach = corners.iter().map(|c| c.length()).fold(1e-4, f64::max);
             let inertia = (spread * 2.0 / 3.0).max(reach * LEAST_INERTIA);
-            let state = state_of(&part.pose, solid.centre_mm(), unit_mm);
-            bodies.add(mass, mass * inertia, part.pinned, state);
+            let pose = poses.of(part);
+            bodies.add(mass, mass * inertia, part.held.is_some(), state_of(&pose, solid.centre_mm(), unit_mm));
             members.push(Member {
                 solid,
                 centre,
                 importance: part.importance,
-                pinned: part.pinned.then_some(part.pose),
+                pinned: part.held,
                 gain: if forces.measured_gain { 0.0 } else { 1.0 },
                 home: (Pose::IDENTITY, State::REST),
-                snapped: part.pose == Pose::IDENTITY,
+                snapped: pose == Pose::IDENTITY,
             });
         }
         let mut simulation = Self {
@@ -116,17 +116,6 @@ impl Simulation {
         };
         simulation.set_points(points);
         Ok(simulation)
-    }
-
-    /// Puts every part that is not pinned back to rest, so that what follows depends on nothing before.
-    pub fn rewind(&mut self) {
-        for (i, member) in self.members.iter_mut().enumerate() {
-            if member.pinned.is_none() {
-                self.bodies.put(i, State::REST);
-                member.snapped = member.home.0 == Pose::IDENTITY;
-            }
-        }
-        self.disturb();
     }
 
     /// Replaces the explosion points, world mm.

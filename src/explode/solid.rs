@@ -3,6 +3,7 @@
 //! The nearest point of a convex body to a point outside lies on a face that the point is outside of, so only these few are
 //! asked. All in `f64` and in the order of faces: the same input gives the same bits.
 
+use super::bodies::exp;
 use super::{ExplodeError, Part};
 use crate::math::DVec3;
 use crate::math::convex::polygon;
@@ -97,7 +98,7 @@ impl Solid {
     fn way_out(&self, p: DVec3) -> Option<DVec3> {
         let depth = |s: &Side| (s.offset - s.normal.dot(p)).max(0.0);
         let least = self.sides.iter().filter(|s| s.cut).map(depth).fold(f64::INFINITY, f64::min);
-        let weight = |s: &Side| super::forces::exp(-(depth(s) - least) / DEPTH);
+        let weight = |s: &Side| exp(-(depth(s) - least) / DEPTH);
         let sum: DVec3 = self.sides.iter().filter(|s| s.cut).map(|s| -s.normal * weight(s)).sum();
         // Between equal and opposite cuts no way is better; the first cut face decides.
         let first = self.sides.iter().find(|s| s.cut).map(|s| -s.normal);

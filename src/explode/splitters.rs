@@ -5,9 +5,9 @@
 //! exploded or not; [`Explosion::split`] takes them back to rest.
 
 use super::convex::ON_PLANE;
-use super::{Axis, ExplodeError, Explosion, Part, PartId};
+use super::{Axis, ExplodeError, Explosion, Part, PartId, Poses};
 use crate::math::convex::{diameter, section};
-use crate::math::{Camera, DVec2, DVec3, Plane, Projection};
+use crate::math::{Camera, DVec2, DVec3, Plane, Pose, Projection};
 
 /// The plane of the axis splitter: through `hit` (world mm, seen through `px`), holding the viewing ray and a screen axis.
 ///
@@ -54,10 +54,10 @@ fn plane(splitter: &'static str, point: DVec3, normal: DVec3, reason: &'static s
 }
 
 impl Part {
-    /// Whether the part's silhouette, where it is now, meets the segment between two pixels; `plane` is theirs by
+    /// Whether the part's silhouette, where it stands in `pose`, meets the segment between two pixels; `plane` is theirs by
     /// [`line_plane`]. What lies behind the eye or the image plane has no silhouette.
-    fn meets(&self, camera: &Camera, from: DVec2, to: DVec2, size: [u32; 2], plane: &Plane) -> bool {
-        let vertices: Vec<DVec3> = self.vertices.iter().map(|&v| self.pose.apply(v)).collect();
+    fn meets(&self, pose: &Pose, camera: &Camera, (from, to): (DVec2, DVec2), size: [u32; 2], plane: &Plane) -> bool {
+        let vertices: Vec<DVec3> = self.vertices.iter().map(|&v| pose.apply(v)).collect();
         let distances: Vec<f64> = vertices.iter().map(|&v| plane.distance(v)).collect();
         // The segment's rays sweep a wedge of the plane; the silhouette meets the segment just where the part's section
         // with the plane meets this wedge.
@@ -110,13 +110,14 @@ impl Explosion {
     /// If the segment has no length.
     pub fn meeting(
         &self,
+        poses: &Poses,
         camera: &Camera,
         from: DVec2,
         to: DVec2,
         size: [u32; 2],
     ) -> Result<Vec<PartId>, ExplodeError> {
         let plane = line_plane(camera, from, to, size)?;
-        let meets = |p: &&Part| p.visible && p.meets(camera, from, to, size, &plane);
+        let meets = |p: &&Part| p.visible && p.meets(&poses.of(p), camera, (from, to), size, &plane);
         Ok(self.parts.iter().filter(meets).map(|p| p.id).collect())
     }
 
@@ -127,6 +128,7 @@ impl Explosion {
     /// If the segment has no length.
     pub fn split_by_line(
         &mut self,
+        poses: &Poses,
         camera: &Camera,
         from: DVec2,
         to: DVec2,
@@ -134,8 +136,8 @@ impl Explosion {
     ) -> Result<Vec<[PartId; 2]>, ExplodeError> {
         let plane = line_plane(camera, from, to, size)?;
         let mut halves = Vec::new();
-        for id in self.meeting(camera, from, to, size)? {
-            halves.extend(self.split(id, &plane)?);
+        for id in self.meeting(poses, camera, from, to, size)? {
+            halves.extend(self.split(id, poses, &plane)?);
         }
         Ok(halves)
     }

@@ -1,4 +1,6 @@
-//! What of an explosion is saved and undone: parts, degree and forces.
+//! What of an explosion a person decides, and so what is saved and undone: parts, what a hand holds, degree and forces.
+//!
+//! Where forces take the parts is not here: see [`Poses`](super::Poses). Owns the parts' JSON, the same in projects and in answers.
 
 use crate::math::{DVec3, Plane, Pose};
 use serde::{Deserialize, Serialize};
@@ -33,8 +35,9 @@ pub struct Face {
     pub cut: bool,
 }
 
-/// A convex part of the background.
+/// A convex part of the background, as it was decided.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(from = "PartRecord", into = "PartRecord")]
 pub struct Part {
     /// Identity.
     pub id: PartId,
@@ -44,17 +47,60 @@ pub struct Part {
     pub colour: Option<[f32; 3]>,
     /// Whether it is drawn.
     pub visible: bool,
-    /// Whether forces leave it alone (infinite importance).
-    pub pinned: bool,
+    /// Where a hand put it or had it pinned: forces leave it there (infinite importance). `None`: forces decide where it is.
+    pub held: Option<Pose>,
     /// Multiplies the return force's constant; positive.
     pub importance: f64,
     /// Bounding planes.
     pub faces: Vec<Face>,
     /// Corners at rest, world mm: each where at least three faces meet, none twice.
+    pub vertices: Vec<DVec3>,
+}
+
+/// A part in JSON, with where it is: in answers that is where it stands now, in what is kept the hand's pose of a pinned part and
+/// rest of any other. Projects of before have where forces had taken it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct PartRecord {
+    /// Identity.
+    pub id: PartId,
+    /// Name.
+    pub name: String,
+    /// Tint.
+    pub colour: Option<[f32; 3]>,
+    /// Whether it is drawn.
+    pub visible: bool,
+    /// Whether forces leave it where it is.
+    pub pinned: bool,
+    /// Multiplies the return force's constant.
+    pub importance: f64,
+    /// Bounding planes.
+    pub faces: Vec<Face>,
+    /// Corners at rest, world mm.
     #[schemars(with = "Vec<[f64; 3]>")]
     pub vertices: Vec<DVec3>,
-    /// Where the part is: the simulation's last answer, or the user's hand.
+    /// Where it is.
     pub pose: Pose,
+}
+
+impl PartRecord {
+    /// A part that stands in `pose`.
+    pub fn of(part: &Part, pose: Pose) -> Self {
+        let Part { id, name, colour, visible, held, importance, faces, vertices } = part.clone();
+        Self { id, name, colour, visible, pinned: held.is_some(), importance, faces, vertices, pose }
+    }
+}
+
+impl From<Part> for PartRecord {
+    fn from(part: Part) -> Self {
+        Self::of(&part, part.held.unwrap_or_default())
+    }
+}
+
+impl From<PartRecord> for Part {
+    fn from(record: PartRecord) -> Self {
+        let PartRecord { id, name, colour, visible, pinned, importance, faces, vertices, pose } = record;
+        Self { id, name, colour, visible, held: pinned.then_some(pose), importance, faces, vertices }
+    }
 }
 
 /// Constants of the forces. Lengths in half-diagonals of the volume's box.

@@ -4,8 +4,7 @@ use super::brush::set_radius;
 use super::slices::CutSlice;
 use super::{Button, Event, Gesture, PointerEvent, Tool, Wheel};
 use crate::document::{Command, Scene, ViewCommand, ViewName};
-use crate::explode::{Axis, Part};
-use crate::math::DVec3;
+use crate::explode::{Axis, Poses};
 use crate::volume::Grid;
 
 /// One step of the brush's size.
@@ -21,6 +20,8 @@ const ZOOM_STEP: f64 = 1.15;
 pub struct Context<'a> {
     /// The scene as last seen.
     pub scene: &'a Scene,
+    /// Where its parts stand.
+    pub poses: &'a Poses,
     /// The volume's lattice, which says where slices lie.
     pub grid: &'a Grid,
     /// The smallest spacing in mm: the smallest brush that one can still grow is half of it.
@@ -144,7 +145,7 @@ impl Interaction {
     fn part_gesture(&self, e: &PointerEvent, context: &Context<'_>) -> Option<Gesture> {
         let hit = e.hit?;
         let part = context.scene.explosion.parts.iter().find(|p| Some(p.id) == hit.part)?;
-        let (start, centre) = (part.pose, centre_of(part));
+        let (start, centre) = (context.poses.of(part), part.centre());
         Some(Gesture::Part { id: part.id, start, from: e.px, hit, turn: e.modifiers.ctrl, centre, moved: false })
     }
 
@@ -175,10 +176,4 @@ impl Interaction {
     fn abort(&mut self) -> Vec<Command> {
         self.gesture.take().map_or_else(Vec::new, |(_, gesture, height)| gesture.abort(height))
     }
-}
-
-/// The mean of a part's corners at rest, about which it turns.
-fn centre_of(part: &Part) -> DVec3 {
-    let n = part.vertices.len().max(1) as f64;
-    part.vertices.iter().sum::<DVec3>() / n
 }

@@ -6,7 +6,7 @@
 use super::slices::{Cut, CutSlice, cuts_on};
 use super::{Gesture, Hit, Tool};
 use crate::document::{Scene, SlicePlane};
-use crate::explode::{Axis, Part, axis_plane, depth_plane, line_plane};
+use crate::explode::{Axis, Part, Poses, axis_plane, depth_plane, line_plane};
 use crate::math::{DVec2, DVec3, Plane, Ray};
 
 /// What a tool points at.
@@ -31,9 +31,14 @@ pub enum Aim {
 }
 
 /// What a tool would cut if the button went up now; what it would only graze is left out.
-pub fn cuts((tool, gesture): (Tool, Option<&Gesture>), scene: &Scene, aim: Aim, axis: Axis) -> Vec<Cut> {
+pub fn cuts(
+    (tool, gesture): (Tool, Option<&Gesture>),
+    (scene, poses): (&Scene, &Poses),
+    aim: Aim,
+    axis: Axis,
+) -> Vec<Cut> {
     let cuts = match aim {
-        Aim::Solid { px, size, hit } => solid_cuts((tool, gesture), scene, (px, size), hit, axis),
+        Aim::Solid { px, size, hit } => solid_cuts((tool, gesture), (scene, poses), (px, size), hit, axis),
         Aim::Slice { px, slice } => match (tool, gesture) {
             (Tool::LineSplit, Some(Gesture::Line { from, to, .. })) => cuts_on(&slice, scene, tool, (*from, *to), axis),
             (Tool::AxisSplit | Tool::DepthSplit, _) => cuts_on(&slice, scene, tool, (px, px), axis),
@@ -49,7 +54,7 @@ pub fn cuts((tool, gesture): (Tool, Option<&Gesture>), scene: &Scene, aim: Aim, 
 
 fn solid_cuts(
     (tool, gesture): (Tool, Option<&Gesture>),
-    scene: &Scene,
+    (scene, poses): (&Scene, &Poses),
     (px, size): (DVec2, [u32; 2]),
     hit: Option<Hit>,
     axis: Axis,
@@ -57,7 +62,8 @@ fn solid_cuts(
     let (camera, explosion) = (&scene.views.camera, &scene.explosion);
     let (ids, plane) = match (tool, gesture, hit) {
         (Tool::LineSplit, Some(Gesture::Line { from, to, .. }), _) => {
-            (explosion.meeting(camera, *from, *to, size).unwrap_or_default(), line_plane(camera, *from, *to, size))
+            let ids = explosion.meeting(poses, camera, *from, *to, size).unwrap_or_default();
+            (ids, line_plane(camera, *from, *to, size))
         }
         (Tool::AxisSplit, _, Some(hit)) => {
             (hit.part.into_iter().collect(), axis_plane(camera, px, size, axis, hit.world))
@@ -67,7 +73,7 @@ fn solid_cuts(
     };
     let Ok(plane) = plane else { return Vec::new() };
     let parts = ids.into_iter().filter_map(|id| explosion.part(id).ok());
-    parts.map(|p| Cut { part: p.id, plane: p.pose.unapply_plane(&plane) }).collect()
+    parts.map(|p| Cut { part: p.id, plane: poses.of(p).unapply_plane(&plane) }).collect()
 }
 
 /// The planes at rest, with their part inside, that splitters made of it.

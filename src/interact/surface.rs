@@ -3,8 +3,8 @@
 //!
 //! Places in the picture are shares of its width and height, so that they hold at every size. Knows no brush and no window.
 
-use crate::explode::Part;
-use crate::math::{Camera, DVec2, DVec3, Plane, Pose};
+use crate::explode::{Part, Poses};
+use crate::math::{Camera, DVec2, DVec3, Plane};
 
 /// Most points along the picture's width and height: lines and tints need no more.
 const MOST: [usize; 2] = [240, 180];
@@ -62,8 +62,8 @@ impl Surface {
     }
 
     /// Borders between parts at rest on the surface; none where parts have moved, since there they are seen.
-    pub fn seams(&self, parts: &[Part]) -> Vec<Piece> {
-        if parts.len() < 2 || !at_rest(parts) {
+    pub fn seams(&self, parts: &[Part], poses: &Poses) -> Vec<Piece> {
+        if parts.len() < 2 || !poses.at_rest(parts) {
             return Vec::new();
         }
         let inside = |part: &Part, at: DVec3| part.faces.iter().all(|f| f.plane.distance(at) <= 0.0);
@@ -94,10 +94,10 @@ impl Surface {
     }
 
     /// Where a plane, of the part at rest, cuts a part's surface. `slack` mm beyond the part's other faces still count.
-    pub fn trace(&self, parts: &[Part], part: &Part, plane: &Plane, slack: f64) -> Vec<Piece> {
-        let rest = at_rest(parts);
+    pub fn trace(&self, (parts, poses): (&[Part], &Poses), part: &Part, plane: &Plane, slack: f64) -> Vec<Piece> {
+        let rest = poses.at_rest(parts);
         let distance = |i: usize| {
-            let at = self.on(part, rest, i)?;
+            let at = self.on((part, poses), rest, i)?;
             let inside = part.faces.iter().all(|f| f.plane.distance(at) <= slack);
             inside.then(|| plane.distance(at))
         };
@@ -108,10 +108,10 @@ impl Surface {
     }
 
     /// Where a part is seen on the inner side of a plane (of the part at rest), or all of it; as corners of boxes.
-    pub fn side(&self, parts: &[Part], part: &Part, plane: Option<&Plane>) -> Vec<Piece> {
-        let rest = at_rest(parts);
+    pub fn side(&self, (parts, poses): (&[Part], &Poses), part: &Part, plane: Option<&Plane>) -> Vec<Piece> {
+        let rest = poses.at_rest(parts);
         let wanted = |i: usize| {
-            let Some(at) = self.on(part, rest, i) else { return false };
+            let Some(at) = self.on((part, poses), rest, i) else { return false };
             let inside = part.faces.iter().all(|f| f.plane.distance(at) <= 0.0);
             // A body of its own is its part wherever rounding puts its border.
             (inside || !rest) && plane.is_none_or(|plane| plane.distance(at) < 0.0)
@@ -143,11 +143,11 @@ impl Surface {
     }
 
     /// The point on a part, at rest; `None` if another body is seen there.
-    fn on(&self, part: &Part, at_rest: bool, i: usize) -> Option<DVec3> {
+    fn on(&self, (part, poses): (&Part, &Poses), at_rest: bool, i: usize) -> Option<DVec3> {
         let seen = self.seen[i]?;
         // Parts at rest are drawn as one body, which is in no part's name.
         match seen.body {
-            body if body == part.id.0 => Some(part.pose.unapply(seen.world)),
+            body if body == part.id.0 => Some(poses.of(part).unapply(seen.world)),
             0 if at_rest => Some(seen.world),
             _ => None,
         }
@@ -181,10 +181,6 @@ impl Surface {
         let at = DVec2::new((i % self.columns) as f64, (i / self.columns) as f64);
         self.first + self.step * at
     }
-}
-
-fn at_rest(parts: &[Part]) -> bool {
-    parts.iter().all(|p| p.pose == Pose::IDENTITY)
 }
 
 /// Whether a point is within `radius` mm of the way from `a` to `b`.

@@ -11,4 +11,4 @@ mod shapes;
 pub use camera::{Camera, Projection};
 pub use glam::{DAffine3, DMat3, DMat4, DQuat, DVec2, DVec3, DVec4};
 pub use pose::Pose;
-pub use shapes::{Aabb, Plane, Ray};
+pub use shapes::{Aabb, Plane, Ray, nearest_region, outside_by};

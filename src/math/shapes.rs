@@ -114,3 +114,18 @@ impl Plane {
         Self { normal: -self.normal, offset: -self.offset }
     }
 }
+
+/// How far a point is outside a convex region given by its planes, by the plane that it is furthest beyond; at most 0 inside. The
+/// negative infinite of no plane, which is everywhere.
+pub fn outside_by<'a>(planes: impl IntoIterator<Item = &'a Plane>, p: DVec3) -> f64 {
+    planes.into_iter().map(|plane| plane.distance(p)).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Which of these convex regions holds a point; of a point outside all of them the nearest by [`outside_by`]. `None` of none.
+pub fn nearest_region<'a, R: IntoIterator<Item = &'a Plane>>(
+    regions: impl IntoIterator<Item = R>,
+    p: DVec3,
+) -> Option<usize> {
+    let all = regions.into_iter().map(|planes| outside_by(planes, p)).enumerate();
+    all.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
+}

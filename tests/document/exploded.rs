@@ -82,11 +82,13 @@ fn the_same_camera_gives_the_same_poses_whatever_came_before() {
     // Where the forces take the parts is no step: one undo closes the explosion again.
     assert_eq!(document.history().undo_names().len(), steps + 1);
     let open = bytes(&document);
+    let apart = run(&mut document, r#"{"ask":{"parts":{}}}"#).unwrap();
     run(&mut document, r#"{"history":{"undo":{}}}"#).unwrap();
     let parts = &document.state().unwrap().scene.explosion.parts;
-    assert!(parts.iter().all(|p| p.pose == Pose::IDENTITY));
+    assert!(document.poses().in_order(parts).iter().all(|p| *p == Pose::IDENTITY));
     run(&mut document, r#"{"history":{"redo":{}}}"#).unwrap();
     assert_eq!(bytes(&document), open);
+    assert_eq!(run(&mut document, r#"{"ask":{"parts":{}}}"#).unwrap(), apart);
 }
 
 #[test]
@@ -99,7 +101,8 @@ fn degree_zero_is_the_identity_and_its_picture_the_whole_one() {
     settle(&mut document, 1.0);
     assert_ne!(picture(&mut document), whole);
     settle(&mut document, 0.0);
-    assert!(document.state().unwrap().scene.explosion.parts.iter().all(|p| p.pose == Pose::IDENTITY));
+    let parts = &document.state().unwrap().scene.explosion.parts;
+    assert!(document.poses().in_order(parts).iter().all(|p| *p == Pose::IDENTITY));
     // Each part and the selection as bodies of their own: the same but for rounding where they meet.
     let id = document.state().unwrap().scene.explosion.parts[0].id;
     run(&mut document, &json!({"part":{"set":{"id":id,"colour":[1,1,1]}}}).to_string()).unwrap();

@@ -1,7 +1,7 @@
 //! Projects on disk: what is saved comes back, and a save writes what changed.
 
 use super::keep_support::*;
-use burin::document::{DensityKeeping, KeepError, Keeper, KeptDocument, LoadedDensity, Origin, State};
+use burin::document::{DensityKeeping, KeepError, Keeper, KeptDocument, KeptPoses, LoadedDensity, Origin, State};
 use burin::math::DVec3;
 use burin::volume::*;
 use std::collections::BTreeMap;
@@ -290,7 +290,7 @@ fn a_range_narrower_than_a_step_of_the_data_and_steps_near_nothing_have_codes_th
         }
         // A number that JSON has no word for would keep all of it from being saved.
         let project = dir.path().join(format!("p{n}"));
-        Keeper::create(&project, &state, None, &|_| true).unwrap();
+        Keeper::create(&project, &state, &KeptPoses::default(), None, &|_| true).unwrap();
         assert_eq!(Keeper::open(&project).unwrap().1.map, map);
     }
 }

@@ -31,6 +31,7 @@ mod painted;
 mod parts;
 mod past;
 mod pictures;
+mod poses;
 mod program;
 mod projects;
 mod reach;

@@ -44,7 +44,7 @@ fn a_picture_in_motion_waits_for_few_bricks_and_at_rest_none_is_missing() {
 }
 
 fn poses(document: &Document) -> Vec<Pose> {
-    document.state().unwrap().scene.explosion.poses()
+    document.poses().in_order(&document.state().unwrap().scene.explosion.parts)
 }
 
 fn farthest(a: &[Pose], b: &[Pose]) -> f64 {

@@ -35,8 +35,8 @@ fn a_part_is_named_coloured_hidden_and_moved_each_in_one_step() {
         assert_eq!(run(&mut document, line).unwrap()["step"], step);
     }
     let part = document.state().unwrap().scene.explosion.parts[0].clone();
-    assert_eq!((part.name.as_str(), part.colour, part.visible, part.pinned), ("jaw", None, false, false));
-    assert_eq!(part.pose.translation.x, 5.0);
+    assert_eq!((part.name.as_str(), part.colour, part.visible, part.held), ("jaw", None, false, None));
+    assert_eq!(document.poses().of(&part).translation.x, 5.0);
     run(&mut document, r#"{"history":{"undo":{"steps":6}}}"#).unwrap();
     assert_eq!(document.state().unwrap().scene.explosion.parts[0].name, "Part 1");
 }

@@ -181,7 +181,9 @@ fn a_fitted_3d_view_keeps_its_direction_and_holds_every_part_where_it_stands() {
             let after = camera(&document);
             assert!(after.forward().distance(before.forward()) < 1e-12 && after.up == before.up, "the direction stays");
             let parts = &document.state().unwrap().scene.explosion.parts;
-            let corners: Vec<DVec3> = parts.iter().flat_map(|p| p.vertices.iter().map(|&v| p.pose.apply(v))).collect();
+            let poses = document.poses();
+            let corners: Vec<DVec3> =
+                parts.iter().flat_map(|p| p.vertices.iter().map(|&v| poses.of(p).apply(v))).collect();
             for &corner in &corners {
                 let (px, _) = after.project(corner, size).unwrap();
                 let inside = px.cmpge(DVec2::ZERO).all() && px.x <= f64::from(size[0]) && px.y <= f64::from(size[1]);

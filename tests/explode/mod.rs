@@ -5,6 +5,7 @@ mod gain;
 mod octree;
 mod parts;
 mod picture;
+mod poses;
 mod simulation;
 mod splitters;
 

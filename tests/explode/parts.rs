@@ -1,7 +1,7 @@
 //! Splitting convex parts, against volumes and membership.
 
 use super::{cube, oblique, octants, unit};
-use burin::explode::{ExplodeError, Explosion, Forces, PartId};
+use burin::explode::{ExplodeError, Explosion, Forces, PartId, Poses};
 use burin::math::{DAffine3, DMat3, DQuat, DVec3, Plane, Pose};
 use burin::volume::Grid;
 use rand::{Rng, SeedableRng};
@@ -167,7 +167,7 @@ fn a_plane_that_misses_or_grazes_splits_nothing() {
         assert_eq!(explosion, before);
     }
     let plane = Plane { normal: DVec3::X, offset: 0.0 };
-    assert!(matches!(explosion.split(PartId(9), &plane), Err(ExplodeError::NoSuchPart { .. })));
+    assert!(matches!(explosion.split(PartId(9), &Poses::default(), &plane), Err(ExplodeError::NoSuchPart { .. })));
 }
 
 #[test]
@@ -186,8 +186,8 @@ fn halves_get_new_ids_and_keep_colour_pin_importance_and_pose() {
     for (id, name) in ids.into_iter().zip(["skull a", "skull b"]) {
         let half = explosion.part(id).unwrap();
         assert_eq!(half.name, name);
-        assert_eq!((half.colour, half.importance, half.pinned), (Some([0.1, 0.2, 0.3]), 3.0, true));
-        assert_eq!(half.pose, explosion.parts[0].pose);
+        assert_eq!((half.colour, half.importance), (Some([0.1, 0.2, 0.3]), 3.0));
+        assert_eq!(half.held.unwrap().translation, pose.translation);
     }
     assert!(explosion.part(ids[0]).unwrap().vertices.iter().all(|v| v.x <= 0.0));
     explosion.part_mut(ids[1]).unwrap().name = "Part 3".into();
@@ -200,17 +200,16 @@ fn halves_get_new_ids_and_keep_colour_pin_importance_and_pose() {
 fn an_exploded_part_splits_where_the_plane_is_seen() {
     let mut explosion = Explosion::whole(&cube(20));
     let pose = Pose { rotation: DQuat::from_rotation_z(std::f64::consts::FRAC_PI_2), translation: DVec3::X * 100.0 };
-    explosion.parts[0].pose = pose;
+    let poses = Poses::found(&explosion.parts, &[pose]);
     // Seen at x = 104: at rest this is y = -4, since the part is turned by a right angle about z.
     let plane = Plane { normal: DVec3::X, offset: 104.0 };
-    let ids = explosion.split(PartId(1), &plane).unwrap().unwrap();
+    let ids = explosion.split(PartId(1), &poses, &plane).unwrap().unwrap();
     let inner = explosion.part(ids[0]).unwrap();
     assert!(inner.vertices.iter().all(|&v| pose.apply(v).x < 104.0 + 1e-9));
     assert!(inner.vertices.iter().all(|v| v.y > -4.0 - 1e-9));
     assert!((inner.volume_mm3() - 14.0 * 400.0).abs() < 1e-6);
     let mut missed = Explosion::whole(&cube(20));
-    missed.parts[0].pose = pose;
-    assert_eq!(missed.split(PartId(1), &Plane { normal: DVec3::X, offset: 4.0 }).unwrap(), None);
+    assert_eq!(missed.split(PartId(1), &poses, &Plane { normal: DVec3::X, offset: 4.0 }).unwrap(), None);
 }
 
 #[test]
@@ -232,7 +231,11 @@ fn a_wrong_explosion_is_named_by_its_field() {
     assert!(said(&|e| e.parts[2].vertices.truncate(2)).starts_with("parts[2].vertices"));
     assert!(said(&|e| e.parts[2].faces[1].plane.offset -= 1.0).starts_with("parts[2].faces"));
     assert!(said(&|e| e.parts[2].faces.truncate(5)).starts_with("parts[2].faces"));
-    assert!(said(&|e| e.parts[0].pose.rotation.w = 3.0).starts_with("parts[0].pose"));
+    let bent = Pose { rotation: DQuat::from_xyzw(0.0, 0.0, 0.0, 3.0), translation: DVec3::ZERO };
+    assert!(said(&|e| e.parts[0].held = Some(bent)).starts_with("parts[0].pose"));
+    let poses = Poses::found(&good.parts, &[Pose::IDENTITY, bent]);
+    assert!(poses.check(&good).unwrap_err().to_string().starts_with("parts[1].pose"));
+    Poses::default().check(&good).unwrap();
     assert!(said(&|e| e.parts[0].colour = Some([f32::NAN; 3])).starts_with("parts[0].colour"));
 }
 

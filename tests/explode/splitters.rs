@@ -96,20 +96,20 @@ fn meets_hull(points: &[DVec2], a: DVec2, b: DVec2) -> f64 {
 #[test]
 fn the_line_meets_the_parts_whose_posed_silhouettes_it_crosses() {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
-    let mut explosion = octants(&cube(40));
-    for part in &mut explosion.parts {
-        let rotation = DQuat::from_axis_angle(unit(&mut rng), 0.6);
-        part.pose = Pose::about(part.centre(), rotation, part.centre() * 0.8);
-    }
+    let explosion = octants(&cube(40));
+    let mut turned =
+        |part: &Part| Pose::about(part.centre(), DQuat::from_axis_angle(unit(&mut rng), 0.6), part.centre() * 0.8);
+    let given: Vec<Pose> = explosion.parts.iter().map(&mut turned).collect();
+    let poses = Poses::found(&explosion.parts, &given);
     let (mut met, mut missed) = (0, 0);
     for camera in cameras() {
         for _ in 0..60 {
             let px = |rng: &mut ChaCha8Rng| DVec2::new(rng.random_range(0.0..400.0), rng.random_range(0.0..300.0));
             let (from, to) = (px(&mut rng), px(&mut rng));
-            let found = explosion.meeting(&camera, from, to, SIZE).unwrap();
-            for part in &explosion.parts {
+            let found = explosion.meeting(&poses, &camera, from, to, SIZE).unwrap();
+            for (part, pose) in explosion.parts.iter().zip(&given) {
                 let shadow: Vec<DVec2> =
-                    part.vertices.iter().map(|&v| camera.project(part.pose.apply(v), SIZE).unwrap().0).collect();
+                    part.vertices.iter().map(|&v| camera.project(pose.apply(v), SIZE).unwrap().0).collect();
                 let gap = meets_hull(&shadow, from, to);
                 if gap.abs() > 1e-6 {
                     assert_eq!(found.contains(&part.id), gap < 0.0, "{camera:?} {from} {to} gap {gap}");
@@ -127,7 +127,9 @@ fn a_line_cuts_what_it_meets_and_leaves_the_rest() {
     let mut explosion = Explosion::whole(&grid);
     let camera = Camera::framing(&grid.world_bounds(), DVec3::new(1.0, -1.0, 0.4), DVec3::Z);
     let whole = explosion.parts[0].volume_mm3();
-    let first = explosion.split_by_line(&camera, DVec2::new(0.0, 130.0), DVec2::new(400.0, 160.0), SIZE).unwrap();
+    let first = explosion
+        .split_by_line(&Poses::default(), &camera, DVec2::new(0.0, 130.0), DVec2::new(400.0, 160.0), SIZE)
+        .unwrap();
     assert_eq!(first.len(), 1);
     for half in first[0] {
         let part = explosion.part(half).unwrap();
@@ -138,9 +140,9 @@ fn a_line_cuts_what_it_meets_and_leaves_the_rest() {
     // A short line in one half's silhouette only.
     let [a, b] = first[0];
     let (at, _) = camera.project(explosion.part(a).unwrap().centre(), SIZE).unwrap();
-    let met = explosion.meeting(&camera, at, at + DVec2::new(1.0, 0.0), SIZE).unwrap();
+    let met = explosion.meeting(&Poses::default(), &camera, at, at + DVec2::new(1.0, 0.0), SIZE).unwrap();
     assert!(met.contains(&a) && !met.contains(&b));
-    let cut = explosion.split_by_line(&camera, at, at + DVec2::new(1.0, 0.0), SIZE).unwrap();
+    let cut = explosion.split_by_line(&Poses::default(), &camera, at, at + DVec2::new(1.0, 0.0), SIZE).unwrap();
     assert_eq!(cut.len(), 1);
     assert!(explosion.part(b).is_ok());
     assert!((explosion.parts.iter().map(|p| p.volume_mm3()).sum::<f64>() / whole - 1.0).abs() < 1e-9);
@@ -157,11 +159,11 @@ fn hidden_parts_and_parts_behind_the_eye_are_not_cut() {
         projection: Projection::Perspective { fov_y_deg: 60.0 },
     };
     let across = (DVec2::new(10.0, 20.0), DVec2::new(390.0, 280.0));
-    let found = explosion.meeting(&camera, across.0, across.1, SIZE).unwrap();
+    let found = explosion.meeting(&Poses::default(), &camera, across.0, across.1, SIZE).unwrap();
     assert!(!found.is_empty());
     for id in &found {
         assert!(explosion.part(*id).unwrap().vertices.iter().all(|v| v.y <= 0.0), "in front of the eye is y < -5");
     }
     explosion.part_mut(found[0]).unwrap().visible = false;
-    assert!(!explosion.meeting(&camera, across.0, across.1, SIZE).unwrap().contains(&found[0]));
+    assert!(!explosion.meeting(&Poses::default(), &camera, across.0, across.1, SIZE).unwrap().contains(&found[0]));
 }

@@ -3,7 +3,7 @@
 use super::scene;
 use burin::document::{Command, Scene, ViewCommand};
 use burin::explode::{Part, PartId};
-use burin::math::{DVec3, Pose};
+use burin::math::DVec3;
 use burin::ui::{App, Canvas, Far, Opened, Recent, Report, Request, Session, Snapshot};
 use burin::volume::{Histogram, Statistics, VoxelType};
 use eframe::egui_wgpu::RenderState;
@@ -26,11 +26,10 @@ fn part(id: u32, name: &str) -> Part {
         name: name.into(),
         colour: None,
         visible: true,
-        pinned: false,
+        held: None,
         importance: 1.0,
         faces: Vec::new(),
         vertices: vec![DVec3::ZERO, DVec3::splat(20.0)],
-        pose: Pose::IDENTITY,
     }
 }
 
@@ -97,6 +96,7 @@ impl Window {
             Histogram { min: 0.0, max: 100.0, bins: (0..50).map(|i| 1000 / (i + 1)).collect(), ..Histogram::default() };
         let opened = Opened {
             scene: Arc::new(self.scene.clone()),
+            poses: Arc::default(),
             grid,
             voxel_type: VoxelType::U8,
             statistics: Statistics { min: 0.0, max: 100.0, sum: 1e6, nan_count: 0, ..Statistics::default() },

@@ -5,11 +5,11 @@ use burin::document::{
     BrushCommand, Command, HistoryCommand, PartCommand, PastOf, Place, Scene, Splitter, StrokeCommand, ViewCommand,
     ViewName,
 };
-use burin::explode::{Axis, Part, PartId};
+use burin::explode::{Axis, Part, PartId, Poses};
 use burin::interact::{
     Action, Button, Context, Event, Hit, Interaction, Key, Modifiers, PointerEvent, SHORTCUTS, Tool, Wheel, action_of,
 };
-use burin::math::{DVec2, DVec3, Plane, Pose};
+use burin::math::{DVec2, DVec3, Plane};
 use burin::volume::Grid;
 
 const SIZE: [u32; 2] = [400, 300];
@@ -17,6 +17,7 @@ const SIZE: [u32; 2] = [400, 300];
 struct Hand {
     grid: Grid,
     scene: Scene,
+    poses: Poses,
     interaction: Interaction,
     view: ViewName,
     modifiers: Modifiers,
@@ -33,7 +34,7 @@ impl Hand {
             depth_mm: 200.0,
         });
         let (grid, scene) = scene();
-        Self { grid, scene, interaction, view, modifiers: Modifiers::default(), hit }
+        Self { grid, scene, poses: Poses::default(), interaction, view, modifiers: Modifiers::default(), hit }
     }
 
     fn at(&self, x: f64, y: f64) -> PointerEvent {
@@ -49,7 +50,8 @@ impl Hand {
     }
 
     fn send(&mut self, event: Event) -> Vec<Command> {
-        self.interaction.handle(event, &Context { scene: &self.scene, grid: &self.grid, voxel_mm: 1.0 })
+        self.interaction
+            .handle(event, &Context { scene: &self.scene, poses: &self.poses, grid: &self.grid, voxel_mm: 1.0 })
     }
 
     fn press(&mut self, button: Button, x: f64, y: f64) -> Vec<Command> {
@@ -270,11 +272,13 @@ fn the_wheel_steps_slices_by_whole_voxels_and_modifiers_change_its_meaning() {
 #[test]
 fn a_brush_never_shrinks_below_half_a_voxel_and_can_grow_from_nothing() {
     let (grid, mut scene) = scene();
-    let radius =
-        |scene: &Scene, factor| match Interaction::sized(factor, &Context { scene, grid: &grid, voxel_mm: 2.0 }) {
-            Command::Brush(BrushCommand::Set { radius_mm: Some(r), .. }) => r,
-            other => panic!("{other:?}"),
-        };
+    let radius = |scene: &Scene, factor| match Interaction::sized(
+        factor,
+        &Context { scene, poses: &Poses::default(), grid: &grid, voxel_mm: 2.0 },
+    ) {
+        Command::Brush(BrushCommand::Set { radius_mm: Some(r), .. }) => r,
+        other => panic!("{other:?}"),
+    };
     scene.brush.radius_mm = 0.0;
     assert!(radius(&scene, 1.15) > 1.0);
     assert_eq!(radius(&scene, 0.01), 1.0);
@@ -289,9 +293,10 @@ fn a_brush_for_voxels_of_metres_and_of_nanometres_grows_and_shrinks() {
         for radius in [0.0, voxel_mm * 0.5, voxel_mm * 3.0] {
             scene.brush.radius_mm = radius;
             for factor in [1.15, 1.0 / 1.15] {
-                let Command::Brush(BrushCommand::Set { radius_mm: Some(new), .. }) =
-                    Interaction::sized(factor, &Context { scene: &scene, grid: &grid, voxel_mm })
-                else {
+                let Command::Brush(BrushCommand::Set { radius_mm: Some(new), .. }) = Interaction::sized(
+                    factor,
+                    &Context { scene: &scene, poses: &Poses::default(), grid: &grid, voxel_mm },
+                ) else {
                     panic!("no radius")
                 };
                 let wanted = (radius.max(voxel_mm * 0.5) * factor).max(voxel_mm * 0.5);
@@ -339,11 +344,10 @@ fn part_at_rest() -> Part {
         name: "Left".into(),
         colour: None,
         visible: true,
-        pinned: false,
+        held: None,
         importance: 1.0,
         faces: Vec::new(),
         vertices: vec![DVec3::ZERO, DVec3::splat(20.0)],
-        pose: Pose::IDENTITY,
     }
 }
 
@@ -481,7 +485,7 @@ fn a_line_on_a_slice_cuts_the_parts_that_it_crosses_as_one_step() {
     let middle = hand.grid.world_bounds().centre();
     let halves = Plane::through(middle, DVec3::X).unwrap();
     let id = hand.scene.explosion.parts[0].id;
-    hand.scene.explosion.split(id, &halves).unwrap().unwrap();
+    hand.scene.explosion.split_at_rest(id, &halves).unwrap().unwrap();
     let mm = hand.scene.views.slices[0].height_mm / f64::from(SIZE[1]);
     let reach = 0.3 * (hand.grid.world_bounds().max.x - middle.x) / mm;
     for (from, to, cuts) in [(-reach, reach, 2), (reach * 0.2, reach, 1), (-reach, -0.2 * reach, 1)] {

@@ -2,7 +2,7 @@
 
 use super::scene;
 use burin::document::{SlicePlane, ViewName};
-use burin::explode::Axis;
+use burin::explode::{Axis, Poses};
 use burin::interact::preview;
 use burin::interact::preview::Aim;
 use burin::interact::{CutSlice, Gesture, Hit, Tool};
@@ -12,11 +12,11 @@ const SIZE: [u32; 2] = [400, 300];
 
 #[test]
 fn a_preview_is_the_cut_that_a_click_makes() {
-    let (grid, mut scene) = scene();
+    let (grid, scene) = scene();
     let shift = DVec3::new(3.0, -2.0, 1.0);
     let id = scene.explosion.parts[0].id;
     for pose in [Pose::IDENTITY, Pose { translation: shift, ..Pose::IDENTITY }] {
-        scene.explosion.parts[0].pose = pose;
+        let poses = Poses::found(&scene.explosion.parts, &[pose]);
         let camera = scene.views.camera;
         let world = grid.world_bounds().centre() + DVec3::new(5.0, 7.0, -3.0);
         let (px, depth_mm) = camera.project(world, SIZE).unwrap();
@@ -30,24 +30,25 @@ fn a_preview_is_the_cut_that_a_click_makes() {
             (Tool::AxisSplit, Axis::Vertical, sight.cross(up)),
             (Tool::DepthSplit, Axis::Horizontal, forward),
         ] {
-            let cuts = preview::cuts((tool, None), &scene, aim(hit), axis);
+            let cuts = preview::cuts((tool, None), (&scene, &poses), aim(hit), axis);
             assert_eq!(cuts.len(), 1, "{tool:?} {axis:?}");
             assert_eq!(cuts[0].part, id);
             let plane = cuts[0].plane;
             assert!(plane.normal.cross(normal.normalize()).length() < 1e-9, "{tool:?} {axis:?}: {plane:?}");
             assert!(plane.distance(world - pose.translation).abs() < 1e-6, "{tool:?} {axis:?}: at rest");
-            assert_eq!(preview::cuts((tool, None), &scene, aim(None), axis), []);
+            assert_eq!(preview::cuts((tool, None), (&scene, &poses), aim(None), axis), []);
         }
         let (from, to) = (px - DVec2::new(300.0, 10.0), px + DVec2::new(300.0, 10.0));
         let line = Gesture::Line { view: ViewName::ThreeD, from, to, slice: None };
-        let cuts = preview::cuts((Tool::LineSplit, Some(&line)), &scene, aim(hit), Axis::Horizontal);
+        let cuts = preview::cuts((Tool::LineSplit, Some(&line)), (&scene, &poses), aim(hit), Axis::Horizontal);
         let (a, b) = (camera.ray(from, SIZE).dir, camera.ray(to, SIZE).dir);
         assert_eq!(cuts.len(), 1);
         assert!(cuts[0].plane.normal.cross(a.cross(b).normalize()).length() < 1e-9, "{cuts:?}");
         assert!(cuts[0].plane.distance(camera.eye - pose.translation).abs() < 1e-6, "{cuts:?}");
         let beside = Gesture::Line { view: ViewName::ThreeD, from: DVec2::ZERO, to: DVec2::X, slice: None };
-        assert_eq!(preview::cuts((Tool::LineSplit, Some(&beside)), &scene, aim(None), Axis::Horizontal), []);
-        assert_eq!(preview::cuts((Tool::Navigate, None), &scene, aim(hit), Axis::Horizontal), []);
+        let past = preview::cuts((Tool::LineSplit, Some(&beside)), (&scene, &poses), aim(None), Axis::Horizontal);
+        assert_eq!(past, []);
+        assert_eq!(preview::cuts((Tool::Navigate, None), (&scene, &poses), aim(hit), Axis::Horizontal), []);
     }
     assert_eq!(scene.explosion.parts.len(), 1, "only a copy is cut");
 }
@@ -58,7 +59,8 @@ fn a_cut_that_would_only_graze_is_none() {
     let slice = CutSlice::new(&grid, &scene, ViewName::Axial, SIZE).unwrap();
     let inside = slice.plane.pixel(grid.world_bounds().centre());
     let outside = slice.plane.pixel(grid.world_bounds().max + DVec3::splat(20.0));
-    let cuts = |px| preview::cuts((Tool::AxisSplit, None), &scene, Aim::Slice { px, slice }, Axis::Horizontal);
+    let placed = (&scene, &Poses::default());
+    let cuts = |px| preview::cuts((Tool::AxisSplit, None), placed, Aim::Slice { px, slice }, Axis::Horizontal);
     assert_eq!(cuts(inside).len(), 1);
     assert_eq!(cuts(outside), []);
 }
@@ -70,9 +72,9 @@ fn borders_of_parts_lie_where_the_cut_was_and_end_at_the_volume() {
     let whole = scene.explosion.parts[0].clone();
     assert_eq!(preview::seams(&whole).count(), 0, "the volume's own faces are none");
     let cut = Plane::through(bounds.centre() + DVec3::new(2.0, 1.0, 0.0), DVec3::new(1.0, 0.4, 0.2)).unwrap();
-    let halves = scene.explosion.split(whole.id, &cut).unwrap().unwrap();
+    let halves = scene.explosion.split_at_rest(whole.id, &cut).unwrap().unwrap();
     // Slices show parts at rest: a pose makes no difference.
-    scene.explosion.part_mut(halves[0]).unwrap().pose.translation = DVec3::splat(30.0);
+    scene.explosion.place(halves[0], Pose { translation: DVec3::splat(30.0), ..Pose::IDENTITY }).unwrap();
     for view in [ViewName::Axial, ViewName::Coronal, ViewName::Sagittal] {
         let slice = SlicePlane::new(&grid, &scene.views, view).unwrap();
         let normal = slice.right.cross(slice.up).normalize();

@@ -1,7 +1,7 @@
 //! The surface that a picture shows: strokes, cuts and borders lie where equations say.
 
 use super::scene;
-use burin::explode::{Explosion, Part};
+use burin::explode::{Explosion, Poses};
 use burin::interact::surface::{Surface, near_way};
 use burin::math::{Camera, DVec2, DVec3, Plane, Pose, Projection};
 use burin::volume::Grid;
@@ -57,23 +57,23 @@ fn a_cut_is_traced_where_its_plane_meets_the_surface() {
     let surface = ball(&camera, centre, 1);
     let plane = Plane::through(centre + DVec3::new(0.0, 0.0, 6.0), DVec3::new(0.3, 0.2, 1.0)).unwrap();
     let whole = explosion.parts[0].clone();
-    let pieces = surface.trace(&explosion.parts, &whole, &plane, 0.0);
+    let pieces = surface.trace((&explosion.parts, &Poses::default()), &whole, &plane, 0.0);
     assert!(pieces.len() > 40, "{}", pieces.len());
     for end in pieces.iter().flatten() {
         let off = plane.distance(on_ball(&camera, centre, *end)).abs();
         assert!(off < 0.15, "{off} mm off the plane");
     }
     // The same plane as the border of two parts.
-    explosion.split(whole.id, &plane).unwrap().unwrap();
-    let seams = surface.seams(&explosion.parts);
+    explosion.split_at_rest(whole.id, &plane).unwrap().unwrap();
+    let seams = surface.seams(&explosion.parts, &Poses::default());
     assert!(seams.len() > 40);
     for end in seams.iter().flatten() {
         assert!(plane.distance(on_ball(&camera, centre, *end)).abs() < 0.15);
     }
     // Parts that have moved are seen apart.
-    explosion.parts[0].pose.translation = DVec3::X;
-    assert_eq!(surface.seams(&explosion.parts), [] as [[DVec2; 2]; 0]);
-    assert_eq!(surface.seams(&[whole]), [] as [[DVec2; 2]; 0]);
+    let moved = Poses::found(&explosion.parts, &[Pose { translation: DVec3::X, ..Pose::IDENTITY }]);
+    assert_eq!(surface.seams(&explosion.parts, &moved), [] as [[DVec2; 2]; 0]);
+    assert_eq!(surface.seams(&[whole], &Poses::default()), [] as [[DVec2; 2]; 0]);
 }
 
 /// Share of the picture that boxes cover.
@@ -83,25 +83,26 @@ fn covered(boxes: &[[DVec2; 2]]) -> f64 {
 
 #[test]
 fn the_near_side_of_a_depth_cut_is_what_comes_off() {
-    let (camera, centre, mut explosion) = set();
+    let (camera, centre, explosion) = set();
     let surface = ball(&camera, centre, 1);
     // 12 mm before the ball's middle: what is seen before it is a disc of √(20² − 12²) = 16 mm.
     let plane = Plane::through(centre - camera.forward() * 12.0, camera.forward()).unwrap();
     let part = explosion.parts[0].clone();
-    let near = covered(&surface.side(&explosion.parts, &part, Some(&plane)));
-    let all = covered(&surface.side(&explosion.parts, &part, None));
+    let rest = (&explosion.parts[..], &Poses::default());
+    let near = covered(&surface.side(rest, &part, Some(&plane)));
+    let all = covered(&surface.side(rest, &part, None));
     let disc = |radius: f64| std::f64::consts::PI * radius * radius / 4800.0;
     assert!((near - disc(16.0)).abs() < 0.01, "{near} for {}", disc(16.0));
     assert!((all - disc(20.0)).abs() < 0.01, "{all} for {}", disc(20.0));
     // A part that has moved is its own body, and its planes are at rest.
     let away = DVec3::new(4.0, 0.0, 3.0);
-    let moved = Part { pose: Pose { translation: away, ..Pose::IDENTITY }, ..part };
-    explosion.parts = vec![moved.clone()];
-    let there = ball(&camera, centre + away, moved.id.0 + 1);
-    let near = covered(&there.side(&explosion.parts, &moved, Some(&plane)));
+    let moved = Poses::found(&explosion.parts, &[Pose { translation: away, ..Pose::IDENTITY }]);
+    let moved = (&explosion.parts[..], &moved);
+    let there = ball(&camera, centre + away, part.id.0 + 1);
+    let near = covered(&there.side(moved, &part, Some(&plane)));
     assert!((near - disc(16.0)).abs() < 0.01, "{near}");
-    let other = ball(&camera, centre, moved.id.0 + 7);
-    assert_eq!(covered(&other.side(&explosion.parts, &moved, None)), 0.0, "another body is not the part");
+    let other = ball(&camera, centre, part.id.0 + 7);
+    assert_eq!(covered(&other.side(moved, &part, None)), 0.0, "another body is not the part");
 }
 
 #[test]
@@ -136,10 +137,13 @@ fn at_rest_each_part_is_seen_on_its_own_side_of_the_cut() {
     let (camera, centre, mut explosion) = set();
     let surface = ball(&camera, centre, 1);
     let plane = Plane::through(centre, DVec3::X).unwrap();
-    explosion.split(explosion.parts[0].id, &plane).unwrap().unwrap();
+    explosion.split_at_rest(explosion.parts[0].id, &plane).unwrap().unwrap();
     let whole = std::f64::consts::PI * 400.0 / 4800.0;
-    let sides: Vec<f64> =
-        explosion.parts.iter().map(|part| covered(&surface.side(&explosion.parts, part, None))).collect();
+    let sides: Vec<f64> = explosion
+        .parts
+        .iter()
+        .map(|part| covered(&surface.side((&explosion.parts, &Poses::default()), part, None)))
+        .collect();
     assert!((sides.iter().sum::<f64>() - whole).abs() < 0.01, "{sides:?} of {whole}");
     // Seen a little from one side, each shows about a half.
     assert!(sides.iter().all(|side| (0.35..0.65).contains(&(side / whole))), "{sides:?} of {whole}");

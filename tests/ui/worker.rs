@@ -82,7 +82,8 @@ impl Desk {
     }
 
     fn poses(&self) -> Vec<Pose> {
-        self.now.open.as_ref().unwrap().scene.explosion.poses()
+        let open = self.now.open.as_ref().unwrap();
+        open.poses.in_order(&open.scene.explosion.parts)
     }
 
     /// Everything asked for is done and no part moves.

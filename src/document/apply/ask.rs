@@ -8,6 +8,7 @@ use crate::document::frame::WHOLE;
 use crate::document::place::check_size;
 use crate::document::scene::past::PastOf;
 use crate::document::state::State;
+use crate::explode::{Part, PartRecord};
 use crate::math::DVec2;
 use crate::volume::{BrickIndex, FieldKind, Number, SourceError, Total};
 use rayon::prelude::*;
@@ -18,10 +19,15 @@ impl Document {
     pub(crate) fn ask(&mut self, question: Question) -> Result<Value, DocumentError> {
         match question {
             Question::Volume {} => Ok(volume(self.open()?)),
-            Question::Scene {} => Ok(json!({ "scene": self.open()?.scene })),
+            Question::Scene {} => {
+                let scene = &self.open()?.scene;
+                Ok(json!({ "scene": scene, "poses": self.motion.poses().told(&scene.explosion.parts) }))
+            }
             Question::Parts {} => {
-                let explosion = &self.open()?.scene.explosion;
-                Ok(json!({ "degree": explosion.degree, "parts": explosion.parts }))
+                let (explosion, poses) = (&self.open()?.scene.explosion, self.motion.poses());
+                let standing = |part: &Part| PartRecord::of(part, poses.of(part));
+                let parts: Vec<PartRecord> = explosion.parts.iter().map(standing).collect();
+                Ok(json!({ "degree": explosion.degree, "parts": parts }))
             }
             Question::Voxel { at } => {
                 let world = self.resolve(at)?.map(|sample| sample.position);
@@ -62,7 +68,7 @@ impl Document {
                 let views = &state.scene.views;
                 let camera = checked(camera.unwrap_or(views.camera), &state.grid().world_bounds())?;
                 let size = check_size(size.unwrap_or(views.size))?;
-                let frame = state.parted_frame(&state.scene.explosion, &camera, size);
+                let frame = state.parted_frame(self.motion.poses(), &camera, size);
                 let seen = self.graphics.visibility(state, &frame)?;
                 let hidden: Vec<Value> =
                     seen.hidden_by.iter().map(|(id, px)| json!({ "part": id, "pixels": px })).collect();

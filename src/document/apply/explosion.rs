@@ -4,6 +4,7 @@ use crate::document::Document;
 use crate::document::command::parts::ExplosionCommand;
 use crate::document::error::DocumentError;
 use crate::document::history::edit::Edit;
+use crate::explode::PartPose;
 use serde_json::{Value, json};
 
 /// Steps of one command: more than a minute of animation is a slip.
@@ -35,10 +36,8 @@ impl Document {
             ExplosionCommand::Settle {} => {
                 let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
                 let settled = self.motion.settle(state, &mut self.graphics, &self.watch)?;
-                self.open_mut()?.scene.explosion.set_poses(&settled.poses);
-                edit.follows();
                 let mut answer = json!({
-                    "poses": self.poses()?,
+                    "poses": self.told_poses()?,
                     "gains": settled.gains,
                     "rounds": settled.rounds,
                     "steps": settled.steps,
@@ -55,9 +54,7 @@ impl Document {
                 let due = self.follow_stroke()?;
                 let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
                 let moved = self.motion.step(state, &mut self.graphics, steps)?;
-                self.open_mut()?.scene.explosion.set_poses(&moved.poses);
-                edit.follows();
-                Ok(json!({ "poses": self.poses()?, "moving": moved.moving || due, "visible": moved.visible }))
+                Ok(json!({ "poses": self.told_poses()?, "moving": moved.moving || due, "visible": moved.visible }))
             }
         }
     }
@@ -77,8 +74,7 @@ impl Document {
     }
 
     /// Poses by id of part.
-    fn poses(&self) -> Result<Vec<Value>, DocumentError> {
-        let parts = &self.open()?.scene.explosion.parts;
-        Ok(parts.iter().map(|p| json!({ "id": p.id, "pose": p.pose })).collect())
+    fn told_poses(&self) -> Result<Vec<PartPose>, DocumentError> {
+        Ok(self.motion.poses().told(&self.open()?.scene.explosion.parts))
     }
 }

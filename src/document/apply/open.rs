@@ -10,9 +10,10 @@ use crate::document::journal::autosave::Keeper;
 use crate::document::journal::loaded::{KeptDocument, Recovered};
 use crate::document::project::read::Wanted;
 use crate::document::scene::histogram::histogram;
+use crate::document::scene::kept_poses::KeptPoses;
 use crate::document::scene::{Origin, Scene};
 use crate::document::state::State;
-use crate::explode::Explosion;
+use crate::explode::{Explosion, Poses};
 use crate::io;
 use crate::volume::FieldKind;
 use serde_json::{Value as Json, json};
@@ -60,6 +61,8 @@ fn still_as_opened(files: &[io::FileMark]) -> Result<(), DocumentError> {
 #[derive(Debug)]
 pub struct Opened {
     state: State,
+    /// Where forces had taken the parts.
+    poses: KeptPoses,
     keeper: Option<Keeper>,
     recovered: Recovered,
     warnings: Vec<String>,
@@ -134,7 +137,8 @@ impl Opened {
             }
             None => None,
         };
-        Ok(Self { state, keeper, recovered: Recovered::default(), warnings, said })
+        let poses = KeptPoses::at_rest(&state.scene, Poses::default());
+        Ok(Self { state, poses, keeper, recovered: Recovered::default(), warnings, said })
     }
 
     /// A project, with what its journal holds beyond the last save.
@@ -199,9 +203,14 @@ impl Opened {
     ) -> Result<Self, DocumentError> {
         let recovered = kept.recovered.clone();
         let linked = |origin: &Origin| Ok(io::open(&origin.path)?.source(origin.component, origin.frame, &|_| true)?);
+        let mut poses = kept.poses.clone();
         let mut state = kept.into_state(linked, progress)?;
         let grid = *state.grid();
-        let mended = state.scene.mend(&grid, &state.histogram);
+        let mut mended = state.scene.mend(&grid, &state.histogram);
+        if let Err(error) = poses.parts.check(&state.scene.explosion) {
+            mended.push(format!("{error}; all parts that no hand holds are at rest until forces take them"));
+            poses = KeptPoses::default();
+        }
         // Parts are checked already, and not anew with each of the past's views.
         let plain = Scene { explosion: Explosion::whole(&grid), ..state.scene.clone() };
         state.past.retain(&plain, |scene| scene.check(&grid).is_ok());
@@ -210,19 +219,22 @@ impl Opened {
         if let Some((path, reason)) = &recovered.set_aside {
             warnings.push(format!("the journal was damaged and put aside as {}: {reason}", path.display()));
         }
-        Ok(Self { state, keeper, recovered, warnings, said: json!({}) })
+        Ok(Self { state, poses, keeper, recovered, warnings, said: json!({}) })
     }
 }
 
 impl Document {
     /// Shows what was read in place of what was open; past steps are forgotten. Answers as `volume.open` and `project.open` do.
     pub fn take(&mut self, opened: Opened) -> Json {
-        let Opened { state, keeper, recovered, mut warnings, said } = opened;
+        let Opened { state, poses, keeper, recovered, mut warnings, said } = opened;
         let mut answer = crate::document::apply::ask::volume(&state);
         if let (Json::Object(answer), Json::Object(said)) = (&mut answer, said) {
             answer.extend(said);
         }
         self.adopt(state);
+        if let Some(state) = &self.state {
+            self.motion.stand(state, poses);
+        }
         self.keeper = keeper;
         self.unsaved = recovered.steps > 0;
         let stroke = self.finish_recovered(&recovered, &mut warnings);
@@ -249,7 +261,7 @@ impl Document {
         let keeper = self.keeper.take();
         let begun = self.begin_stroke(Resolved { samples: recovered.stroke.clone(), ..Resolved::default() });
         self.keeper = keeper;
-        match begun.and_then(|_| self.settle()) {
+        match begun.and_then(|_| self.finish_stroke()) {
             Ok(_) => "painted",
             Err(error) => {
                 warnings.push(format!("the stroke that was running is lost: {error}"));

@@ -6,7 +6,7 @@ use crate::document::command::parts::{PartCommand, Splitter};
 use crate::document::error::DocumentError;
 use crate::document::history::edit::Edit;
 use crate::document::place::check_size;
-use crate::explode::{Explosion, Part, PartId, axis_plane, depth_plane};
+use crate::explode::{Explosion, Part, PartId, PartRecord, axis_plane, depth_plane};
 use crate::math::{DVec2, DVec3, Plane};
 use serde_json::{Value, json};
 
@@ -25,6 +25,7 @@ impl Document {
                 Ok(json!({ "halves": halves, "parts": parts }))
             }
             PartCommand::Set { id, name, colour, own_colour, visible, pinned, importance } => {
+                let stands = self.motion.poses().of(self.open()?.scene.explosion.part(id)?);
                 let explosion = &mut self.open_mut()?.scene.explosion;
                 let part = explosion.part_mut(id)?;
                 let what = match (&name, colour.is_some() || own_colour, visible, pinned) {
@@ -44,12 +45,13 @@ impl Document {
                     name: name.unwrap_or_else(|| part.name.clone()),
                     colour: if own_colour { None } else { colour.or(part.colour) },
                     visible: visible.unwrap_or(part.visible),
-                    pinned: pinned.unwrap_or(part.pinned),
+                    // Who pins a part wants it where it is.
+                    held: pinned.map_or(part.held, |pinned| pinned.then_some(stands)),
                     importance: importance.unwrap_or(part.importance),
                     ..part.clone()
                 };
                 explosion.check()?;
-                Ok(json!({ "part": explosion.part(id)? }))
+                Ok(json!({ "part": PartRecord::of(explosion.part(id)?, stands) }))
             }
             PartCommand::Move { id, pose } => {
                 let explosion = &mut self.open_mut()?.scene.explosion;
@@ -83,9 +85,9 @@ impl Document {
         let size = check_size(size.unwrap_or(views.size))?;
         match by {
             Splitter::Line { from, to } => {
-                let explosion = &mut self.open_mut()?.scene.explosion;
+                let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
                 let (from, to) = (DVec2::from_array(from), DVec2::from_array(to));
-                Ok(explosion.split_by_line(&camera, from, to, size)?)
+                Ok(state.scene.explosion.split_by_line(self.motion.poses(), &camera, from, to, size)?)
             }
             Splitter::Plane { point, normal, part } => {
                 let plane = Plane::through(DVec3::from_array(point), DVec3::from_array(normal))
@@ -107,14 +109,20 @@ impl Document {
             Splitter::Axis { px, axis } => {
                 let (part, hit) = self.part_under(px, size)?;
                 let plane = axis_plane(&camera, DVec2::from_array(px), size, axis, hit)?;
-                Ok(self.open_mut()?.scene.explosion.split(part, &plane)?.into_iter().collect())
+                self.split_standing(part, &plane)
             }
             Splitter::Depth { px } => {
                 let (part, hit) = self.part_under(px, size)?;
                 let plane = depth_plane(&camera, hit)?;
-                Ok(self.open_mut()?.scene.explosion.split(part, &plane)?.into_iter().collect())
+                self.split_standing(part, &plane)
             }
         }
+    }
+
+    /// Cuts a part by a plane of the world, where it stands.
+    fn split_standing(&mut self, part: PartId, plane: &Plane) -> Result<Vec<[PartId; 2]>, DocumentError> {
+        let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
+        Ok(state.scene.explosion.split(part, self.motion.poses(), plane)?.into_iter().collect())
     }
 
     /// The part that is hit first by a visible sample, and where, world mm as it is seen.

@@ -132,10 +132,14 @@ impl Document {
         if let Some(path) = path {
             check_target(path, state.files.as_deref())?;
         }
+        let poses = self.motion.kept(state);
         let saved = match (&mut self.keeper, path) {
-            (Some(keeper), path) => keeper.save(path, state, density, progress)?,
+            (Some(keeper), path) => {
+                keeper.note_poses(poses);
+                keeper.save(path, state, density, progress)?
+            }
             (None, Some(path)) => {
-                let (keeper, saved) = Keeper::create(path, state, density, progress)?;
+                let (keeper, saved) = Keeper::create(path, state, &poses, density, progress)?;
                 self.keeper = Some(keeper);
                 saved
             }
@@ -155,6 +159,14 @@ impl Document {
         let (keeper, state) = (self.keeper.as_mut()?, self.state.as_ref()?);
         let noted = keeper.record(command, state, touched, synced);
         noted.err().map(|e| format!("this step is done but not safe from a crash yet: {e}"))
+    }
+
+    /// Notes where parts stand, unless they stand where they did.
+    pub(crate) fn note_poses(&mut self) {
+        let (Some(keeper), Some(state)) = (&mut self.keeper, &self.state) else { return };
+        if keeper.poses().parts != *self.motion.poses() {
+            keeper.note_poses(self.motion.kept(state));
+        }
     }
 
     /// Another document is open: this one is closed in order, as by [`leave_as_found`](Self::leave_as_found). Whoever opens says

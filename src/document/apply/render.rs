@@ -91,7 +91,7 @@ impl Document {
             Some(frame) => self.graphics.slice(state, &frame.part(corner, part)),
             None => {
                 let camera = checked(camera.unwrap_or(state.scene.views.camera), &state.grid().world_bounds())?;
-                self.graphics.part(state, &state.frame(&camera, size), corner, part)
+                self.graphics.part(state, &state.frame(self.motion.poses(), &camera, size), corner, part)
             }
         }
     }
@@ -106,7 +106,7 @@ impl Document {
             Some(frame) => self.graphics.slice(state, &frame),
             None => {
                 let camera = checked(camera.unwrap_or(state.scene.views.camera), &state.grid().world_bounds())?;
-                self.graphics.image(state, &state.frame(&camera, size))
+                self.graphics.image(state, &state.frame(self.motion.poses(), &camera, size))
             }
         }
     }
@@ -118,7 +118,7 @@ impl Document {
     pub fn picture_rows(&mut self, size: [u32; 2], rows: std::ops::Range<u32>) -> Result<Image, DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
         let camera = checked(state.scene.views.camera, &state.grid().world_bounds())?;
-        self.graphics.rows(state, &state.frame(&camera, check_size(size)?), rows)
+        self.graphics.rows(state, &state.frame(self.motion.poses(), &camera, check_size(size)?), rows)
     }
 
     /// Says whether something is held or moves: pictures and picks of the 3D view then wait for a bounded number of bricks, and

@@ -1,7 +1,7 @@
 //! Painting: from the points of a command to a step of history.
 //!
 //! While a stroke runs, questions, moves of the view and steps of the simulation leave it running; every other command ends it
-//! first, as `stroke.end` would. The GPU holds its texels until [`Document::settle`], which is the one place that waits for them.
+//! first, as `stroke.end` would. The GPU holds its texels until [`Document::finish_stroke`], which is the one place that waits for them.
 
 use crate::document::apply::stroke_nothing::why_nothing;
 use crate::document::apply::trail::{Resolved, Trail};
@@ -70,7 +70,7 @@ impl Document {
             StrokeCommand::Paint { points } => {
                 let resolved = self.follow(&points, None)?;
                 self.begin_stroke(resolved)?;
-                self.settle()
+                self.finish_stroke()
             }
             StrokeCommand::Extend { .. } | StrokeCommand::End {} | StrokeCommand::Cancel {} if !running => {
                 Err(DocumentError::NotNow("no stroke is running; stroke.begin starts one".into()))
@@ -80,7 +80,7 @@ impl Document {
                 let resolved = self.follow(&points, trail)?;
                 self.extend_stroke(resolved)
             }
-            StrokeCommand::End {} => self.settle(),
+            StrokeCommand::End {} => self.finish_stroke(),
             StrokeCommand::Cancel {} => {
                 self.drop_stroke();
                 Ok(json!({ "cancelled": true, "step": null }))
@@ -98,7 +98,7 @@ impl Document {
     ///
     /// # Errors
     /// If the device fails or the source does; the stroke then still runs.
-    pub fn settle(&mut self) -> Result<Value, DocumentError> {
+    pub fn finish_stroke(&mut self) -> Result<Value, DocumentError> {
         let cut_short = self.end_path()?;
         let (Some(running), Some(state)) = (&mut self.running, &mut self.state) else { return Ok(json!({})) };
         let kind = running.brush.target.field();
@@ -109,7 +109,6 @@ impl Document {
         let (voxels, bricks) = running.edit.counts();
         if swapped.is_err() || voxels == 0 {
             // Nothing painted: the segment or the wider map that was made for it goes too.
-            running.edit.motion_is_not_mine(&state.scene);
             let refreshed = running.edit.roll_back(state)?;
             self.mirror(&refreshed);
             self.no_stroke();
@@ -127,7 +126,6 @@ impl Document {
             let [before, after] = running.reach;
             state.reach = Some(after.within(before, &state.density));
         }
-        running.edit.motion_is_not_mine(&state.scene);
         let (step, mut refreshed) = running.edit.finish(state);
         // The GPU took a wider map over at the stroke's beginning.
         (refreshed.painted, refreshed.remapped) = (true, false);
@@ -184,9 +182,8 @@ impl Document {
 
     /// Takes the running stroke back.
     pub(crate) fn drop_stroke(&mut self) {
-        let (Some(mut running), Some(state)) = (self.running.take(), &mut self.state) else { return };
+        let (Some(running), Some(state)) = (self.running.take(), &mut self.state) else { return };
         self.graphics.cancel(state, running.field());
-        running.edit.motion_is_not_mine(&state.scene);
         // Of a stroke there is at most a segment and a map to take back; a source that fails leaves the wider map.
         match running.edit.roll_back(state) {
             Ok(refreshed) => self.mirror(&refreshed),
@@ -324,6 +321,12 @@ impl Document {
             self.motion.follow(state, kind, &live)?;
         }
         Ok(self.graphics.is_due())
+    }
+
+    /// Whether a running stroke has cells that explosion points have not followed yet.
+    pub(crate) fn has_stroke_to_follow(&self) -> bool {
+        let followed = |r: &Running| matches!(r.field(), FieldKind::Density | FieldKind::Selection);
+        self.running.as_ref().is_some_and(followed) && self.graphics.is_due()
     }
 
     /// Says that no stroke runs any more.

@@ -11,6 +11,7 @@ use crate::document::command::brush::StrokePoint;
 use crate::document::error::DocumentError;
 use crate::document::scene::ViewName;
 use crate::document::state::State;
+use crate::explode::Poses;
 use crate::gpu::{Frame, Hit};
 use crate::math::{Camera, DVec2, Pose};
 use crate::paint::{Sample, Seen, SurfaceRule};
@@ -59,8 +60,8 @@ pub(crate) struct Resolved {
 
 impl State {
     /// What a look into the 3D view is marched by: the picture, with samples dense enough to tell where a surface is.
-    pub(crate) fn looking(&self, camera: &Camera, size: [u32; 2]) -> Frame {
-        let frame = self.frame(camera, size);
+    pub(crate) fn looking(&self, poses: &Poses, camera: &Camera, size: [u32; 2]) -> Frame {
+        let frame = self.frame(poses, camera, size);
         Frame { step_mm: frame.step_mm.min(STEP_VOXELS * self.grid().voxel_mm()), ..frame }
     }
 }
@@ -102,7 +103,7 @@ impl Document {
             return Err(DocumentError::invalid("px", px, "two finite numbers"));
         }
         let camera = state.scene.views.camera;
-        let frame = state.looking(&camera, size);
+        let frame = state.looking(self.motion.poses(), &camera, size);
         let (pixel_mm, voxel_mm) = (pixel_mm(&frame, state), state.grid().voxel_mm());
         let radius_mm = state.scene.brush.radius_mm;
         let rule = SurfaceRule {

@@ -28,7 +28,9 @@ impl Document {
             }
             HistoryCommand::Cancel {} => {
                 let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
+                let before = state.scene.explosion.clone();
                 let refreshed = self.history.cancel(state)?;
+                self.motion.travelled(&before, &state.scene.explosion);
                 state.past.group_cancelled(std::mem::take(&mut self.past_group), &mut state.scene);
                 self.travelled(HistoryCommand::Cancel {}, &refreshed, &mut warnings);
                 json!({ "group": "cancelled" })
@@ -48,6 +50,7 @@ impl Document {
         let mut all = Refreshed::default();
         let there = if back { self.history.undo_names().len() } else { self.history.redo_names().len() };
         let steps = (steps as usize).min(there);
+        let before = self.open()?.scene.explosion.clone();
         for done in 0..steps {
             if steps > 1 && !self.watch.go_on(done as f32 / steps as f32) {
                 warnings.push(format!("stopped on request after {done} of {steps} steps"));
@@ -68,7 +71,8 @@ impl Document {
                 }
             }
         }
-        self.open()?;
+        let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
+        self.motion.travelled(&before, &state.scene.explosion);
         warnings.extend(self.history.spill());
         if !names.is_empty() {
             let steps = names.len() as u32;
@@ -94,5 +98,6 @@ impl Document {
         self.unsaved = true;
         self.mirror(refreshed);
         warnings.extend(self.note(&Command::History(said), &refreshed.bricks, true));
+        self.note_poses();
     }
 }

@@ -10,6 +10,7 @@ use crate::document::scene::past::PastOf;
 use crate::document::scene::slice_plane::SlicePlane;
 use crate::document::scene::{Layer, ViewName, Views, Window};
 use crate::document::state::State;
+use crate::explode::Poses;
 use crate::math::{Aabb, Camera, DVec2, DVec3, Projection};
 use crate::volume::{Lighting, Mode};
 use serde_json::{Value, json};
@@ -64,7 +65,7 @@ impl Document {
         if let ViewCommand::Back { of } | ViewCommand::Forward { of } = command {
             return self.walk_past(of, matches!(command, ViewCommand::Back { .. }));
         }
-        let state = self.open_mut()?;
+        let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
         let bounds = state.grid().world_bounds();
         let views = &mut state.scene.views;
         match command {
@@ -81,7 +82,7 @@ impl Document {
                 Ok(json!({ "camera": views.camera }))
             }
             ViewCommand::Fit { view } => {
-                fit(state, view)?;
+                fit(state, self.motion.poses(), view)?;
                 Ok(view_answer(&state.scene.views, view))
             }
             ViewCommand::Orbit { azimuth_deg, elevation_deg } => {
@@ -222,7 +223,7 @@ fn slice_height(height_mm: f64, bounds: &Aabb) -> f64 {
 }
 
 /// All of a slice, or of what is shown in 3D, as large as the picture holds.
-fn fit(state: &mut State, view: ViewName) -> Result<(), DocumentError> {
+fn fit(state: &mut State, poses: &Poses, view: ViewName) -> Result<(), DocumentError> {
     let grid = *state.grid();
     let bounds = grid.world_bounds();
     let views = &state.scene.views;
@@ -237,7 +238,7 @@ fn fit(state: &mut State, view: ViewName) -> Result<(), DocumentError> {
         }
         _ => {
             let shown = state.scene.explosion.parts.iter().filter(|p| p.visible);
-            let corners = shown.flat_map(|p| p.vertices.iter().map(|&v| p.pose.apply(v)));
+            let corners = shown.flat_map(|p| p.vertices.iter().map(|&v| poses.of(p).apply(v)));
             let box_mm = Aabb::around(corners).unwrap_or(bounds);
             let camera = views.camera;
             let framed = Camera::framing_in(&box_mm, -camera.forward(), camera.up, camera.projection);

@@ -29,7 +29,7 @@ impl Document {
     pub(crate) fn see(&mut self, dabs: &[Dab], seen: &mut VoxelSet) -> Result<(), DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
         let views = &state.scene.views;
-        let frame = state.looking(&views.camera, views.size);
+        let frame = state.looking(self.motion.poses(), &views.camera, views.size);
         let mut areas: Vec<Area> = Vec::new();
         for body in &frame.bodies {
             // Consecutive dabs that lie close together are one look; each body has its own.

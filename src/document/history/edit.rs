@@ -14,7 +14,6 @@ pub(crate) struct Edit {
     refreshed: Refreshed,
     voxels: u64,
     bricks: usize,
-    follows: bool,
 }
 
 impl Edit {
@@ -26,7 +25,6 @@ impl Edit {
             refreshed: Refreshed::default(),
             voxels: 0,
             bricks: 0,
-            follows: false,
         }
     }
 
@@ -40,16 +38,9 @@ impl Edit {
         &self.step.name
     }
 
-    /// The scene follows what was set before (parts that a simulation moves): its change is no step of its own.
-    pub(crate) fn follows(&mut self) {
-        self.follows = true;
-    }
-
-    /// Parts moved while this was recorded, by the simulation: that is not part of the step.
-    pub(crate) fn motion_is_not_mine(&mut self, scene: &Scene) {
-        if let Some(before) = &mut self.scene {
-            before.explosion = scene.explosion.clone();
-        }
+    /// The scene as it was.
+    pub(crate) fn before(&self) -> Option<&Scene> {
+        self.scene.as_ref()
     }
 
     /// Voxels that hold another value than before, and bricks with at least one.
@@ -98,7 +89,7 @@ impl Edit {
 
     /// The step, unless nothing changed, and what is new for whoever mirrors fields.
     pub(crate) fn finish(mut self, state: &State) -> (Option<Step>, Refreshed) {
-        if let (Some(before), false) = (self.scene.take(), self.follows) {
+        if let Some(before) = self.scene.take() {
             self.step.scene = SceneDelta::between(before, &state.scene);
         }
         self.refreshed.bricks = self.step.bricks.keys().copied().collect();

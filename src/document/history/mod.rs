@@ -82,6 +82,11 @@ impl History {
         self.budget_bytes
     }
 
+    /// Whether the open group changed parts, degree or forces already.
+    pub(crate) fn group_has_explosion(&self) -> bool {
+        self.group.as_ref().is_some_and(|step| step.scene.has_explosion())
+    }
+
     /// Whether a group is open.
     pub fn in_group(&self) -> bool {
         self.group.is_some()

@@ -1,7 +1,7 @@
 //! One step of history: what it holds is what comes back, and exchanging it leaves what was there before.
 //!
-//! So undo and redo are the same swap, and what a simulation moved in between comes back as it was when undo was pressed. A
-//! step holds only what changed: components of the scene, bricks of fields, and the density's map when painting widened it.
+//! So undo and redo are the same swap. A step holds only what changed of what was decided: components of the scene, bricks of
+//! fields, and the density's map when painting widened it. Where a simulation took the parts is in no step.
 
 use crate::document::scene::Scene;
 use crate::document::state::State;
@@ -38,6 +38,11 @@ impl SceneDelta {
 
     fn is_empty(&self) -> bool {
         *self == Self::default()
+    }
+
+    /// Whether it holds parts, degree and forces.
+    pub(crate) fn has_explosion(&self) -> bool {
+        self.explosion.is_some()
     }
 
     /// Exchanges what it holds with what the scene holds.

@@ -9,13 +9,16 @@ use crate::document::disk::files::remove_dir;
 use crate::document::disk::lock::Lock;
 use crate::document::journal::Journal;
 use crate::document::journal::loaded::KeptDocument;
+use crate::document::journal::poses_file::PosesFile;
 use crate::document::journal::recovery;
 use crate::document::journal::replay::{Replay, free_aside};
 use crate::document::project::link::Link;
 use crate::document::project::manifest::{JOURNAL_HEADER, Kept, MANIFEST, Manifest};
 use crate::document::project::read::{Wanted, load, named, read_unsaved};
 use crate::document::project::store::{Committed, DensityKeeping, Saved, Store};
+use crate::document::scene::kept_poses::KeptPoses;
 use crate::document::state::State;
+use crate::explode::Poses;
 use crate::io::FileMark;
 use crate::paint::Sample;
 use crate::volume::{BrickIndex, FieldKind};
@@ -27,6 +30,9 @@ use std::path::{Path, PathBuf};
 pub struct Keeper {
     journal: Journal,
     place: Place,
+    /// Where parts stand, as far as it was told.
+    poses: KeptPoses,
+    poses_file: PosesFile,
 }
 
 #[derive(Debug)]
@@ -49,12 +55,13 @@ impl Keeper {
         };
         let (dir, lock) = recovery::create(state_dir)?;
         let start = || {
-            let manifest = Manifest::of(0, state, Kept::Linked(link), BTreeMap::new());
+            let poses = KeptPoses::at_rest(&state.scene, Poses::default());
+            let manifest = Manifest::of(0, state, &poses, Kept::Linked(link), BTreeMap::new());
             crate::document::disk::files::write_new(&dir.join(MANIFEST), &manifest.json()?)?;
             Journal::create(&dir.join(recovery::JOURNAL), 0, &state.scene, &state.past, state.density.map())
         };
         match start() {
-            Ok(journal) => Ok(Self { journal, place: Place::Unsaved { dir, lock } }),
+            Ok(journal) => Ok(Self::over(journal, Place::Unsaved { dir, lock }, KeptPoses::default()).0),
             Err(error) => {
                 remove_dir(&dir).unwrap_or_else(|e| tracing::warn!("{e}"));
                 Err(error)
@@ -62,17 +69,23 @@ impl Keeper {
         }
     }
 
-    /// Saves a document that nobody kept so far as a new project in `path`, and keeps it there.
+    fn over(journal: Journal, place: Place, poses: KeptPoses) -> (Self, Option<KeptPoses>) {
+        let (poses_file, beside) = PosesFile::beside(journal.path());
+        (Self { journal, place, poses, poses_file }, beside)
+    }
+
+    /// Saves a document that nobody kept so far as a new project in `path`, and keeps it there. `poses` say where its parts stand.
     ///
     /// # Errors
     /// If the disk refuses, `path` is taken, or `progress` said no.
     pub fn create(
         path: &Path,
         state: &State,
+        poses: &KeptPoses,
         density: Option<DensityKeeping>,
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> Result<(Self, Saved), KeepError> {
-        save_new(path, state, density, progress)
+        save_new(path, state, poses, density, progress)
     }
 
     /// Opens a project as it was last kept: its current generation, and what the journal holds beyond it.
@@ -110,11 +123,13 @@ impl Keeper {
             Some(resumed) => resumed,
             None => (Journal::create(&path, store.generation(), scene, past, map)?, Replay::default()),
         };
-        let mut document = KeptDocument::new(loaded, replay, &path)?;
+        let (mut keeper, beside) = Self::over(journal, Place::Project(Box::new(store)), KeptPoses::default());
+        let mut document = KeptDocument::new(loaded, replay, beside, &path)?;
         if set_aside.is_some() {
             document.recovered.set_aside = set_aside;
         }
-        Ok((Self { journal, place: Place::Project(Box::new(store)) }, document))
+        keeper.poses = document.poses.clone();
+        Ok((keeper, document))
     }
 
     /// Reads a project as it was last kept, journal included, and leaves it alone: it may be open elsewhere or lie where nothing can
@@ -145,7 +160,8 @@ impl Keeper {
             };
             // Whoever has it open may have saved meanwhile, and the journal went with it.
             if !loaded.is_current || named(dir)?.is_none_or(|now| now == generation) {
-                return KeptDocument::new(loaded, replay.unwrap_or_default(), &path);
+                let beside = PosesFile::beside(&path).1;
+                return KeptDocument::new(loaded, replay.unwrap_or_default(), beside, &path);
             }
         }
     }
@@ -163,8 +179,10 @@ impl Keeper {
         let resumed = Journal::resume(&path, 0, scene, past, &volume.map)?;
         let (journal, replay) =
             resumed.ok_or_else(|| KeepError::io("open", &path)(std::io::ErrorKind::NotFound.into()))?;
-        let document = KeptDocument::new(loaded, replay, &path)?;
-        Ok((Self { journal, place: Place::Unsaved { dir, lock } }, document))
+        let (mut keeper, beside) = Self::over(journal, Place::Unsaved { dir, lock }, KeptPoses::default());
+        let document = KeptDocument::new(loaded, replay, beside, &path)?;
+        keeper.poses = document.poses.clone();
+        Ok((keeper, document))
     }
 
     /// Notes a command that is done. `command` has its places resolved to world millimetres; `touched` are the bricks whose texels
@@ -181,6 +199,20 @@ impl Keeper {
         synced: bool,
     ) -> Result<(), KeepError> {
         self.journal.step(command, state, touched, synced)
+    }
+
+    /// Where it was told that parts stand.
+    pub fn poses(&self) -> &KeptPoses {
+        &self.poses
+    }
+
+    /// Notes where parts stand now, for the next save and, without waiting for the disk, for whoever finds the document after a crash.
+    /// What cannot be noted is found again.
+    pub fn note_poses(&mut self, poses: KeptPoses) {
+        if poses != self.poses {
+            self.poses_file.write(&poses).unwrap_or_else(|e| tracing::warn!("where parts stand is not noted: {e}"));
+            self.poses = poses;
+        }
     }
 
     /// Notes samples of the running stroke, without waiting for the disk.
@@ -214,13 +246,14 @@ impl Keeper {
         let elsewhere = path.filter(|p| !self.project_dir().is_some_and(|dir| same_folder(p, dir)));
         match (&mut self.place, elsewhere) {
             (Place::Project(store), None) => {
-                let Committed { saved, made, doubt } = save_into(store, state, density, progress)?;
+                let Committed { saved, made, doubt } = save_into(store, state, &self.poses, density, progress)?;
+                self.poses_file = PosesFile::beside(made.path()).0;
                 self.journal = made;
                 doubt.map_or(Ok(saved), Err)
             }
             (Place::Unsaved { .. }, None) => Err(KeepError::NoPath),
             (_, Some(path)) => {
-                let (next, saved) = save_new(path, state, density, progress)?;
+                let (next, saved) = save_new(path, state, &self.poses, density, progress)?;
                 // What the old place holds beyond its last save is in the new one.
                 std::mem::replace(self, next).discard().unwrap_or_else(|e| tracing::warn!("{e}"));
                 Ok(saved)
@@ -266,7 +299,11 @@ impl Keeper {
     /// # Errors
     /// If the system refuses.
     pub fn leave_as_found(self) -> Result<(), KeepError> {
-        if self.journal.found_anything() { self.journal.leave_as_found() } else { self.discard() }
+        if !self.journal.found_anything() {
+            return self.discard();
+        }
+        self.poses_file.leave_as_found().unwrap_or_else(|e| tracing::warn!("{e}"));
+        self.journal.leave_as_found()
     }
 
     /// Throws away what was done since the last save; an unsaved document is gone.
@@ -276,6 +313,7 @@ impl Keeper {
     pub fn discard(self) -> Result<(), KeepError> {
         match self.place {
             Place::Project(_store) => {
+                self.poses_file.remove().unwrap_or_else(|e| tracing::warn!("{e}"));
                 let path = self.journal.path();
                 std::fs::remove_file(path).map_err(KeepError::io("remove", path))
             }
@@ -292,6 +330,7 @@ impl Keeper {
 fn save_into(
     store: &mut Store,
     state: &State,
+    poses: &KeptPoses,
     density: Option<DensityKeeping>,
     progress: &(dyn Fn(f32) -> bool + Sync),
 ) -> Result<Committed<Journal>, KeepError> {
@@ -306,7 +345,7 @@ fn save_into(
         Journal::create(&path, generation, &state.scene, &state.past, state.density.map())
     };
     let (before, next) = (store.generation(), store.next_generation());
-    let committed = store.save(state, density, start, progress).inspect_err(|_| {
+    let committed = store.save(state, poses, density, start, progress).inspect_err(|_| {
         // Its generation is not.
         let _ = std::fs::remove_file(dir.join(journal_name(next)));
     })?;
@@ -321,14 +360,15 @@ fn save_into(
 fn save_new(
     path: &Path,
     state: &State,
+    poses: &KeptPoses,
     density: Option<DensityKeeping>,
     progress: &(dyn Fn(f32) -> bool + Sync),
 ) -> Result<(Keeper, Saved), KeepError> {
     let mut store = Store::create(path)?;
-    match save_into(&mut store, state, density, progress) {
+    match save_into(&mut store, state, poses, density, progress) {
         Ok(Committed { doubt: Some(error), .. }) => Err(error),
         Ok(Committed { saved, made, .. }) => {
-            Ok((Keeper { journal: made, place: Place::Project(Box::new(store)) }, saved))
+            Ok((Keeper::over(made, Place::Project(Box::new(store)), poses.clone()).0, saved))
         }
         Err(error) => {
             store.abandon();
@@ -349,7 +389,9 @@ fn remove_older_journals(dir: &Path, read: u64, current: u64) {
         let name = entry.file_name().to_string_lossy().into_owned();
         let left = name.strip_prefix("journal-").map(|rest| rest.split('.').collect::<Vec<_>>());
         let number = match left.as_deref() {
-            Some([number] | [number, "gathered" | "alone"]) => number.parse().ok().filter(|&n: &u64| n < current),
+            Some([number] | [number, "gathered" | "alone" | "poses" | "poses-new"]) => {
+                number.parse().ok().filter(|&n: &u64| n < current)
+            }
             _ => None,
         };
         let Some(number) = number else { continue };

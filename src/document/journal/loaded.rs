@@ -6,6 +6,7 @@ use crate::document::error::DocumentError;
 use crate::document::journal::replay::Replay;
 use crate::document::project::fields::Edits;
 use crate::document::project::read::{Loaded, LoadedDensity};
+use crate::document::scene::kept_poses::{KeptPoses, poses_of_before};
 use crate::document::scene::past::Past;
 use crate::document::scene::{Origin, Scene};
 use crate::document::state::State;
@@ -23,6 +24,8 @@ pub struct KeptDocument {
     pub scene: Scene,
     /// Earlier views and looks.
     pub past: Past,
+    /// Where forces had taken the parts.
+    pub poses: KeptPoses,
     /// The lattice.
     pub grid: Grid,
     /// How density becomes texels.
@@ -60,7 +63,13 @@ pub struct Recovered {
 }
 
 impl KeptDocument {
-    pub(crate) fn new(loaded: Loaded, replay: Replay, journal: &Path) -> Result<Self, KeepError> {
+    /// `beside` are the poses that lie beside the journal.
+    pub(crate) fn new(
+        loaded: Loaded,
+        replay: Replay,
+        beside: Option<KeptPoses>,
+        journal: &Path,
+    ) -> Result<Self, KeepError> {
         let Loaded { manifest, density, mut edits, files, mut told, .. } = loaded;
         told.extend(replay.told);
         let grid = manifest.grid();
@@ -80,6 +89,7 @@ impl KeptDocument {
                 None => field.remove(&index),
             };
         }
+        let moved = replay.scene.get("explosion").map(poses_of_before).unwrap_or_default();
         let mut scene = if replay.scene.is_empty() {
             manifest.scene.clone()
         } else {
@@ -90,7 +100,10 @@ impl KeptDocument {
             // The document may have been opened by a path that means nothing here.
             scene.origin.path.clone_from(path);
         }
+        // Journals of before have poses too.
+        let moved = (!moved.is_empty()).then(|| KeptPoses::at_rest(&scene, moved));
         Ok(Self {
+            poses: beside.or(moved).or_else(|| manifest.poses.clone()).unwrap_or_default(),
             scene,
             past: replay.past.unwrap_or_else(|| manifest.past.clone()),
             grid,

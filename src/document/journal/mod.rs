@@ -9,6 +9,7 @@
 
 pub(crate) mod autosave;
 pub(crate) mod loaded;
+pub(crate) mod poses_file;
 pub(crate) mod record;
 pub mod recovery;
 pub(crate) mod replay;

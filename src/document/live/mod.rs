@@ -5,3 +5,4 @@
 pub(crate) mod area;
 pub(crate) mod graphics;
 pub(crate) mod motion;
+pub(crate) mod stood;

@@ -1,18 +1,21 @@
-//! Where forces take the parts: at once for a script, step by step for the window.
+//! Where forces take the parts, and where these stand: at once for a script, step by step for the window.
 //!
-//! Rest poses are always searched from the rest pose at the present camera, so they depend on nothing that came before; the window
-//! leads its bodies towards what was found last while it searches on. Owns octrees, explosion points and the window's bodies.
+//! Owns all that the simulation finds: octrees, explosion points, gains, speeds, poses and what they were found for. Nothing of it
+//! was decided by anybody, so nothing of it is in the scene or in history. Rest poses are always searched from rest at the present
+//! camera, so they depend on nothing that came before; the window leads its bodies towards what was found last while it searches on.
 
 use crate::document::error::DocumentError;
 use crate::document::history::step::Refreshed;
 use crate::document::live::graphics::Graphics;
+use crate::document::live::stood::{Found, Points, Standing, Stood};
+use crate::document::scene::cause::{Cause, has_same_bodies, mark_of_parts, mark_of_scene};
+use crate::document::scene::kept_poses::KeptPoses;
 use crate::document::state::State;
 use crate::document::watch::Watch;
-use crate::explode::{
-    Explosion, ExplosionPoint, Measured, Octrees, Progress, Search, Settled, Simulation, settle_with_gain,
-};
-use crate::math::{Camera, Pose};
+use crate::explode::{Explosion, Measured, Octrees, Poses, Progress, Search, Settled, Simulation, settle_with_gain};
+use crate::math::Pose;
 use crate::volume::{BrickIndex, FieldKind, LiveCells, TransferFunction};
+use std::sync::Arc;
 
 /// Longest edge of the picture that visibility is measured in.
 const MEASURED_PX: f64 = 256.0;
@@ -21,23 +24,27 @@ const SEARCH_STEPS: usize = 100;
 /// The same for many parts, whose steps cost the square of their number: these times the square of the number, some 80 ms.
 const SEARCH_PAIRS: usize = 100_000;
 
-/// What rest poses depend on.
-#[derive(Clone, Debug, PartialEq)]
-struct Cause {
-    /// Poses of parts that are not pinned are the identity here.
-    explosion: Explosion,
-    camera: Camera,
-    points: Vec<ExplosionPoint>,
+/// A search that runs.
+struct Sought {
+    cause: Cause,
+    points: Points,
+    search: Search,
 }
 
 /// See the module's head.
 #[derive(Default)]
 pub(crate) struct Motion {
     octrees: Option<Octrees>,
-    points: Option<(TransferFunction, u64, Vec<ExplosionPoint>)>,
+    points: Option<(TransferFunction, u64, Points)>,
+    /// How often voxels changed that explosion points stand on.
+    voxels: u64,
+    poses: Poses,
     bodies: Option<Bodies>,
-    search: Option<(Cause, Search)>,
-    reached: Option<(Cause, Settled)>,
+    sought: Option<Sought>,
+    found: Option<Arc<Found>>,
+    /// For what they were given up: they could not be moved, or came no nearer.
+    given_up: Option<Cause>,
+    stood: Stood,
 }
 
 /// The window's simulation, and what it was made of.
@@ -49,7 +56,6 @@ struct Bodies {
 
 /// What some steps of the window's animation did.
 pub(crate) struct Moved {
-    pub poses: Vec<Pose>,
     /// Whether anything still moves or is searched for.
     pub moving: bool,
     /// By the last search that ended.
@@ -58,7 +64,7 @@ pub(crate) struct Moved {
 
 impl std::fmt::Debug for Motion {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Motion").field("points", &self.points.as_ref().map(|p| p.2.len())).finish_non_exhaustive()
+        f.debug_struct("Motion").field("poses", &self.poses).finish_non_exhaustive()
     }
 }
 
@@ -71,7 +77,12 @@ impl Motion {
     /// What was painted and taken back again is read anew.
     pub(crate) fn forget_points(&mut self) {
         self.octrees = None;
+        self.new_voxels();
+    }
+
+    fn new_voxels(&mut self) {
         self.points = None;
+        self.voxels += 1;
     }
 
     /// Follows changed voxels.
@@ -82,7 +93,7 @@ impl Motion {
         if bricks.is_empty() && !refreshed.remapped {
             return;
         }
-        self.points = None;
+        self.new_voxels();
         let updated = self.octrees.as_mut().map(|o| o.update(&state.density, &state.selection, bricks.iter().copied()));
         if let Some(Err(error)) = updated {
             tracing::warn!("{error}");
@@ -107,7 +118,7 @@ impl Motion {
                 _ => octrees.paint_density(&state.density, *index, &cells.ranges),
             }
         }
-        self.points = None;
+        self.new_voxels();
         Ok(())
     }
 
@@ -118,13 +129,89 @@ impl Motion {
         })
     }
 
-    fn points(&mut self, state: &State) -> Result<&[ExplosionPoint], DocumentError> {
+    fn points(&mut self, state: &State) -> Result<Points, DocumentError> {
         let (transfer, seed) = (&state.scene.transfer, state.scene.explosion.seed);
-        if self.points.as_ref().is_none_or(|(t, s, _)| t != transfer || *s != seed) {
-            let found = self.octrees(state)?.points(transfer, seed);
-            self.points = Some((transfer.clone(), seed, found));
+        if let Some((t, s, points)) = &self.points
+            && t == transfer
+            && *s == seed
+        {
+            return Ok(points.clone());
         }
-        Ok(self.points.as_ref().map_or(&[], |(.., points)| points))
+        let points: Points = self.octrees(state)?.points(transfer, seed).into();
+        self.points = Some((transfer.clone(), seed, points.clone()));
+        Ok(points)
+    }
+
+    /// Where the parts stand.
+    pub(crate) fn poses(&self) -> &Poses {
+        &self.poses
+    }
+
+    /// Somebody decided something about the parts: what stood under the scene of `before` stands as it did, halves where the whole
+    /// stood. With `remember` undo can bring back how it is now.
+    pub(crate) fn decided(&mut self, before: &Explosion, now: &Explosion, remember: bool) {
+        if before != now {
+            if remember {
+                self.remember(before);
+            }
+            self.poses = self.poses.carried(before, now);
+        }
+    }
+
+    /// History brought other parts or another degree: they stand where they stood when that was left, or, if nobody remembers, in
+    /// the unexploded volume at rest and in any other where they are.
+    pub(crate) fn travelled(&mut self, before: &Explosion, now: &Explosion) {
+        if before == now {
+            return;
+        }
+        self.remember(before);
+        match self.stood.under(&mark_of_parts(now)) {
+            Some(Standing { poses, found }) => {
+                self.poses = poses.clone();
+                self.found = found.clone().or_else(|| self.found.take());
+            }
+            None if now.degree == 0.0 => self.poses = Poses::default(),
+            None => self.poses = self.poses.carried(before, now),
+        }
+        self.sought = None;
+    }
+
+    fn remember(&mut self, left: &Explosion) {
+        let of = |found: &&Arc<Found>| has_same_bodies(found.cause.explosion(), left);
+        let standing = Standing { poses: self.poses.clone(), found: self.found.as_ref().filter(of).cloned() };
+        self.stood.note(mark_of_parts(left), standing);
+    }
+
+    /// What is kept beside the scene.
+    pub(crate) fn kept(&self, state: &State) -> KeptPoses {
+        let rest_of = (!self.must_move(state)).then(|| mark_of_scene(&state.scene));
+        KeptPoses { rest_of, parts: self.poses.clone() }
+    }
+
+    /// Parts stand where they were kept.
+    pub(crate) fn stand(&mut self, state: &State, kept: KeptPoses) {
+        let rests = kept.rest_of.is_some_and(|mark| mark == mark_of_scene(&state.scene));
+        self.poses = kept.parts;
+        self.found = rests.then(|| {
+            let (cause, parts) = (Cause::of(&state.scene, self.voxels), &state.scene.explosion.parts);
+            Arc::new(Found { cause, points: None, poses: self.poses.in_order(parts), visible: None })
+        });
+    }
+
+    /// Whether parts do not stand where forces would have them now, as far as that is known and can be changed.
+    pub(crate) fn must_move(&self, state: &State) -> bool {
+        self.is_away(state) && !self.given_up.as_ref().is_some_and(|cause| cause.holds(&state.scene, self.voxels))
+    }
+
+    fn is_away(&self, state: &State) -> bool {
+        let explosion = &state.scene.explosion;
+        let rests = |found: &Arc<Found>| {
+            found.cause.holds(&state.scene, self.voxels) && found.poses == self.poses.in_order(&explosion.parts)
+        };
+        match explosion.degree == 0.0 {
+            true => !self.poses.is_empty(),
+            false => !self.found.as_ref().is_some_and(rests),
+        }
     }
 
     /// Rest poses, at once.
@@ -134,14 +221,15 @@ impl Motion {
         graphics: &mut Graphics,
         watch: &Watch,
     ) -> Result<Settled, DocumentError> {
-        let points = self.points(state)?.to_vec();
+        let points = self.points(state)?;
         let (explosion, camera) = (&state.scene.explosion, state.scene.views.camera);
         let mut look = |poses: &[Pose]| measure(state, graphics, poses);
         let mut go_on = |share| if watch.go_on(share) { Ok(()) } else { Err(DocumentError::Stopped) };
         let settled = settle_with_gain(explosion, &points, &camera, &mut look, &mut go_on)?;
-        self.reached = Some((Cause { explosion: at_rest(explosion), camera, points }, settled.clone()));
-        self.search = None;
-        self.bodies = None;
+        let (cause, poses) = (Cause::of(&state.scene, self.voxels), settled.poses.clone());
+        self.poses = Poses::found(&explosion.parts, &poses);
+        self.found = Some(Arc::new(Found { cause, points: Some(points), poses, visible: settled.visible }));
+        (self.sought, self.bodies, self.given_up) = (None, None, None);
         Ok(settled)
     }
 
@@ -156,34 +244,61 @@ impl Motion {
     /// Where the window's bodies are led: to what was found, and until something is found for the present degree to what was found
     /// for another one, or to where the search has come, as far as that degree says.
     fn target(&self, explosion: &Explosion) -> Vec<Pose> {
-        let found = self.reached.as_ref().filter(|(cause, _)| alike(&cause.explosion, explosion));
-        let found = found.map(|(cause, settled)| (cause.explosion.degree, settled.poses.clone()));
-        let sought = self.search.as_ref().filter(|(cause, _)| alike(&cause.explosion, explosion));
-        let sought = || sought.map(|(_, search)| (search.degree_now(), search.settled().poses));
+        let of = |cause: &Cause| has_same_bodies(cause.explosion(), explosion);
+        let found = self.found.as_ref().filter(|found| of(&found.cause));
+        let found = found.map(|found| (found.cause.explosion().degree, found.poses.clone()));
+        let sought = self.sought.as_ref().filter(|sought| of(&sought.cause));
+        let sought = || sought.map(|Sought { search, .. }| (search.degree_now(), search.settled().poses));
         match found.filter(|(degree, _)| *degree > 0.0 || explosion.degree == 0.0).or_else(sought) {
             Some((degree, poses)) if degree == explosion.degree => poses,
             Some((degree, poses)) if degree > 0.0 => {
                 let share = explosion.degree / degree;
-                explosion.parts.iter().zip(&poses).map(|(part, pose)| pose.share(share, part.centre())).collect()
+                let shared = |(part, pose): (&crate::explode::Part, &Pose)| match part.held {
+                    Some(held) => held,
+                    None => pose.share(share, part.centre()),
+                };
+                explosion.parts.iter().zip(&poses).map(shared).collect()
             }
-            _ => explosion.poses(),
+            _ => self.poses.in_order(&explosion.parts),
         }
     }
 
     /// Steps of 1/60 s of the window's animation.
     pub(crate) fn step(&mut self, state: &State, graphics: &mut Graphics, steps: u32) -> Result<Moved, DocumentError> {
-        let points = self.points(state)?.to_vec();
+        let moved = self.search_on(state, graphics, steps).and_then(|()| self.lead_on(state, steps));
+        // What fails is not tried again before something is another way.
+        let over = moved.as_ref().map_or(true, |moved| !moved.moving && self.is_away(state));
+        self.given_up = over.then(|| Cause::of(&state.scene, self.voxels));
+        moved
+    }
+
+    fn search_on(&mut self, state: &State, graphics: &mut Graphics, steps: u32) -> Result<(), DocumentError> {
+        let points = self.points(state)?;
         let (explosion, camera) = (&state.scene.explosion, state.scene.views.camera);
-        let cause = Cause { explosion: at_rest(explosion), camera, points };
+        if self.found.as_ref().is_some_and(|found| found.cause.holds(&state.scene, self.voxels)) {
+            self.sought = None;
+            return Ok(());
+        }
         // A search that runs is ended before the next begins: while someone paints or turns, causes change every frame.
-        if self.search.is_none() && self.reached.as_ref().is_none_or(|(reached, _)| *reached != cause) {
-            let search = Search::new(explosion, &cause.points, &camera)?;
-            self.search = Some((cause, search));
+        if self.sought.is_none() {
+            let cause = Cause::of(&state.scene, self.voxels);
+            let known = |found: &&Found| found.cause.is_like(&cause) && found.points.as_ref() == Some(&points);
+            match self.found.as_deref().filter(known) {
+                // The same points, so the same poses.
+                Some(found) => {
+                    let (poses, visible) = (found.poses.clone(), found.visible);
+                    self.found = Some(Arc::new(Found { cause, points: Some(points), poses, visible }));
+                }
+                None => {
+                    let search = Search::new(explosion, &points, &camera)?;
+                    self.sought = Some(Sought { cause, points, search });
+                }
+            }
         }
         // Counted, not timed: the same script gives the same poses.
         let slice = (SEARCH_PAIRS / explosion.parts.len().pow(2).max(1)).clamp(2, SEARCH_STEPS) as u32;
         for _ in 0..steps.max(1) {
-            let Some((_, search)) = &mut self.search else { break };
+            let Some(Sought { search, .. }) = &mut self.sought else { break };
             match search.advance(slice) {
                 Progress::Moving => {}
                 Progress::Measure(poses) => {
@@ -196,16 +311,23 @@ impl Motion {
                     search.measured(&measured);
                 }
                 Progress::Done => {
-                    let settled = search.settled();
-                    self.reached = self.search.take().map(|(cause, _)| (cause, settled));
+                    let Settled { poses, visible, .. } = search.settled();
+                    let done = self.sought.take().map(|Sought { cause, points, .. }| (cause, Some(points)));
+                    self.found = done.map(|(cause, points)| Arc::new(Found { cause, points, poses, visible }));
                 }
             }
         }
-        let poses = explosion.poses();
+        Ok(())
+    }
+
+    fn lead_on(&mut self, state: &State, steps: u32) -> Result<Moved, DocumentError> {
+        let (explosion, camera) = (&state.scene.explosion, state.scene.views.camera);
+        let poses = self.poses.in_order(&explosion.parts);
         let mut bodies = match self.bodies.take() {
-            Some(b) if b.made_of == at_rest(explosion) && b.poses == poses => b,
-            Some(b) if alike(&b.made_of, explosion) && b.poses == poses => Bodies { made_of: at_rest(explosion), ..b },
-            _ => Bodies { simulation: Simulation::new(explosion, &[])?, made_of: at_rest(explosion), poses },
+            Some(b) if has_same_bodies(&b.made_of, explosion) && b.poses == poses => b,
+            _ => {
+                Bodies { simulation: Simulation::new(explosion, &self.poses, &[])?, made_of: explosion.clone(), poses }
+            }
         };
         bodies.simulation.lead(Some(&self.target(explosion)));
         let mut moving = false;
@@ -213,46 +335,21 @@ impl Motion {
             moving = bodies.simulation.step(&camera);
         }
         bodies.poses = bodies.simulation.poses();
-        let moved = Moved {
-            poses: bodies.poses.clone(),
-            moving: moving || self.search.is_some(),
-            visible: self.reached.as_ref().and_then(|(_, settled)| settled.visible),
-        };
+        self.poses = Poses::found(&explosion.parts, &bodies.poses);
         self.bodies = Some(bodies);
-        Ok(moved)
+        let visible = self.found.as_ref().and_then(|found| found.visible);
+        Ok(Moved { moving: moving || self.sought.is_some(), visible })
     }
-}
-
-/// The explosion without what a simulation decides.
-fn at_rest(explosion: &Explosion) -> Explosion {
-    let mut explosion = explosion.clone();
-    explosion.parts.iter_mut().filter(|p| !p.pinned).for_each(|p| p.pose = Pose::IDENTITY);
-    explosion
-}
-
-/// Whether two explosions have the same bodies: forces and degree may differ.
-fn alike(a: &Explosion, b: &Explosion) -> bool {
-    a.parts.len() == b.parts.len()
-        && a.parts.iter().zip(&b.parts).all(|(a, b)| {
-            a.id == b.id
-                && a.pinned == b.pinned
-                && a.importance == b.importance
-                && a.faces == b.faces
-                && (!a.pinned || a.pose == b.pose)
-        })
 }
 
 /// What the picture shows of the selection with the parts at these poses.
 fn measure(state: &State, graphics: &mut Graphics, poses: &[Pose]) -> Result<Measured, DocumentError> {
-    let mut explosion = state.scene.explosion.clone();
-    explosion.set_poses(poses);
-    let views = &state.scene.views;
+    let (parts, views) = (&state.scene.explosion.parts, &state.scene.views);
     let longest = f64::from(views.size[0].max(views.size[1]));
     let size = views.size.map(|s| (f64::from(s) * MEASURED_PX / longest).round().max(1.0) as u32);
-    let seen = graphics.visibility(state, &state.parted_frame(&explosion, &views.camera, size))?;
+    let seen = graphics.visibility(state, &state.parted_frame(&Poses::found(parts, poses), &views.camera, size))?;
     let share = |pixels: u64| pixels as f64 / seen.selected.max(1) as f64;
-    let hidden = explosion
-        .parts
+    let hidden = parts
         .iter()
         .map(|part| seen.hidden_by.iter().find(|(id, _)| *id == part.id.0).map_or(0.0, |(_, pixels)| share(*pixels)));
     Ok(Measured { visible: seen.share(), hidden: hidden.collect() })

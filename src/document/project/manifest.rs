@@ -6,11 +6,13 @@ use crate::document::project::arrays::rows;
 use crate::document::project::fields::Shards;
 use crate::document::project::link::Link;
 use crate::document::scene::Scene;
+use crate::document::scene::kept_poses::{KeptPoses, poses_of_before};
 use crate::document::scene::past::Past;
 use crate::document::state::State;
 use crate::math::{DAffine3, DMat3, DVec3};
 use crate::volume::{DensityMap, Grid, Histogram, Number, Statistics, TexelFormat, VoxelType};
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -50,6 +52,9 @@ pub(crate) struct Manifest {
     /// Earlier views and looks; generations of before have none.
     #[serde(default, skip_serializing_if = "Past::is_empty")]
     pub past: Past,
+    /// Where forces had taken the parts, so that they stand there at once; `None` where they had taken none anywhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub poses: Option<KeptPoses>,
 }
 
 /// The density.
@@ -106,7 +111,7 @@ pub(crate) struct HistogramRecord {
 
 impl Manifest {
     /// What is to be said of a state.
-    pub fn of(generation: u64, state: &State, kept: Kept, shards: BTreeMap<String, Shards>) -> Self {
+    pub fn of(generation: u64, state: &State, poses: &KeptPoses, kept: Kept, shards: BTreeMap<String, Shards>) -> Self {
         let grid = state.grid();
         let number = |v: f64| v.is_finite().then_some(v);
         let Statistics { min, max, sum, nan_count, infinite_count, exact } = state.statistics;
@@ -143,6 +148,7 @@ impl Manifest {
             shards,
             scene: state.scene.sayable(),
             past: state.past.clone(),
+            poses: (!(poses.parts.is_empty() && poses.rest_of.is_some())).then(|| poses.clone()),
         }
     }
 
@@ -164,7 +170,12 @@ impl Manifest {
         let path = &dir.join(MANIFEST);
         let bytes = inside::read(dir, MANIFEST, MOST_BYTES)?;
         check_head(path, &bytes, GENERATION_FORMAT)?;
-        let manifest: Self = parse(path, &bytes, "a generation as Burin writes it")?;
+        let mut manifest: Self = parse(path, &bytes, "a generation as Burin writes it")?;
+        if manifest.poses.is_none() {
+            let all: Value = parse(path, &bytes, "JSON")?;
+            let before = poses_of_before(&all["scene"]["explosion"]);
+            manifest.poses = Some(KeptPoses::at_rest(&manifest.scene, before));
+        }
         let grid = manifest.grid();
         let bad = |field: &str, found: String, expected: &str| Err(KeepError::malformed(path, field, found, expected));
         if grid.dims.contains(&0) || grid.dims.iter().any(|&d| d > 1 << 20) {

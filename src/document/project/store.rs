@@ -6,7 +6,7 @@
 //!   density        the source's own type and numbers, written once and linked ever after (absent if linked to its file)
 //!   density_edits  texels of edited bricks, and `edited`, the map of which these are
 //!   colour, selection, labels
-//! and `generation.json`: the scene, the grid with its full orientation, the density map, and the hashes of all shards.
+//! and `generation.json`: the scene, where its parts stand, the grid with its full orientation, the density map, and the hashes of all shards.
 //! Owns the folder and its lock; knows nothing of the journal but the generation that it belongs to.
 
 use crate::document::disk::error::KeepError;
@@ -22,6 +22,7 @@ use crate::document::project::read::{
     Loaded, LoadedDensity, Wanted, check_project, described, generation_name, generation_of, load,
 };
 use crate::document::project::source::{ZarrSource, density_layout};
+use crate::document::scene::kept_poses::KeptPoses;
 use crate::document::state::State;
 use crate::volume::{BRICK, BrickSource, FieldKind, Grid};
 use rayon::prelude::*;
@@ -127,6 +128,7 @@ impl Store {
     pub fn save<T>(
         &mut self,
         state: &State,
+        poses: &KeptPoses,
         keeping: Option<DensityKeeping>,
         before: impl FnOnce(u64) -> Result<T, KeepError>,
         progress: &(dyn Fn(f32) -> bool + Sync),
@@ -141,7 +143,7 @@ impl Store {
         let previous = self.manifest.as_ref().map(|_| self.dir.join(generation_name(self.generation)));
         let at = self.dir.join(generation_name(generation));
         let written = Writer::new(at.clone(), previous).and_then(|writer| {
-            let (manifest, linked) = self.write(&writer, generation, state, keeping, progress)?;
+            let (manifest, linked) = self.write(&writer, generation, (state, poses), keeping, progress)?;
             writer.sync()?;
             sync_dir(&self.dir)?;
             let made = before(generation)?;
@@ -191,7 +193,7 @@ impl Store {
         &self,
         writer: &Writer,
         generation: u64,
-        state: &State,
+        (state, poses): (&State, &KeptPoses),
         keeping: DensityKeeping,
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> Result<(Manifest, Linked), KeepError> {
@@ -234,7 +236,7 @@ impl Store {
         }
         let edited = crate::document::project::fields::EDITED;
         shards.insert(edited.to_owned(), write_edited(writer, &state.density, &grid, before(edited))?);
-        let manifest = Manifest::of(generation, state, kept, shards);
+        let manifest = Manifest::of(generation, state, poses, kept, shards);
         writer.write(MANIFEST, &manifest.json()?)?;
         Ok((manifest, linked))
     }

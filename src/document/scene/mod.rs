@@ -1,9 +1,11 @@
 //! What a project is beside its voxels: everything here is saved and journaled; undo knows segments, parts and forces.
 
+pub(crate) mod cause;
 pub(crate) mod check;
 pub(crate) mod defaults;
 pub(crate) mod first_look;
 pub(crate) mod histogram;
+pub(crate) mod kept_poses;
 pub(crate) mod outliers;
 pub(crate) mod past;
 pub(crate) mod slice_plane;

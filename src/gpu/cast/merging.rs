@@ -9,7 +9,7 @@ use crate::gpu::cast::tiles::Window;
 use crate::gpu::fields::pools::Fields;
 use crate::gpu::picture::frame::{Body, Frame, Mask};
 use crate::gpu::picture::image::Image;
-use crate::math::{Aabb, DVec2, DVec3, Plane, Pose};
+use crate::math::{Aabb, DVec2, DVec3, Plane, Pose, nearest_region, outside_by};
 use crate::volume::{BRICK, BrickIndex, BrickKey, CELL, Cells, Field, Grid};
 use std::sync::Arc;
 
@@ -41,14 +41,9 @@ impl Drawn {
             return self.members[0].0;
         }
         let rest = self.pose.unapply(world);
-        let outside = |i: usize| {
-            let planes = self.members[i].1.iter();
-            planes.map(|p| p.distance(rest)).fold(f64::NEG_INFINITY, f64::max)
-        };
         // Neighbouring pixels belong to the same body.
-        if *hint >= self.members.len() || outside(*hint) > 0.0 {
-            let nearest = (0..self.members.len()).map(|i| (outside(i), i)).min_by(|a, b| a.0.total_cmp(&b.0));
-            *hint = nearest.map_or(0, |n| n.1);
+        if self.members.get(*hint).is_none_or(|(_, planes)| outside_by(planes.iter(), rest) > 0.0) {
+            *hint = nearest_region(self.members.iter().map(|(_, planes)| planes.iter()), rest).unwrap_or(0);
         }
         self.members[*hint].0
     }

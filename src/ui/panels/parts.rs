@@ -65,10 +65,10 @@ impl App {
                 }
                 from_right(ui, |ui| {
                     let pin = format!("Pin {}", part.name);
-                    let tint = if part.pinned { theme::WARNING } else { theme::TEXT_WEAK };
+                    let tint = if part.held.is_some() { theme::WARNING } else { theme::TEXT_WEAK };
                     let tip = "A pinned part stays where it is, whatever the forces say";
-                    if icon_button(ui, Face::small(Icon::Pin, &pin, tip).tint(tint).on(part.pinned)).clicked() {
-                        self.send(set(None, None, false, None, Some(!part.pinned)));
+                    if icon_button(ui, Face::small(Icon::Pin, &pin, tip).tint(tint).on(part.held.is_some())).clicked() {
+                        self.send(set(None, None, false, None, Some(part.held.is_none())));
                     }
                     let show = format!("Show {}", part.name);
                     let (icon, tint) =

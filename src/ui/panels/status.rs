@@ -1,6 +1,6 @@
 //! The line at the bottom: where the pointer is and what is there; what runs; whether work is saved.
 
-use crate::document::{Scene, SlicePlane, ViewName};
+use crate::document::{SlicePlane, ViewName};
 use crate::explode::PartId;
 use crate::interact::readout;
 use crate::math::DVec3;
@@ -34,8 +34,9 @@ impl App {
         let (view, px) = self.viewports.hovered?;
         let size = *self.viewports.sizes.get(&view)?;
         if view == ViewName::ThreeD {
-            let hit = self.pictures.hit(px, size, scene)?;
-            return Some(at_rest(scene, hit.part, hit.world));
+            let hit = self.hit(px, size)?;
+            let part = scene.explosion.parts.iter().find(|p| Some(p.id) == hit.part);
+            return Some(part.map_or(hit.world, |p| open.poses.of(p).unapply(hit.world)));
         }
         SlicePlane::new(&open.grid, &scene.views, view).map(|p| p.world(px))
     }
@@ -44,7 +45,7 @@ impl App {
     pub(crate) fn hovered_part(&self) -> Option<PartId> {
         let (view, px) = self.viewports.hovered?;
         let size = *self.viewports.sizes.get(&view)?;
-        (view == ViewName::ThreeD).then(|| self.pictures.hit(px, size, self.scene.as_ref()?)?.part)?
+        (view == ViewName::ThreeD).then(|| self.hit(px, size)?.part)?
     }
 
     fn place_text(&self, ui: &mut Ui) {
@@ -152,12 +153,6 @@ impl App {
             spinner(ui, 14.0);
         }
     }
-}
-
-/// A point on a part, taken back to where the part is at rest.
-fn at_rest(scene: &Scene, part: Option<PartId>, world: DVec3) -> DVec3 {
-    let part = part.and_then(|id| scene.explosion.parts.iter().find(|p| p.id == id));
-    part.map_or(world, |p| p.pose.unapply(world))
 }
 
 /// What draws, in short and in full. A driver that draws on the processor is named by what it is.

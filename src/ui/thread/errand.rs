@@ -1,5 +1,5 @@
-//! What is to be known of a command before and after it is done: what the window calls it meanwhile, whether it ends a motion, and
-//! under which name its refusals are kept.
+//! What is to be known of a command before and after it is done: what the window calls it meanwhile, and under which name its
+//! refusals are kept.
 //!
 //! Knows commands and not what they do.
 
@@ -13,15 +13,6 @@ pub(crate) fn opens(command: &Command) -> bool {
         Command::Volume(VolumeCommand::Open { .. })
             | Command::Project(ProjectCommand::Open { .. } | ProjectCommand::Recover { .. })
     )
-}
-
-/// Whether parts stand where they stood once, so that a motion under way is over.
-pub(crate) fn replaces(command: &Command) -> bool {
-    let back = matches!(
-        command,
-        Command::History(HistoryCommand::Undo { .. } | HistoryCommand::Redo { .. } | HistoryCommand::Cancel {})
-    );
-    back || opens(command)
 }
 
 /// A command's noun and verb, as `noun.verb`.

@@ -4,6 +4,5 @@ pub(crate) mod errand;
 pub(crate) mod prediction;
 pub(crate) mod progress;
 pub(crate) mod session;
-pub(crate) mod stir;
 pub(crate) mod view_scheduler;
 pub(crate) mod worker;

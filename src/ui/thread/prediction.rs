@@ -5,10 +5,11 @@
 use crate::document::{
     Command, ExplosionCommand, PartCommand, Place, Scene, SegmentCommand, TransferCommand, ViewCommand, Window,
 };
+use crate::explode::Poses;
 use crate::volume::Lighting;
 
-/// Lets the copy follow.
-pub(crate) fn echo(scene: &mut Scene, command: &Command) {
+/// Lets the copy follow; `poses` are where parts stand.
+pub(crate) fn echo(scene: &mut Scene, poses: &Poses, command: &Command) {
     match command {
         Command::Brush(brush) => scene.brush = brush.applied_to(&scene.brush),
         Command::Transfer(TransferCommand::Set { function }) => scene.transfer = function.clone(),
@@ -30,7 +31,8 @@ pub(crate) fn echo(scene: &mut Scene, command: &Command) {
                 }
                 part.colour = colour.or(part.colour);
                 set(&mut part.visible, *visible);
-                set(&mut part.pinned, *pinned);
+                let stands = poses.of(part);
+                set(&mut part.held, pinned.map(|pinned| pinned.then_some(stands)));
                 set(&mut part.importance, *importance);
             }
         }

@@ -4,6 +4,7 @@
 //! a serial; a snapshot says which was the last that it knows of.
 
 use crate::document::{Command, RenderCommand, Scene, ViewName};
+use crate::explode::Poses;
 use crate::math::{Camera, DVec2};
 use crate::ui::thread::progress::Stop;
 use crate::volume::{Grid, Histogram, Statistics, VoxelType};
@@ -68,6 +69,8 @@ pub struct Snapshot {
 pub struct Opened {
     /// Everything but voxels.
     pub scene: Arc<Scene>,
+    /// Where its parts stand.
+    pub poses: Arc<Poses>,
     /// Its lattice.
     pub grid: Grid,
     /// The source's numeric type.

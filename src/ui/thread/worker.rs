@@ -10,10 +10,9 @@ use crate::document::{
 use crate::interact::readout;
 use crate::io::in_words;
 use crate::math::DVec2;
-use crate::ui::thread::errand::{lasts, opens, replaces, topic};
+use crate::ui::thread::errand::{lasts, opens, topic};
 use crate::ui::thread::progress::Progress;
 use crate::ui::thread::session::{Far, Gravity, Opened, Picture, Report, Request, Session, Snapshot};
-use crate::ui::thread::stir::Cause;
 use crate::ui::thread::view_scheduler::Studio;
 use crate::ui::window::rescue::{after_failure, way_out};
 use crate::volume::Histogram;
@@ -42,6 +41,7 @@ const SOON: Duration = Duration::from_millis(1);
 /// If the system gives no thread.
 pub fn spawn(mut document: Document, wake: egui::Context) -> std::io::Result<(Session, JoinHandle<()>)> {
     let (session, far) = Session::pair();
+    let moving = document.must_move();
     let progress = Progress::new(far.stop.clone());
     document.set_watch(progress.watch(far.reports.clone(), wake.clone()));
     let worker = Worker {
@@ -55,7 +55,7 @@ pub fn spawn(mut document: Document, wake: egui::Context) -> std::io::Result<(Se
         held: None,
         probe: None,
         gpu: None,
-        moving: false,
+        moving,
         histogram: None,
         refused: BTreeSet::new(),
         told: None,
@@ -259,19 +259,17 @@ impl Worker {
             self.progress.begin();
             self.report(Report::Started(what.clone()));
         }
-        let before = Cause::of(&self.document);
         let result = self.document.apply(command.clone());
         if started.is_some() {
             self.report(Report::Finished);
         }
         match result {
             Ok(answer) => {
-                // What was taken back or opened stands where it stood.
-                self.moving &= !replaces(&command);
                 if opens(&command) {
                     self.histogram = None;
                 }
-                self.moving |= Cause::stirred(before.as_ref(), &command, Cause::of(&self.document).as_ref());
+                // A script moves parts when it says so; the window lets them follow whatever is done.
+                self.moving = self.document.must_move();
                 self.say_warnings(&answer);
                 if let Some(nothing) = answer["nothing"].as_str() {
                     self.report(Report::Nothing(nothing.to_owned()));
@@ -342,7 +340,7 @@ impl Worker {
             let step = Command::Explosion(ExplosionCommand::Step { steps });
             self.studio.note(&step);
             match self.document.apply(step) {
-                Ok(answer) => self.moving = answer["moving"].as_bool() == Some(true),
+                Ok(_) => self.moving = self.document.must_move(),
                 Err(error) => {
                     self.moving = false;
                     self.report(Report::Complaint(PICTURE.into(), error.to_string()));
@@ -375,6 +373,7 @@ impl Worker {
             };
             Opened {
                 scene: Arc::new(state.scene.clone()),
+                poses: Arc::new(self.document.poses().clone()),
                 grid: *state.grid(),
                 voxel_type: state.source.voxel_type(),
                 statistics: state.statistics,

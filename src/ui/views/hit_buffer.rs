@@ -1,10 +1,10 @@
 //! Which views were drawn, and for the 3D view what lies at each pixel.
 
-use crate::document::{Scene, ViewName};
-use crate::explode::PartId;
+use crate::document::ViewName;
+use crate::explode::{Explosion, PartId, Poses};
 use crate::interact::Hit;
 use crate::interact::surface::Surface;
-use crate::math::{Camera, DVec2, DVec3, Pose};
+use crate::math::{Camera, DVec2, DVec3};
 use crate::ui::thread::session::Picture;
 use std::cell::OnceCell;
 use std::collections::BTreeSet;
@@ -59,7 +59,7 @@ impl Pictures {
     }
 
     /// What lies under a pixel of the 3D view of the given size.
-    pub(crate) fn hit(&self, px: DVec2, size: [u32; 2], scene: &Scene) -> Option<Hit> {
+    pub(crate) fn hit(&self, px: DVec2, size: [u32; 2], (explosion, poses): (&Explosion, &Poses)) -> Option<Hit> {
         let depth = self.depth.as_ref()?;
         let of = |a: usize| {
             let at = px[a] * f64::from(depth.size[a]) / f64::from(size[a].max(1));
@@ -71,7 +71,7 @@ impl Pictures {
             return None;
         }
         let world = depth.camera.ray(px, size).at(along);
-        let part = part_of(scene, depth.object[i].checked_sub(1)?, world);
+        let part = part_of(explosion, poses, depth.object[i].checked_sub(1)?, world);
         let depth_mm = (world - depth.camera.eye).dot(depth.camera.forward());
         Some(Hit { world, part, depth_mm })
     }
@@ -79,13 +79,7 @@ impl Pictures {
 
 /// The part that a body is. While all parts are at rest they are drawn as one body, which is in no part's name: the part is then
 /// the one that holds the point.
-fn part_of(scene: &Scene, body: u32, world: DVec3) -> Option<PartId> {
-    let parts = &scene.explosion.parts;
-    if let Some(part) = parts.iter().find(|p| p.id.0 == body) {
-        return Some(part.id);
-    }
-    if parts.iter().any(|p| p.pose != Pose::IDENTITY) {
-        return None;
-    }
-    scene.explosion.holding(world).map(|p| p.id)
+fn part_of(explosion: &Explosion, poses: &Poses, body: u32, world: DVec3) -> Option<PartId> {
+    let known = body == 0 && poses.at_rest(&explosion.parts) || explosion.parts.iter().any(|p| p.id.0 == body);
+    explosion.of_body(body, world).filter(|_| known)
 }

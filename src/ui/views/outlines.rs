@@ -24,9 +24,9 @@ impl App {
         let axis = if painter.ctx().input(|i| i.modifiers.shift) { Axis::Vertical } else { Axis::Horizontal };
         let aim = match CutSlice::new(&open.grid, scene, view, size) {
             Some(slice) => Aim::Slice { px, slice },
-            None => Aim::Solid { px, size, hit: self.pictures.hit(px, size, scene) },
+            None => Aim::Solid { px, size, hit: self.hit(px, size) },
         };
-        preview::cuts((tool, gesture), scene, aim, axis)
+        preview::cuts((tool, gesture), (scene, &open.poses), aim, axis)
     }
 
     /// The part in whose row, or over which with a tool for parts, the pointer is.
@@ -45,14 +45,14 @@ impl App {
             return;
         }
         let Some(surface) = self.pictures.surface() else { return };
-        let parts = &scene.explosion.parts;
+        let (parts, poses) = (&scene.explosion.parts, &*open.poses);
         let line = |pieces: &[Piece], width: f32, colour: Color32| pieces_on(painter, body, pieces, width, colour);
         let cuts = self.pending_cuts(painter);
         if let Some(part) = meant.filter(|p| parts.len() > 1 && cuts.iter().all(|c| c.part != p.id)) {
-            tint(painter, body, &surface.side(parts, part, None), Color32::from_white_alpha(26));
+            tint(painter, body, &surface.side((parts, poses), part, None), Color32::from_white_alpha(26));
         }
         if tool.is_of_parts() {
-            let seams = surface.seams(parts);
+            let seams = surface.seams(parts, poses);
             line(&seams, 2.6, Color32::from_black_alpha(90));
             line(&seams, 1.2, Color32::from_white_alpha(150));
         }
@@ -60,9 +60,10 @@ impl App {
             let Some(part) = parts.iter().find(|p| p.id == cut.part) else { continue };
             if tool == Tool::DepthSplit {
                 // What lies before the plane comes off.
-                tint(painter, body, &surface.side(parts, part, Some(&cut.plane)), theme::ACCENT.gamma_multiply(0.38));
+                let side = surface.side((parts, poses), part, Some(&cut.plane));
+                tint(painter, body, &side, theme::ACCENT.gamma_multiply(0.38));
             }
-            let trace = surface.trace(parts, part, &cut.plane, open.grid.voxel_mm());
+            let trace = surface.trace((parts, poses), part, &cut.plane, open.grid.voxel_mm());
             line(&trace, 3.4, Color32::from_black_alpha(150));
             line(&trace, 1.8, theme::ACCENT);
         }

@@ -64,7 +64,7 @@ impl App {
         }
         let mm_per_px = match plane {
             Some(plane) => plane.mm_per_px,
-            None => match self.pictures.hit(px, size, scene) {
+            None => match self.hit(px, size) {
                 Some(hit) => scene.views.camera.mm_per_pixel(hit.depth_mm, size[1]),
                 None => return,
             },

@@ -142,10 +142,7 @@ impl App {
         time_s: f64,
     ) -> PointerEvent {
         let (px, size) = (pixel(rect, pos, scale), pixels(rect, scale));
-        let hit = match (&self.scene, view) {
-            (Some(scene), ViewName::ThreeD) => self.pictures.hit(px, size, scene),
-            _ => None,
-        };
+        let hit = if view == ViewName::ThreeD { self.hit(px, size) } else { None };
         PointerEvent { view, px, size, modifiers, pressure: self.viewports.pressure, time_s, hit }
     }
 
@@ -196,7 +193,8 @@ impl App {
             Action::BrushSize(factor) => {
                 if let (Some(scene), Some(open)) = (&self.scene, self.opened()) {
                     let grid = &open.grid;
-                    let context = crate::interact::Context { scene, grid, voxel_mm: grid.voxel_mm() };
+                    let context =
+                        crate::interact::Context { scene, poses: &open.poses, grid, voxel_mm: grid.voxel_mm() };
                     self.send(Interaction::sized(factor, &context));
                 }
             }

@@ -168,7 +168,7 @@ impl App {
                 let looks = (from.distance(e.px) / LOOK_PX).ceil().clamp(1.0, MOST_LOOKS);
                 for i in 1..=looks as u32 {
                     let px = from.lerp(e.px, f64::from(i) / looks);
-                    let hit = self.pictures.hit(px, e.size, scene);
+                    let hit = self.hit(px, e.size);
                     self.trail.add(px, hit, serial);
                 }
             }

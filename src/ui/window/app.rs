@@ -2,7 +2,8 @@
 
 use crate::document::{Command, OpenAs, ProjectCommand, Scene, ViewCommand, ViewName, VolumeCommand};
 use crate::explode::PartId;
-use crate::interact::{Context, Event, Interaction};
+use crate::interact::{Context, Event, Hit, Interaction};
+use crate::math::DVec2;
 use crate::ui::browse::names::shown;
 use crate::ui::dialogs::Dialog;
 use crate::ui::dialogs::export::Export;
@@ -188,10 +189,16 @@ impl App {
         self.snapshot.open.as_ref()
     }
 
+    /// What the 3D view shows at a pixel, in a picture of this size.
+    pub(crate) fn hit(&self, px: DVec2, size: [u32; 2]) -> Option<Hit> {
+        let (scene, open) = (self.scene.as_ref()?, self.opened()?);
+        self.pictures.hit(px, size, (&scene.explosion, &open.poses))
+    }
+
     /// Sends a command and lets the window's copy follow.
     pub(crate) fn send(&mut self, command: Command) {
-        if let Some(scene) = &mut self.scene {
-            echo(scene, &command);
+        if let (Some(scene), Some(open)) = (&mut self.scene, &self.snapshot.open) {
+            echo(scene, &open.poses, &command);
         }
         self.request(Request::Apply(command));
     }
@@ -208,7 +215,7 @@ impl App {
         let (Some(scene), Some(open)) = (&self.scene, &self.snapshot.open) else { return };
         let was = self.interaction.gesture().is_some();
         let grid = open.grid;
-        let context = Context { scene, grid: &grid, voxel_mm: grid.voxel_mm() };
+        let context = Context { scene, poses: &open.poses, grid: &grid, voxel_mm: grid.voxel_mm() };
         let commands = self.interaction.handle(event, &context);
         let is = self.interaction.gesture().is_some();
         if is && !was {
