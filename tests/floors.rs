@@ -22,7 +22,7 @@ const LIBRARIES: &[(&str, &[&str])] = &[
     ("naga_oil", &["gpu/"]),
     ("egui", &["ui/"]),
     ("eframe", &["ui/"]),
-    ("rapier3d", &["explode/"]),
+    ("rapier3d", &["explode/bodies"]),
     ("zarrs", &["document/"]),
 ];
 

@@ -1,6 +1,6 @@
 //! All that can be made again: the document's GPU and the parts in motion.
 //!
-//! Nothing here is saved.
+//! Nothing here is saved, but where the parts stand, and that as a cache.
 
 pub(crate) mod area;
 pub(crate) mod graphics;

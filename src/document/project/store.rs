@@ -6,7 +6,8 @@
 //!   density        the source's own type and numbers, written once and linked ever after (absent if linked to its file)
 //!   density_edits  texels of edited bricks, and `edited`, the map of which these are
 //!   colour, selection, labels
-//! and `generation.json`: the scene, where its parts stand, the grid with its full orientation, the density map, and the hashes of all shards.
+//! and `generation.json`: the scene, where its parts stand, the grid with its full orientation, the density map, and the hashes of all
+//! shards.
 //! Owns the folder and its lock; knows nothing of the journal but the generation that it belongs to.
 
 use crate::document::disk::error::KeepError;
