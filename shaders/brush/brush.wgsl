@@ -1,125 +1,70 @@
 // One frame's dabs, into every slot that shows them: Direct Volume Editing (2008), equations 1 and 2, in the form
 // P' = P + G ((C op P) - P), G = strength F(d), F = 0 beyond the support.
-// A stroke gathers coverage and is applied once to the texels at its start. One invocation makes one word of a slot's row.
+// A stroke gathers coverage and is applied once to the texels at its start. One invocation takes a row of a slot's box, twelve
+// texels at a time: what it reads of its item and its dabs costs more on software Vulkan than what it calculates with them.
 // Apron texels are computed like all others, from the voxel they repeat, so neighbouring slots agree without exchange.
 
-const SLOT: u32 = 34u;
-const SLOT_TEXELS: u32 = 39304u;
-// Words between rows of `start` and `next`: texture copies want rows of 256 bytes.
-const PITCH: u32 = 64u;
-
-// Texels in a word, words in a slot's row, and how many slots lie side by side in `start`. Without a condition: colour.
+#import burin::constants::{GATE_WORDS, ROWS_AT_ONCE, ROW_PITCH_BYTES, SLOT}
+#import burin::coverage::{cover_of, g_of, gathered, kept_of, state_of}
+#import burin::stroke::{Choices, RESTORE, SUBTRACT, choices_of, items, stroke}
 #ifdef SELECTION
-const PER_WORD: u32 = 4u;
-const ROW: u32 = 9u;
-const LANES: u32 = 7u;
-#else ifdef LABELS
-const PER_WORD: u32 = 2u;
-const ROW: u32 = 17u;
-const LANES: u32 = 3u;
-#else ifdef CODES
-const PER_WORD: u32 = 2u;
-const ROW: u32 = 17u;
-const LANES: u32 = 3u;
-#else ifdef CODES_IN_FLOATS
-const PER_WORD: u32 = 1u;
-const ROW: u32 = 34u;
-const LANES: u32 = 1u;
-#else ifdef FLOATS
-const PER_WORD: u32 = 1u;
-const ROW: u32 = 34u;
-const LANES: u32 = 1u;
-#else
-const PER_WORD: u32 = 1u;
-const ROW: u32 = 34u;
-const LANES: u32 = 1u;
+#import burin::equation::{short_code}
+#endif
+#ifdef CODES
+#import burin::equation::{code}
+#endif
+#ifdef CODES_IN_FLOATS
+#import burin::equation::{TOP, code}
+#endif
+#ifdef COLOUR
+#import burin::equation_colour::{colours}
+#endif
+#ifdef FLOATS
+#import burin::equation_floats::{float}
 #endif
 
-const ADD: u32 = 1u;
-const SUBTRACT: u32 = 2u;
-const BLEND: u32 = 3u;
-const RESTORE: u32 = 4u;
+// Rows of texels in a slot.
+const ROWS: u32 = SLOT * SLOT;
+// Fours of texels in a slot's row.
+const QUADS: u32 = (SLOT + 3u) / 4u;
 
-const LARGEST: u32 = 0u;
-const PRODUCT: u32 = 1u;
+// Four texels of the pool's format in words.
+#ifdef SELECTION
+alias Quad = u32;
+const QUAD_WORDS: u32 = 1u;
+#endif
+#ifdef LABELS
+alias Quad = vec2<u32>;
+const QUAD_WORDS: u32 = 2u;
+#endif
+#ifdef CODES
+alias Quad = vec2<u32>;
+const QUAD_WORDS: u32 = 2u;
+#endif
+#ifdef CODES_IN_FLOATS
+alias Quad = vec4<u32>;
+const QUAD_WORDS: u32 = 4u;
+#endif
+#ifdef COLOUR
+alias Quad = vec4<u32>;
+const QUAD_WORDS: u32 = 4u;
+#endif
+#ifdef FLOATS
+alias Quad = vec4<u32>;
+const QUAD_WORDS: u32 = 4u;
+#endif
 
-const LINEAR: u32 = 1u;
-const SMOOTH: u32 = 2u;
+// Fours of texels between rows of `start` and `next`, which are as far apart as copies from and to textures want them.
+const PITCH: u32 = ROW_PITCH_BYTES / (4u * QUAD_WORDS);
+// How many slots lie side by side in `start`.
+const SLOTS_PER_ROW: u32 = PITCH / QUADS;
 
-// The greatest 16-bit code.
-const TOP: f32 = 65535.0;
-
-// Words of a slot's bits.
-const GATE_WORDS: u32 = 1229u;
-
-// 1.0
-const ONE: u32 = 0x3f800000u;
-
-struct BrushStroke {
-    // Columns of world_from_index in radii of the brush (smallest spacings where it has none), and unit normals of the layers
-    // of voxels.
-    columns: array<vec4<f32>, 3>,
-    normals: array<vec4<f32>, 3>,
-    // C, in the storage's own steps; colour in 0..1; a label's id in x.
-    paint: vec4<f32>,
-    dims: vec3<i32>,
-    // Where numbers end, in the storage's own steps.
-    low: f32,
-    top: f32,
-    // Of numbers in floats: the step by which weak strokes arrive, and between which values it is that.
-    step: f32,
-    least: f32,
-    greatest: f32,
-}
-
-struct BrushDab {
-    // Centre = base + fraction, continuous index.
-    base: vec3<i32>,
-    // Across which a disc lies; -1 for a ball.
-    axis: i32,
-    fraction: vec3<f32>,
-    layer: i32,
-    // Strength times pressure.
-    gain: f32,
-    // Largest squared distance inside; 0 for a dab that is one voxel.
-    edge: f32,
-    // Whether the voxel that holds the centre has all of the gain, however near it comes to it.
-    thin: u32,
-    unused: u32,
-}
-
-struct BrushItem {
-    // Voxel of the slot's first texel.
-    origin: vec3<i32>,
-    // Number of the slot in this chunk's buffers.
-    place: u32,
-    // Box of work: first word, row and layer of the slot, and how many.
-    lo: vec3<u32>,
-    // First word in `next`.
-    next: u32,
-    size: vec3<u32>,
-    // Dabs that can meet the slot.
-    first_dab: u32,
-    dab_count: u32,
-    // Of the dispatch's first item: where its jobs begin.
-    first_job: u32,
-    // What the stroke does: bits 0 to 2 its operation, 3 and 4 how it gathers, 5 and 6 its falloff, 7 whether only texels whose
-    // bit is set are painted, 8 whether what is painted is an end that weak strokes must reach. The same in every item.
-    choices: u32,
-    unused: u32,
-}
-
-// Uniforms: from a storage buffer such loops run many times slower on software Vulkan, and read wrong.
-@group(0) @binding(0) var<uniform> stroke: BrushStroke;
-@group(0) @binding(1) var<uniform> dabs: array<BrushDab, 256>;
-@group(0) @binding(2) var<uniform> items: array<BrushItem, 128>;
 // The slots' texels at the stroke's start.
-@group(0) @binding(3) var<storage, read> start: array<u32>;
-// A texel's coverage so far, as the bits of an f32: its largest G, or the sum of G, or what is left of 1 after all
-// factors 1 - G (with the bits of 1 flipped, so that a cleared buffer means untouched).
-@group(0) @binding(4) var<storage, read_write> coverage: array<u32>;
-// The boxes' new words, rows at PITCH.
-@group(0) @binding(5) var<storage, read_write> next: array<u32>;
+@group(0) @binding(3) var<storage, read> start: array<Quad>;
+// The texels' coverage so far.
+@group(0) @binding(4) var<storage, read_write> coverage: array<vec4<u32>>;
+// The boxes' new texels, rows at PITCH.
+@group(0) @binding(5) var<storage, read_write> next: array<Quad>;
 // Not 0 for slots in which a voxel of their own differs from the start.
 @group(0) @binding(6) var<storage, read_write> changed: array<atomic<u32>>;
 // Unedited density, tight rows of the host's texels.
@@ -132,283 +77,197 @@ struct BrushItem {
 // workgroups as the largest box needs would run for every item, and idle ones cost as much as busy ones on software Vulkan.
 @group(0) @binding(10) var<storage, read> jobs: array<u32>;
 
-// The item's choices. They are not among the stroke's constants: software Vulkan takes a uniform's value that a branch hangs on for
-// a constant, compiles the kernel anew for every dispatch, and keeps them all.
-var<private> operation: u32;
-var<private> gather: u32;
-var<private> falloff: u32;
-var<private> gated: bool;
-var<private> to_end: bool;
-
-fn choose(choices: u32) {
-    operation = choices & 7u;
-    gather = (choices >> 3u) & 3u;
-    falloff = (choices >> 5u) & 3u;
-    gated = (choices & 128u) != 0u;
-    to_end = (choices & 256u) != 0u;
+// A slot's row: `line` counts the rows of all slots.
+struct Row {
+    line: u32,
+    // Voxel of its first texel.
+    voxel: vec3<i32>,
+    // That voxel's y and z, or those of the voxel that it repeats.
+    yz: vec2<i32>,
+    // Whether the voxels of its brick lie in it, and in the volume.
+    own: bool,
 }
 
-fn g_of(voxel: vec3<i32>, i: u32) -> f32 {
-    let offset = vec3<f32>(voxel - dabs[i].base) - dabs[i].fraction;
-    var d = stroke.columns[0].xyz * offset.x + stroke.columns[1].xyz * offset.y + stroke.columns[2].xyz * offset.z;
-    let axis = dabs[i].axis;
-    if axis >= 0 {
-        if voxel[axis] != dabs[i].layer {
-            return 0.0;
-        }
-        let n = stroke.normals[axis].xyz;
-        d -= n * dot(n, d);
-    }
-    if dabs[i].thin != 0u && all(offset > vec3<f32>(-0.5)) && all(offset <= vec3<f32>(0.5)) {
-        return dabs[i].gain;
-    }
-    let squared = dot(d, d);
-    if squared > dabs[i].edge {
-        return 0.0;
-    }
-    let x = min(sqrt(squared), 1.0);
-    var f = 1.0;
-    if falloff == LINEAR {
-        f = 1.0 - x;
-    } else if falloff == SMOOTH {
-        f = (1.0 - x * x) * (1.0 - x * x);
-    }
-    return dabs[i].gain * f;
-}
-
-// Lays the dabs on what a texel has gathered; answers the new state's bits.
-fn gathered(before: u32, voxel: vec3<i32>, first: u32, count: u32) -> u32 {
-    let product = gather == PRODUCT;
-    let largest = gather == LARGEST;
-    let flip = select(0u, ONE, product);
-    var state = bitcast<f32>(before ^ flip);
-    for (var i = first; i < first + count; i += 1u) {
-        let g = g_of(voxel, i);
-        // Subtracting g times the rest, not multiplying by 1 - g: the latter is rounded alike for every dab.
-        state = select(select(state + g, state - state * g, product), max(state, g), largest);
-    }
-    return bitcast<u32>(state) ^ flip;
-}
-
-fn cover_of(state: u32) -> f32 {
-    if gather == PRODUCT {
-        return 1.0 - bitcast<f32>(state ^ ONE);
-    }
-    return bitcast<f32>(state);
-}
-
-fn finite(bits: u32) -> bool {
-    return (bits & 0x7f800000u) != 0x7f800000u;
-}
-
-// A code of a row of pairs.
-fn tight_code(word: u32, x: u32) -> u32 {
-    return (word >> (16u * (x & 1u))) & 0xffffu;
-}
-
-fn is_open(place: u32, row: u32, x: u32) -> bool {
-    let texel = row * SLOT + x;
-    return !gated || ((gate[place * GATE_WORDS + texel / 32u] >> (texel % 32u)) & 1u) != 0u;
-}
-
-// Equation 1 for a number P and a number C; `back` is the number before any edit.
-fn number(p: f32, back: f32, cover: f32) -> f32 {
-    let c = stroke.paint.x;
-    if operation == ADD {
-        return clamp(p + cover * c, stroke.low, stroke.top);
-    }
-    if operation == SUBTRACT {
-        return clamp(p - cover * c, stroke.low, stroke.top);
-    }
-    let end = select(c, back, operation == RESTORE);
-    return select(p + cover * (end - p), end, cover >= 1.0);
-}
-
-// A code's new value, a step nearer to an end where rounding would leave it where it was: weak strokes never stall short of it.
-fn arriving(old: u32, new_code: u32, end: u32) -> u32 {
-    if !to_end || new_code != old {
-        return new_code;
-    }
-    return select(select(old, old - 1u, end < old), old + 1u, end > old);
-}
-
-fn code(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
-    var back = 0u;
-    if operation == RESTORE {
-        back = tight_code(base[(place * SLOT * SLOT + row) * 17u + x / 2u], x);
-    }
-    let new_code = u32(clamp(floor(number(f32(old), f32(back), cover) + 0.5), 0.0, TOP));
-    return arriving(old, new_code, select(u32(floor(stroke.paint.x + 0.5)), back, operation == RESTORE));
-}
-
-// Per format: the new texel.
-#ifdef SELECTION
-fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
-    let new_code = u32(floor(number(f32(old), 0.0, cover) + 0.5));
-    return arriving(old, new_code, select(u32(floor(stroke.paint.x + 0.5)), 0u, operation == RESTORE));
-}
-#else ifdef LABELS
-fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
-    if cover < 0.5 || ((locked[old >> 5u] >> (old & 31u)) & 1u) != 0u {
-        return old;
-    }
-    let label = u32(stroke.paint.x);
-    if operation == RESTORE {
-        return 0u;
-    }
-    if operation == SUBTRACT {
-        return select(old, 0u, old == label);
-    }
-    return label;
-}
-#else ifdef CODES
-fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
-    return code(old, cover, place, row, x);
-}
-#else ifdef CODES_IN_FLOATS
-fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
-    let old_code = u32(floor(bitcast<f32>(old) * TOP + 0.5));
-    let new_code = code(old_code, cover, place, row, x);
-    return select(bitcast<u32>(f32(new_code) / TOP), old, new_code == old_code);
-}
-#else ifdef FLOATS
-fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
-    var back = old;
-    if operation == RESTORE {
-        back = base[(place * SLOT * SLOT + row) * SLOT + x];
-    }
-    // What is not a number has nothing to mix with: it stays until it is covered wholly.
-    let whole = cover >= 1.0;
-    if !finite(old) || !finite(back) {
-        let mixes = operation != ADD && operation != SUBTRACT;
-        if !whole || !mixes {
-            return old;
-        }
-        return select(bitcast<u32>(stroke.paint.x), back, operation == RESTORE);
-    }
-    if whole && operation == RESTORE {
-        return back;
-    }
-    let p = bitcast<f32>(old);
-    var value = number(p, bitcast<f32>(back), cover);
-    let end = select(stroke.paint.x, bitcast<f32>(back), operation == RESTORE);
-    if to_end && p != end {
-        // Near the end as 16-bit codes would: no less than a step at a time, and the end from within one. Near is where a tenth of
-        // the way is under half a step: a weaker brush goes by equation 1 until there.
-        let outlying = stroke.least < stroke.greatest && (end < stroke.least || end > stroke.greatest);
-        let step = select(stroke.step, abs(end) / TOP, outlying);
-        let way = abs(end - p);
-        if way <= 5.0 * step && abs(value - p) < 0.5 * step {
-            value = select(p + step * sign(end - p), end, way <= step);
-        }
-        if value == p {
-            return beside(old, end > p);
-        }
-    }
-    return bitcast<u32>(value);
-}
-// A key that is ordered like the floats.
-fn ordered(bits: u32) -> u32 {
-    return select(bits | 0x80000000u, ~bits, bits >= 0x80000000u);
-}
-// The bits of the next float above or below.
-fn beside(bits: u32, above: bool) -> u32 {
-    let key = select(ordered(bits) - 1u, ordered(bits) + 1u, above);
-    return select(~key, key & 0x7fffffffu, key >= 0x80000000u);
-}
-#else
-fn texel(old: u32, cover: f32, place: u32, row: u32, x: u32) -> u32 {
-    let p = unpack4x8unorm(old);
-    let c = stroke.paint;
-    if operation == SUBTRACT {
-        return select(packed(vec4<f32>(p.rgb - cover * c.a * c.rgb, p.a)), old, p.a == 0.0);
-    }
-    // Amounts of paint.
-    let paint = vec4<f32>(p.rgb * p.a, p.a);
-    let added = vec4<f32>(c.rgb * c.a, c.a);
-    var to = added;
-    if operation == ADD {
-        let sum = paint + cover * added;
-        return straight(vec4<f32>(sum.rgb, min(sum.a, 1.0)));
-    }
-    if operation == BLEND {
-        to = added + paint * (1.0 - c.a);
-    } else if operation == RESTORE {
-        to = vec4<f32>(0.0);
-    }
-    if cover >= 1.0 {
-        return straight(to);
-    }
-    let mixed = straight(paint + cover * (to - paint));
-    if to_end && mixed == old && old != 0u {
-        return select(old - 0x01000000u, 0u, (old >> 24u) <= 1u);
-    }
-    return mixed;
-}
-fn straight(amount: vec4<f32>) -> u32 {
-    if amount.a <= 0.0 {
-        return 0u;
-    }
-    return packed(vec4<f32>(amount.rgb / amount.a, amount.a));
-}
-fn packed(colour: vec4<f32>) -> u32 {
-    let steps = vec4<u32>(floor(clamp(colour, vec4<f32>(0.0), vec4<f32>(1.0)) * 255.0 + 0.5));
-    let word = steps.x | (steps.y << 8u) | (steps.z << 16u) | (steps.w << 24u);
-    return select(word, 0u, steps.w == 0u);
-}
-#endif
-
-@compute @workgroup_size(8, 8, 4)
+@compute @workgroup_size(ROWS_AT_ONCE)
 fn brush(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let job = jobs[items[0].first_job + group.x];
-    let item = job >> 16u;
-    choose(items[item].choices);
-    let size = items[item].size;
-    // The box's words in one row of invocations: a row of a slot rarely fills a workgroup's.
-    let flat = (job & 0xffffu) * 256u + local;
-    if flat >= size.x * size.y * size.z {
+    let item = items[job >> 16u];
+    let does = choices_of(item.choices);
+    let flat = (job & 0xffffu) * ROWS_AT_ONCE + local;
+    if flat >= item.size.y * item.size.z {
         return;
     }
     // Division in floats, exact for such small numbers: that of integers is done lane by lane on software Vulkan.
-    let layer = u32((f32(flat) + 0.5) / f32(size.x * size.y));
-    let within = flat - layer * size.x * size.y;
-    let line = u32((f32(within) + 0.5) / f32(size.x));
-    let step = vec3<u32>(within - line * size.x, line, layer);
-    let at = items[item].lo + step;
-    let place = items[item].place;
-    let row = at.z * SLOT + at.y;
-    let old_word = start[(place / LANES) * SLOT * SLOT * PITCH + (place % LANES) * ROW + row * PITCH + at.x];
-    let first = items[item].first_dab;
-    let count = items[item].dab_count;
-    let bits = 32u / PER_WORD;
-    let mask = 0xffffffffu >> (32u - bits);
+    let layer = u32((f32(flat) + 0.5) / f32(item.size.y));
+    let at = item.lo.yz + vec2<u32>(flat - layer * item.size.y, layer);
+    let within = at.y * SLOT + at.x;
+    var row: Row;
+    row.line = item.place * ROWS + within;
+    row.voxel = item.origin + vec3<i32>(vec3<u32>(0u, at));
+    row.yz = clamp(row.voxel.yz, vec2<i32>(0), stroke.dims.yz - 1);
+    row.own = all(at >= vec2<u32>(1u)) && all(at <= vec2<u32>(SLOT - 2u)) && all(row.yz == row.voxel.yz);
+    let source = ((item.place / SLOTS_PER_ROW) * ROWS + within) * PITCH + (item.place % SLOTS_PER_ROW) * QUADS;
+    let to = (item.next + flat) * PITCH;
+    let end = item.lo.x + item.size.x;
 
-    var new_word = 0u;
     var differs = false;
-    for (var lane = 0u; lane < PER_WORD; lane += 1u) {
-        let x = at.x * PER_WORD + lane;
-        if x >= SLOT {
-            break;
+    for (var first = item.lo.x; first < end; first += 3u) {
+        // Loads beyond the box are of no use and do no harm.
+        let kept = row.line * QUADS + first;
+        var a = state_of(coverage[kept], does);
+        var b = state_of(coverage[kept + 1u], does);
+        var c = state_of(coverage[kept + 2u], does);
+        let x = shown(row, first);
+        let xb = shown(row, first + 1u);
+        let xc = shown(row, first + 2u);
+        for (var i = item.first_dab; i < item.first_dab + item.dab_count; i += 1u) {
+            a = gathered(a, g_of(i, x, row.yz, does.falloff), does);
+            b = gathered(b, g_of(i, xb, row.yz, does.falloff), does);
+            c = gathered(c, g_of(i, xc, row.yz, does.falloff), does);
         }
-        let voxel = items[item].origin + vec3<i32>(vec3<u32>(x, at.yz));
-        let shown = clamp(voxel, vec3<i32>(0), stroke.dims - 1);
-        let index = place * SLOT_TEXELS + row * SLOT + x;
-        let before = coverage[index];
-        let state = gathered(before, shown, first, count);
-        coverage[index] = state;
-        let old = (old_word >> (bits * lane)) & mask;
-        let cover = cover_of(state);
-        var new_texel = old;
-        if cover > 0.0 && is_open(place, row, x) {
-            new_texel = texel(old, cover, place, row, x);
+        for (var n = 0u; n < min(3u, end - first); n += 1u) {
+            let quad = first + n;
+            let state = select(select(a, b, n == 1u), c, n == 2u);
+            coverage[kept + n] = kept_of(state, does);
+            let cover = cover_of(state, does);
+            let old = texels(start[source + quad]);
+            let paints = (cover > vec4<f32>(0.0)) & open(row, within, item.place, quad, does);
+            let new_texels = select(old, painted(old, cover, row, quad, does), paints);
+            next[to + quad - item.lo.x] = words(new_texels);
+            differs = differs || any(vec4<bool>(row.own) & owned(row, quad) & (new_texels != old));
         }
-        new_word |= new_texel << (bits * lane);
-        let t = vec3<u32>(x, at.yz);
-        let own = all(t >= vec3<u32>(1u)) && all(t <= vec3<u32>(32u)) && all(voxel == shown);
-        differs = differs || (own && new_texel != old);
     }
-    next[items[item].next + (step.z * size.y + step.y) * PITCH + step.x] = new_word;
-    if differs && atomicLoad(&changed[place]) == 0u {
-        atomicStore(&changed[place], 1u);
+    if differs && atomicLoad(&changed[item.place]) == 0u {
+        atomicStore(&changed[item.place], 1u);
     }
+}
+
+// x of the voxels that four texels show.
+fn shown(row: Row, quad: u32) -> vec4<i32> {
+    let x = vec4<i32>(row.voxel.x + i32(quad * 4u)) + vec4<i32>(0, 1, 2, 3);
+    return clamp(x, vec4<i32>(0), vec4<i32>(stroke.dims.x - 1));
+}
+
+// Which of four texels are voxels of the slot's own brick, and not of an apron or repeated, as far as x says.
+fn owned(row: Row, quad: u32) -> vec4<bool> {
+    let t = vec4<u32>(quad * 4u) + vec4<u32>(0u, 1u, 2u, 3u);
+    let repeats = shown(row, quad) != vec4<i32>(t) + row.voxel.x;
+    return (t >= vec4<u32>(1u)) & (t <= vec4<u32>(SLOT - 2u)) & !repeats;
+}
+
+// Which of four texels may be painted.
+fn open(row: Row, within: u32, place: u32, quad: u32, does: Choices) -> vec4<bool> {
+    var bits = 15u;
+    if does.gated {
+        let texel = within * SLOT + quad * 4u;
+        let word = place * GATE_WORDS + texel / 32u;
+        let low = gate[word] >> (texel % 32u);
+        // A shift by 32 in two steps is one by 32.
+        let high = (gate[word + 1u] << 1u) << (31u - texel % 32u);
+        bits = low | high;
+    }
+    return (vec4<u32>(bits) & vec4<u32>(1u, 2u, 4u, 8u)) != vec4<u32>(0u);
+}
+
+#ifdef SELECTION
+fn texels(quad: Quad) -> vec4<u32> {
+    return (vec4<u32>(quad) >> vec4<u32>(0u, 8u, 16u, 24u)) & vec4<u32>(0xffu);
+}
+fn words(t: vec4<u32>) -> Quad {
+    return t.x | (t.y << 8u) | (t.z << 16u) | (t.w << 24u);
+}
+fn painted(old: vec4<u32>, cover: vec4<f32>, row: Row, quad: u32, does: Choices) -> vec4<u32> {
+    return short_code(old, cover, does);
+}
+#endif
+
+#ifdef LABELS
+fn texels(quad: Quad) -> vec4<u32> {
+    return halves(quad);
+}
+fn words(t: vec4<u32>) -> Quad {
+    return pairs(t);
+}
+fn painted(old: vec4<u32>, cover: vec4<f32>, row: Row, quad: u32, does: Choices) -> vec4<u32> {
+    let label = vec4<u32>(u32(stroke.paint.x));
+    let keys = vec4<u32>(locked[old.x >> 5u], locked[old.y >> 5u], locked[old.z >> 5u], locked[old.w >> 5u]);
+    let held = ((keys >> (old & vec4<u32>(31u))) & vec4<u32>(1u)) != vec4<u32>(0u);
+    let taken = select(old, vec4<u32>(0u), old == label);
+    var to = select(label, taken, does.operation == SUBTRACT);
+    to = select(to, vec4<u32>(0u), does.operation == RESTORE);
+    return select(to, old, held | (cover < vec4<f32>(0.5)));
+}
+#endif
+
+#ifdef CODES
+fn texels(quad: Quad) -> vec4<u32> {
+    return halves(quad);
+}
+fn words(t: vec4<u32>) -> Quad {
+    return pairs(t);
+}
+fn painted(old: vec4<u32>, cover: vec4<f32>, row: Row, quad: u32, does: Choices) -> vec4<u32> {
+    return code(old, codes_before(row, quad, does), cover, does);
+}
+#endif
+
+#ifdef CODES_IN_FLOATS
+fn texels(quad: Quad) -> vec4<u32> {
+    return quad;
+}
+fn words(t: vec4<u32>) -> Quad {
+    return t;
+}
+fn painted(old: vec4<u32>, cover: vec4<f32>, row: Row, quad: u32, does: Choices) -> vec4<u32> {
+    let old_code = vec4<u32>(floor(bitcast<vec4<f32>>(old) * TOP + 0.5));
+    let new_code = code(old_code, codes_before(row, quad, does), cover, does);
+    return select(bitcast<vec4<u32>>(vec4<f32>(new_code) / TOP), old, new_code == old_code);
+}
+#endif
+
+#ifdef COLOUR
+fn texels(quad: Quad) -> vec4<u32> {
+    return quad;
+}
+fn words(t: vec4<u32>) -> Quad {
+    return t;
+}
+fn painted(old: vec4<u32>, cover: vec4<f32>, row: Row, quad: u32, does: Choices) -> vec4<u32> {
+    return colours(old, cover, does);
+}
+#endif
+
+#ifdef FLOATS
+fn texels(quad: Quad) -> vec4<u32> {
+    return quad;
+}
+fn words(t: vec4<u32>) -> Quad {
+    return t;
+}
+fn painted(old: vec4<u32>, cover: vec4<f32>, row: Row, quad: u32, does: Choices) -> vec4<u32> {
+    var back = old;
+    if does.operation == RESTORE {
+        let first = row.line * SLOT + quad * 4u;
+        back = vec4<u32>(base[first], base[first + 1u], base[first + 2u], base[first + 3u]);
+    }
+    return float(old, back, cover, does);
+}
+#endif
+
+// Texels of 16 bits.
+fn halves(words: vec2<u32>) -> vec4<u32> {
+    return (words.xxyy >> vec4<u32>(0u, 16u, 0u, 16u)) & vec4<u32>(0xffffu);
+}
+
+fn pairs(t: vec4<u32>) -> vec2<u32> {
+    return t.xz | (t.yw << vec2<u32>(16u));
+}
+
+// The codes of unedited density, where they matter. A row is 17 words.
+fn codes_before(row: Row, quad: u32, does: Choices) -> vec4<u32> {
+    if does.operation != RESTORE {
+        return vec4<u32>(0u);
+    }
+    let first = row.line * (SLOT / 2u) + quad * 2u;
+    return halves(vec2<u32>(base[first], base[first + 1u]));
 }

@@ -4,23 +4,23 @@
 //! in the form P′ = P + G·((C op P) − P), G = strength·F(d), F = 0 beyond the support.
 
 mod brush;
+mod build_up;
 mod dab;
 mod error;
 mod gate;
 mod passed;
 mod path;
-mod pile;
 mod reach;
 mod room;
 mod surface;
 mod voxel_set;
 
 pub use brush::{Brush, EraseDensity, Falloff, Operation, Sample, Shape, Target, Tip};
+pub use build_up::BuildUpBound;
 pub use dab::{Dab, EDGE, Footprint, IndexBox, half_diagonal_mm};
 pub use error::PaintError;
 pub use gate::{GATE_WORDS, Gate};
 pub use path::{MAX_DABS, StrokePath};
-pub use pile::Pile;
 pub use reach::Reach;
 pub use surface::{CLOSE_VOXELS, Seen, SurfaceRule};
 pub use voxel_set::VoxelSet;

@@ -49,18 +49,24 @@ impl LiveCells {
 
 /// The cells of a brick of a selection of which `valid` voxels along each axis lie in the volume.
 pub fn selected_cells(brick: &Brick, valid: [u32; 3]) -> Vec<SelectedCell> {
+    let texels = match brick {
+        Brick::Uniform(value) if valid == [BRICK; 3] => {
+            let cell = SelectedCell { min: value[0], max: value[0], sum: u16::from(value[0]) * CELL.pow(3) as u16 };
+            return vec![cell; CELLS_PER_BRICK];
+        }
+        brick => brick.texels(1),
+    };
     let mut cells = vec![SelectedCell::NOTHING; CELLS_PER_BRICK];
-    let n = BRICK / CELL;
     for z in 0..valid[2] {
         for y in 0..valid[1] {
-            for x in 0..valid[0] {
-                let code = match brick {
-                    Brick::Uniform(value) => value[0],
-                    Brick::Dense(texels) => texels[(x + BRICK * (y + BRICK * z)) as usize],
-                };
-                let cell = &mut cells[(x / CELL + n * (y / CELL + n * (z / CELL))) as usize];
-                *cell =
-                    SelectedCell { min: cell.min.min(code), max: cell.max.max(code), sum: cell.sum + u16::from(code) };
+            let row = &texels[(BRICK * (y + BRICK * z)) as usize..][..valid[0] as usize];
+            let first = (BRICK / CELL * (y / CELL + BRICK / CELL * (z / CELL))) as usize;
+            for (cell, codes) in cells[first..].iter_mut().zip(row.chunks(CELL as usize)) {
+                *cell = codes.iter().fold(*cell, |cell, &code| SelectedCell {
+                    min: cell.min.min(code),
+                    max: cell.max.max(code),
+                    sum: cell.sum + u16::from(code),
+                });
             }
         }
     }

@@ -69,42 +69,85 @@ fn fold(acc: [f32; 2], [lo, hi]: &[f32; 2]) -> [f32; 2] {
 /// Minima and maxima of `n` cells along each axis, from their texels with one more on every side.
 fn ranges(format: TexelFormat, map: &DensityMap, texels: &[u8], n: [usize; 3]) -> Vec<[f32; 2]> {
     // Codes rise with values, so integer formats are compared as they are and decoded once a cell.
-    let values: Vec<f32> = match format {
-        TexelFormat::R16Unorm | TexelFormat::R16Uint => {
-            texels.chunks_exact(2).map(|t| f32::from(u16::from_le_bytes([t[0], t[1]]))).collect()
-        }
-        TexelFormat::R32Float => texels.chunks_exact(4).map(|t| f32::from_le_bytes([t[0], t[1], t[2], t[3]])).collect(),
-        TexelFormat::R8Unorm => texels.iter().map(|&t| f32::from(t)).collect(),
-        TexelFormat::Rgba8Unorm => texels.chunks_exact(4).map(|t| f32::from(t[3])).collect(),
+    let density = |raw: f64| (map.lo + raw / map.codes_per_unit) as f32;
+    let half = |t: &[u8]| u16::from_le_bytes([t[0], t[1]]);
+    let float = |t: &[u8]| f32::from_le_bytes([t[0], t[1], t[2], t[3]]);
+    match format {
+        TexelFormat::R16Unorm => extremes(&each_texel::<2, _>(texels, half), n, |raw| density(f64::from(raw))),
+        TexelFormat::R16Uint => extremes(&each_texel::<2, _>(texels, half), n, f32::from),
+        TexelFormat::R32Float => extremes(&each_texel::<4, _>(texels, float), n, |raw| density(f64::from(raw))),
+        TexelFormat::R8Unorm => extremes(texels, n, |raw| f32::from(raw) / 255.0),
+        TexelFormat::Rgba8Unorm => extremes(&each_texel::<4, _>(texels, |t| t[3]), n, |raw| f32::from(raw) / 255.0),
+    }
+}
+
+fn each_texel<const N: usize, T>(texels: &[u8], read: impl Fn(&[u8]) -> T) -> Vec<T> {
+    texels.chunks_exact(N).map(read).collect()
+}
+
+/// Numbers of which the least and the greatest are sought; NaN counts for nothing.
+trait Ordered: Copy + PartialOrd {
+    const LEAST: Self;
+    const GREATEST: Self;
+}
+
+macro_rules! ordered {
+    ($($number:ty: $least:expr, $greatest:expr;)*) => {
+        $(impl Ordered for $number {
+            const LEAST: Self = $least;
+            const GREATEST: Self = $greatest;
+        })*
     };
-    let decode = |raw: f32| match format {
-        TexelFormat::R16Unorm | TexelFormat::R32Float => (map.lo + f64::from(raw) / map.codes_per_unit) as f32,
-        TexelFormat::R8Unorm | TexelFormat::Rgba8Unorm => raw / 255.0,
-        TexelFormat::R16Uint => raw,
-    };
-    // Separable: 6 taps along each axis in turn, at a stride of 4.
+}
+ordered! {
+    u8: u8::MIN, u8::MAX;
+    u16: u16::MIN, u16::MAX;
+    f32: f32::NEG_INFINITY, f32::INFINITY;
+}
+
+/// Of a value that is not a number, what was there stays: comparing with it says no.
+fn lower<T: Ordered>(least: &mut T, value: T) {
+    *least = if value < *least { value } else { *least };
+}
+
+fn raise<T: Ordered>(greatest: &mut T, value: T) {
+    *greatest = if value > *greatest { value } else { *greatest };
+}
+
+/// Least and greatest of each of `n` cells over 6 values along each axis at a stride of 4, decoded; [`NONE`] without a number.
+fn extremes<T: Ordered>(values: &[T], n: [usize; 3], decode: impl Fn(T) -> f32) -> Vec<[f32; 2]> {
+    // Separable. Whole planes against each other first and values within a row last: the first passes see the most values and
+    // compare neighbours alike, many in one instruction.
     let [nx, ny, nz] = n;
-    let [sx, sy, sz] = n.map(|n| n * CELL as usize + 2);
-    let mut along_x = vec![NONE; nx * sy * sz];
-    for (row, out) in values.chunks_exact(sx).zip(along_x.chunks_exact_mut(nx)) {
-        for (cell, out) in out.iter_mut().enumerate() {
-            *out = row[cell * 4..cell * 4 + 6].iter().fold(NONE, |acc, &v| fold(acc, &[v, v]));
+    let [sx, sy, _] = n.map(|n| n * CELL as usize + 2);
+    let reach = CELL as usize + 2;
+    let mut cells = Vec::with_capacity(nx * ny * nz);
+    let (mut plane_least, mut plane_greatest) = (vec![T::GREATEST; sx * sy], vec![T::LEAST; sx * sy]);
+    let (mut row_least, mut row_greatest) = (vec![T::GREATEST; sx], vec![T::LEAST; sx]);
+    for z in (0..nz).map(|cell| cell * CELL as usize) {
+        plane_least.fill(T::GREATEST);
+        plane_greatest.fill(T::LEAST);
+        for plane in values[z * sx * sy..(z + reach) * sx * sy].chunks_exact(sx * sy) {
+            plane_least.iter_mut().zip(plane).for_each(|(least, &v)| lower(least, v));
+            plane_greatest.iter_mut().zip(plane).for_each(|(greatest, &v)| raise(greatest, v));
         }
-    }
-    let mut along_y = vec![NONE; nx * ny * sz];
-    for z in 0..sz {
-        for cy in 0..ny {
-            for cx in 0..nx {
-                along_y[cx + nx * (cy + ny * z)] =
-                    (cy * 4..cy * 4 + 6).map(|y| &along_x[cx + nx * (y + sy * z)]).fold(NONE, fold);
+        for y in (0..ny).map(|cell| cell * CELL as usize) {
+            row_least.fill(T::GREATEST);
+            row_greatest.fill(T::LEAST);
+            let rows = y * sx..(y + reach) * sx;
+            for row in plane_least[rows.clone()].chunks_exact(sx) {
+                row_least.iter_mut().zip(row).for_each(|(least, &v)| lower(least, v));
             }
-        }
-    }
-    let mut cells = vec![NONE; nx * ny * nz];
-    for cz in 0..nz {
-        for i in 0..nx * ny {
-            let cell = (cz * 4..cz * 4 + 6).map(|z| &along_y[i + nx * ny * z]).fold(NONE, fold);
-            cells[i + nx * ny * cz] = if cell[0] <= cell[1] { cell.map(decode) } else { NONE };
+            for row in plane_greatest[rows].chunks_exact(sx) {
+                row_greatest.iter_mut().zip(row).for_each(|(greatest, &v)| raise(greatest, v));
+            }
+            cells.extend((0..nx).map(|cell| {
+                let taps = cell * CELL as usize..cell * CELL as usize + reach;
+                let (mut least, mut greatest) = (T::GREATEST, T::LEAST);
+                row_least[taps.clone()].iter().for_each(|&v| lower(&mut least, v));
+                row_greatest[taps].iter().for_each(|&v| raise(&mut greatest, v));
+                if least <= greatest { [decode(least), decode(greatest)] } else { NONE }
+            }));
         }
     }
     cells

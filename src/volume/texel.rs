@@ -142,8 +142,35 @@ impl DensityMap {
                 }
             }
         }
+        let (scale, shift) = (slope * self.codes_per_unit, (intercept - self.lo) * self.codes_per_unit);
+        match voxels {
+            _ if self.format == TexelFormat::R32Float => {}
+            Voxels::U8(v) if whole_codes(v, scale, shift, out) => return,
+            Voxels::I8(v) if whole_codes(v, scale, shift, out) => return,
+            Voxels::U16(v) if whole_codes(v, scale, shift, out) => return,
+            Voxels::I16(v) if whole_codes(v, scale, shift, out) => return,
+            _ => {}
+        }
         with_voxels!(voxels, v => run(self, v, slope, intercept, out));
     }
+}
+
+/// Appends the codes `scale · stored + shift` of short integers where both numbers are whole, as those of integer data are:
+/// calculated in integers it is the same code, many at a time. Answers false, and appends nothing, where they are not, or so large
+/// that the sum would not fit.
+fn whole_codes<T: Copy + Into<i32>>(voxels: &[T], scale: f64, shift: f64, out: &mut Vec<u8>) -> bool {
+    let largest = f64::from(1_u32 << (8 * size_of::<T>()));
+    if scale.fract() != 0.0 || shift.fract() != 0.0 || scale.abs() * largest + shift.abs() >= f64::from(i32::MAX) {
+        return false;
+    }
+    let (scale, shift) = (scale as i32, shift as i32);
+    let start = out.len();
+    out.resize(start + voxels.len() * 2, 0);
+    for (out, &x) in out[start..].chunks_exact_mut(2).zip(voxels) {
+        let code = (x.into() * scale + shift).clamp(0, 65_535);
+        out.copy_from_slice(&(code as u16).to_le_bytes());
+    }
+    true
 }
 
 /// The nearest code, NaN being 0: of numbers that are not negative the cast cuts the fraction off, where `round` is a call.

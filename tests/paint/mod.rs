@@ -1,9 +1,9 @@
 //! Brushes, strokes and dabs against equation 2 and closed forms.
 
 mod brush;
+mod build_up;
 mod dab;
 mod path;
-mod pile;
 mod room;
 mod surface;
 

@@ -13,7 +13,7 @@ use crate::document::history::edit::Edit;
 use crate::document::state::State;
 use crate::document::{Document, warn};
 use crate::gpu::GpuError;
-use crate::paint::{Brush, Dab, Pile, Reach, Sample, StrokePath, Target, VoxelSet};
+use crate::paint::{Brush, BuildUpBound, Dab, Reach, Sample, StrokePath, Target, VoxelSet};
 use crate::volume::{DensityMap, FieldKind};
 use serde_json::{Value, json};
 
@@ -23,7 +23,7 @@ pub(crate) struct Running {
     brush: Brush,
     path: StrokePath,
     /// Of a brush that adds up on density: what may have, and for how much of it the map has room.
-    pile: Option<(Pile, f64)>,
+    build_up: Option<(BuildUpBound, f64)>,
     /// That of density before the stroke, and with all that the brush makes.
     reach: [Reach; 2],
     /// What came before the first dab: a segment that was missing, a map that was too narrow.
@@ -201,9 +201,9 @@ impl Document {
         brush.visible_only &= !resolved.on_slice;
         let path = StrokePath::new(&brush, state.grid())?;
         // What a straight stroke piles up, since a wider map costs the whole volume; one application without building up.
-        let pile = brush.piles_up().then(|| Pile::new(&brush, state.grid()));
-        let room = pile.as_ref().map_or(1.0, |pile| pile.of_a_line(path.step_mm()).max(1.0));
-        let pile = pile.map(|pile| (pile, room));
+        let build_up = brush.piles_up().then(|| BuildUpBound::new(&brush, state.grid()));
+        let room = build_up.as_ref().map_or(1.0, |build_up| build_up.of_a_line(path.step_mm()).max(1.0));
+        let build_up = build_up.map(|build_up| (build_up, room));
         let mut edit = Edit::new(Some(state));
         edit.name(format!("{} {}", if brush.erase { "Erase" } else { "Paint" }, brush.target.field().name()));
         if let (Target::Label(id), false) = (brush.target, brush.erase) {
@@ -224,7 +224,7 @@ impl Document {
         self.running = Some(Running {
             brush,
             path,
-            pile,
+            build_up,
             reach,
             edit,
             trail: None,
@@ -246,8 +246,8 @@ impl Document {
     /// If the device fails or the source does; the stroke is then taken back.
     fn make_room(&mut self, dabs: &[Dab]) -> Result<(), DocumentError> {
         let (Some(running), Some(state)) = (&mut self.running, &mut self.state) else { return Ok(()) };
-        let Some((pile, room)) = &mut running.pile else { return Ok(()) };
-        let most = pile.add(dabs);
+        let Some((build_up, room)) = &mut running.build_up else { return Ok(()) };
+        let most = build_up.add(dabs);
         if most <= *room {
             return Ok(());
         }

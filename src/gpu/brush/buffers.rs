@@ -1,15 +1,16 @@
 //! What a stroke keeps on the GPU for every slot it touches: texels at its start and coverage so far.
 //!
-//! Owns [`Chunk`], buffers for a number of slots; a stroke takes further chunks as it grows. Knows no dabs.
+//! Owns [`StrokeBuffers`], which serve a number of slots; a stroke takes further ones as it grows. Knows no dabs.
 
-use crate::gpu::brush::kernel::{PITCH, RACK, Variant, tight_bytes};
+use crate::gpu::brush::kernel::{QUADS, SLOT_PITCH_BYTES, Variant, tight_bytes};
+use crate::gpu::device::constants::{MOST_ITEMS, ROW_PITCH_BYTES};
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
-use crate::volume::{BrickIndex, SLOT, SLOT_VOXELS, TexelFormat};
+use crate::volume::{BrickIndex, SLOT, TexelFormat};
 
-/// Slots of the smallest and of the largest chunk; the latter is what one dispatch can take.
-const CAPACITY: [u32; 2] = [16, crate::gpu::brush::kernel::MOST_ITEMS as u32];
-const COVERAGE_BYTES: u64 = SLOT_VOXELS as u64 * 4;
+/// Slots of the smallest and of the largest buffers; the latter is what one dispatch can take.
+const CAPACITY: [u32; 2] = [16, MOST_ITEMS];
+const COVERAGE_BYTES: u64 = (SLOT * SLOT * QUADS) as u64 * 16;
 const GATE_BYTES: u64 = crate::paint::GATE_WORDS as u64 * 4;
 
 /// What a stroke needs beyond start and coverage.
@@ -22,7 +23,7 @@ pub(crate) struct Extras {
 }
 
 #[derive(Debug)]
-pub(crate) struct Chunk {
+pub(crate) struct StrokeBuffers {
     variant: Variant,
     extras: Extras,
     capacity: u32,
@@ -38,18 +39,22 @@ pub(crate) struct Chunk {
     aside: Option<wgpu::Buffer>,
 }
 
-/// Bytes that a slot takes, more or less: racks of several slots are counted in parts.
+/// Bytes that a slot takes, more or less: of slots that share rows each is counted for its part.
 pub(crate) fn slot_bytes(variant: Variant, extras: Extras) -> u64 {
     let gate = if extras.gate { GATE_BYTES } else { 0 };
-    RACK / u64::from(variant.lanes()) + COVERAGE_BYTES + 4 + extras.base.map_or(0, tight_bytes) + gate
+    SLOT_PITCH_BYTES / u64::from(variant.slots_per_row())
+        + COVERAGE_BYTES
+        + 4
+        + extras.base.map_or(0, tight_bytes)
+        + gate
 }
 
-/// How many slots the next chunk holds when `needed` have no place and `touched` have one.
+/// How many slots the next buffers hold when `needed` have no place and `touched` have one.
 pub(crate) fn next_capacity(needed: usize, touched: usize) -> u32 {
     (needed.max(touched / 2) as u32).next_power_of_two().clamp(CAPACITY[0], CAPACITY[1])
 }
 
-impl Chunk {
+impl StrokeBuffers {
     pub(crate) fn new(gpu: &Gpu, variant: Variant, extras: Extras, capacity: u32) -> Result<Self, GpuError> {
         use wgpu::BufferUsages as Use;
         let count = u64::from(capacity);
@@ -62,13 +67,13 @@ impl Chunk {
             })
         };
         gpu.scoped("a stroke's buffers", || {
-            let racks = u64::from(capacity.div_ceil(variant.lanes()));
+            let pitches = u64::from(capacity.div_ceil(variant.slots_per_row()));
             Ok(Self {
                 variant,
                 extras,
                 capacity,
                 bricks: Vec::new(),
-                start: make("brush start", racks * RACK, Use::COPY_SRC),
+                start: make("brush start", pitches * SLOT_PITCH_BYTES, Use::COPY_SRC),
                 coverage: make("brush coverage", count * COVERAGE_BYTES, Use::empty()),
                 changed: make("brush changed", count * 4, Use::COPY_SRC),
                 base: extras.base.map(|f| make("brush base", count * tight_bytes(f), Use::empty())),
@@ -154,8 +159,9 @@ impl Chunk {
     }
 
     fn rows<'a>(&self, buffer: &'a wgpu::Buffer, place: u32) -> wgpu::TexelCopyBufferInfo<'a> {
-        let (rack, lane) = (place / self.variant.lanes(), place % self.variant.lanes());
-        let offset = u64::from(rack) * RACK + u64::from(lane * self.variant.row_bytes());
+        let beside = self.variant.slots_per_row();
+        let offset =
+            u64::from(place / beside) * SLOT_PITCH_BYTES + u64::from(place % beside * self.variant.row_bytes());
         rows(buffer, offset, SLOT)
     }
 }
@@ -168,7 +174,7 @@ pub(crate) fn rows(buffer: &wgpu::Buffer, offset: u64, rows_per_image: u32) -> w
         buffer,
         layout: wgpu::TexelCopyBufferLayout {
             offset,
-            bytes_per_row: Some(PITCH),
+            bytes_per_row: Some(ROW_PITCH_BYTES),
             rows_per_image: Some(rows_per_image),
         },
     }

@@ -1,37 +1,29 @@
-//! The brush kernel's pipelines and the numbers it is given: shaders/brush/brush.wgsl.
+//! The brush kernel and the numbers it is given: shaders/brush/brush.wgsl.
 //!
 //! Owns the structs shared with the shader, the variants by texel format, and the translation of brushes and dabs into them.
 //! Knows neither bricks nor strokes in time.
 
-use crate::gpu::device::error::GpuError;
+use crate::gpu::device::constants::{MOST_DABS, MOST_ITEMS, ROW_PITCH_BYTES};
 use crate::gpu::device::gpu::Gpu;
-use crate::gpu::device::shader;
+use crate::gpu::device::kernel::{Binding, Compute, Kernel};
 use crate::math::DMat3;
 use crate::paint::{Brush, EDGE, Falloff, Footprint, Operation, Reach, Target, Tip};
 use crate::shared_struct;
 use crate::volume::{Field, FieldKind, Grid, SLOT, SLOT_VOXELS, TexelFormat};
-use std::collections::HashMap;
 
-/// Dabs of one dispatch: `array<BrushDab, 256>`.
-pub(crate) const MOST_DABS: usize = 256;
-/// Slots of one dispatch: `array<BrushItem, 128>`.
-pub(crate) const MOST_ITEMS: usize = 128;
-/// Invocations of a workgroup.
-pub(crate) const GROUP: u32 = 256;
-/// Bytes between rows in buffers that are copied to or from textures.
-pub(crate) const PITCH: u32 = 256;
+/// Fours of texels in a slot's row: the kernel takes so many at a time.
+pub(crate) const QUADS: u32 = SLOT.div_ceil(4);
 /// Bytes of a dispatch's dabs.
-pub(crate) const DABS_BYTES: u64 = (MOST_DABS * size_of::<BrushDab>()) as u64;
+pub(crate) const DABS_BYTES: u64 = MOST_DABS as u64 * size_of::<BrushDab>() as u64;
 /// Bytes of a dispatch's items.
-pub(crate) const ITEMS_BYTES: u64 = (MOST_ITEMS * size_of::<BrushItem>()) as u64;
-/// Bytes of a slot's rows at that pitch.
-pub(crate) const RACK: u64 = (SLOT * SLOT * PITCH) as u64;
+pub(crate) const ITEMS_BYTES: u64 = MOST_ITEMS as u64 * size_of::<BrushItem>() as u64;
+/// Bytes of a slot's rows at that pitch, and of those of the slots beside it.
+pub(crate) const SLOT_PITCH_BYTES: u64 = (SLOT * SLOT * ROW_PITCH_BYTES) as u64;
 
 shared_struct! {
     /// A stroke's constants.
     pub struct BrushStroke {
         columns: [[f32; 4]; 3],
-        normals: [[f32; 4]; 3],
         paint: [f32; 4],
         dims: [i32; 3],
         low: f32,
@@ -49,10 +41,12 @@ shared_struct! {
         axis: i32,
         fraction: [f32; 3],
         layer: i32,
+        normal: [f32; 3],
         gain: f32,
         edge: f32,
         thin: u32,
-        unused: u32,
+        unused_a: u32,
+        unused_b: u32,
     }
 }
 
@@ -61,13 +55,13 @@ shared_struct! {
     pub struct BrushItem {
         /// Voxel of the slot's first texel.
         pub origin: [i32; 3],
-        /// Number of the slot within its chunk.
+        /// Number of the slot within its buffers.
         pub place: u32,
-        /// First word, row, layer.
+        /// First four of texels, row, layer.
         pub lo: [u32; 3],
-        /// First word in the buffer of new words.
+        /// First row in the buffer of new texels.
         pub next: u32,
-        /// Words, rows, layers.
+        /// Fours of texels, rows, layers.
         pub size: [u32; 3],
         /// First dab that can meet the slot.
         pub first_dab: u32,
@@ -109,7 +103,8 @@ impl Variant {
         }
     }
 
-    fn def(self) -> &'static str {
+    /// What the kernel is compiled under.
+    pub(crate) fn condition(self) -> &'static str {
         match self {
             Self::Selection => "SELECTION",
             Self::Labels => "LABELS",
@@ -129,19 +124,14 @@ impl Variant {
         }
     }
 
-    /// Texels in a word.
-    pub(crate) fn per_word(self) -> u32 {
-        4 / self.bytes()
-    }
-
-    /// Bytes of a slot's row, in whole words.
+    /// Bytes of a slot's row, in whole fours of texels.
     pub(crate) fn row_bytes(self) -> u32 {
-        SLOT.div_ceil(self.per_word()) * 4
+        QUADS * 4 * self.bytes()
     }
 
     /// How many slots lie side by side at the copies' pitch.
-    pub(crate) fn lanes(self) -> u32 {
-        PITCH / self.row_bytes()
+    pub(crate) fn slots_per_row(self) -> u32 {
+        ROW_PITCH_BYTES / self.row_bytes()
     }
 }
 
@@ -150,79 +140,25 @@ pub(crate) fn tight_bytes(format: TexelFormat) -> u64 {
     (SLOT_VOXELS * format.bytes()) as u64
 }
 
-/// Layout and pipelines, compiled as they are needed.
-#[derive(Debug)]
-pub(crate) struct Kernels {
-    pub(crate) layout: wgpu::BindGroupLayout,
-    pipelines: HashMap<Variant, wgpu::ComputePipeline>,
-}
-
-impl Kernels {
-    pub(crate) fn new(gpu: &Gpu) -> Result<Self, GpuError> {
-        let uniform = |binding, size: usize, dynamic| entry(binding, wgpu::BufferBindingType::Uniform, size, dynamic);
-        let storage = |binding, read_only| entry(binding, wgpu::BufferBindingType::Storage { read_only }, 4, false);
-        let entries = [
-            uniform(0, size_of::<BrushStroke>(), false),
-            uniform(1, size_of::<BrushDab>() * MOST_DABS, true),
-            uniform(2, size_of::<BrushItem>() * MOST_ITEMS, true),
-            storage(3, true),
-            storage(4, false),
-            storage(5, false),
-            storage(6, false),
-            storage(7, true),
-            storage(8, true),
-            storage(9, true),
-            storage(10, true),
-        ];
-        let layout = gpu.scoped("the brush's bindings", || {
-            Ok(gpu
-                .device
-                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("brush"), entries: &entries }))
-        })?;
-        Ok(Self { layout, pipelines: HashMap::new() })
-    }
-
-    pub(crate) fn pipeline(&mut self, gpu: &Gpu, variant: Variant) -> Result<wgpu::ComputePipeline, GpuError> {
-        if let Some(pipeline) = self.pipelines.get(&variant) {
-            return Ok(pipeline.clone());
-        }
-        let module = shader::compile(gpu, "brush/brush.wgsl", &[(variant.def(), shader::Def::Bool(true))])?;
-        let pipeline = gpu.scoped("the brush kernel", || {
-            let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some("brush"),
-                bind_group_layouts: &[Some(&self.layout)],
-                immediate_size: 0,
-            });
-            Ok(gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some(variant.def()),
-                layout: Some(&layout),
-                module: &module,
-                entry_point: Some("brush"),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                cache: None,
-            }))
-        })?;
-        self.pipelines.insert(variant, pipeline.clone());
-        Ok(pipeline)
-    }
-}
-
-fn entry(
-    binding: u32,
-    ty: wgpu::BufferBindingType,
-    min_bytes: usize,
-    has_dynamic_offset: bool,
-) -> wgpu::BindGroupLayoutEntry {
-    wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer {
-            ty,
-            has_dynamic_offset,
-            min_binding_size: std::num::NonZero::new(min_bytes as u64),
-        },
-        count: None,
-    }
+/// The kernel of shaders/brush/brush.wgsl. Its bindings are numbered as there.
+pub(crate) fn brush(gpu: &Gpu) -> Kernel<Compute> {
+    // The widest element of a buffer takes four words.
+    let of_four = |written| Binding::Elements { bytes: 16, written };
+    let of_words = |written| Binding::Elements { bytes: 4, written };
+    let bindings = [
+        Binding::Uniform(size_of::<BrushStroke>()),
+        Binding::UniformAt(DABS_BYTES as usize),
+        Binding::UniformAt(ITEMS_BYTES as usize),
+        of_four(false),
+        of_four(true),
+        of_four(true),
+        of_words(true),
+        of_words(false),
+        of_words(false),
+        of_words(false),
+        of_words(false),
+    ];
+    Kernel::new(gpu, "brush/brush.wgsl", Compute("brush"), &bindings)
 }
 
 impl BrushStroke {
@@ -251,14 +187,11 @@ impl BrushStroke {
             _ => [0.0, 255.0],
         }
         .map(|v| v as f32);
-        let rows = grid.index_from_world().matrix3.transpose();
-        let normals = DMat3::from_cols(rows.x_axis.normalize(), rows.y_axis.normalize(), rows.z_axis.normalize());
         let scaled = |v: f64| (v * map.codes_per_unit).clamp(f32::MIN.into(), f32::MAX.into()) as f32;
         // In radii: no unit of the grid then changes a bit of what the kernel calculates.
         let length = if brush.radius_mm > 0.0 { brush.radius_mm } else { grid.voxel_mm() };
         Self {
             columns: columns(&(grid.world_from_index.matrix3 * length.recip())),
-            normals: columns(&normals),
             paint,
             dims: grid.dims.map(|d| d as i32),
             low,
@@ -307,10 +240,12 @@ impl BrushDab {
             axis: footprint.layer.map_or(-1, |l| l.axis as i32),
             fraction: (footprint.centre - base).to_array().map(|v| v as f32),
             layer: footprint.layer.map_or(0, |l| l.index as i32),
+            normal: footprint.layer.map_or([0.0; 3], |l| l.normal.to_array().map(|v| v as f32)),
             gain: footprint.gain,
             edge: (reach * reach) as f32,
             thin: u32::from(footprint.thin),
-            unused: 0,
+            unused_a: 0,
+            unused_b: 0,
         }
     }
 }

@@ -6,12 +6,12 @@
 use crate::gpu::brush::kernel::Variant;
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
-use crate::gpu::device::shader;
+use crate::gpu::device::kernel::{Binding, Compute, Kernel};
 use crate::gpu::fields::pools::FieldPools;
 use crate::paint::IndexBox;
 use crate::shared_struct;
 use crate::volume::{BrickIndex, CELLS_PER_BRICK, Cells, Field, FieldKind, LiveCells, SelectedCell, SourceError};
-use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -36,11 +36,10 @@ shared_struct! {
     }
 }
 
-/// Layout, pipelines and buffers that outlive strokes.
+/// The kernel and buffers that outlive strokes.
 #[derive(Debug)]
 pub(crate) struct CellReader {
-    layout: wgpu::BindGroupLayout,
-    pipelines: HashMap<bool, wgpu::ComputePipeline>,
+    kernel: Kernel<Compute>,
     jobs: wgpu::Buffer,
     answers: wgpu::Buffer,
     idle: Vec<wgpu::Buffer>,
@@ -83,34 +82,13 @@ pub(crate) struct LiveBricks {
 impl CellReader {
     pub(crate) fn new(gpu: &Gpu) -> Self {
         use wgpu::BufferUsages as Use;
-        let storage = |binding, read_only| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Buffer {
-                ty: wgpu::BufferBindingType::Storage { read_only },
-                has_dynamic_offset: false,
-                min_binding_size: None,
-            },
-            count: None,
-        };
-        let texture = wgpu::BindGroupLayoutEntry {
-            binding: 0,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Texture {
-                sample_type: wgpu::TextureSampleType::Float { filterable: false },
-                view_dimension: wgpu::TextureViewDimension::D3,
-                multisampled: false,
-            },
-            count: None,
-        };
-        let entries = [texture, storage(1, true), storage(2, false)];
-        let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("brush cells"),
-            entries: &entries,
-        });
+        let bindings = [
+            Binding::Texture(wgpu::TextureViewDimension::D3, wgpu::TextureSampleType::Float { filterable: false }),
+            Binding::Elements { bytes: size_of::<CellsJob>(), written: false },
+            Binding::Elements { bytes: 4, written: true },
+        ];
         Self {
-            layout,
-            pipelines: HashMap::new(),
+            kernel: Kernel::new(gpu, "brush/live_cells.wgsl", Compute("cells_of_block"), &bindings),
             jobs: buffer(gpu, 1 << 12, Use::STORAGE | Use::COPY_DST),
             answers: buffer(gpu, 1 << 16, Use::STORAGE | Use::COPY_SRC),
             idle: Vec::new(),
@@ -118,35 +96,21 @@ impl CellReader {
     }
 
     /// The pipeline for a selection or for density, compiled when first needed.
-    pub(crate) fn prepare(&mut self, gpu: &Gpu, variant: Variant) -> Result<(), GpuError> {
-        let selection = variant == Variant::Selection;
-        if self.pipelines.contains_key(&selection) {
-            return Ok(());
-        }
-        let defs: &[_] = if selection { &[("SELECTION", shader::Def::Bool(true))] } else { &[] };
-        let module = shader::compile(gpu, "brush/live_cells.wgsl", defs)?;
-        let pipeline = gpu.scoped("the cell kernel", || {
-            let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some("brush cells"),
-                bind_group_layouts: &[Some(&self.layout)],
-                immediate_size: 0,
-            });
-            Ok(gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some("brush cells"),
-                layout: Some(&layout),
-                module: &module,
-                entry_point: Some("cells_of_block"),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                cache: None,
-            }))
-        })?;
-        self.pipelines.insert(selection, pipeline);
-        Ok(())
+    pub(crate) fn prepare(&mut self, gpu: &Gpu, variant: Variant) -> Result<wgpu::ComputePipeline, GpuError> {
+        let conditions: &[_] = if variant == Variant::Selection { &["SELECTION"] } else { &[] };
+        self.kernel.pipeline(gpu, conditions, &[], &[])
     }
 
     /// Submits the question for blocks of slots.
-    fn ask(&mut self, gpu: &Gpu, pool: &wgpu::Texture, variant: Variant, asked: &[(CellsJob, Block)]) -> Flight {
+    fn ask(
+        &mut self,
+        gpu: &Gpu,
+        pool: &wgpu::Texture,
+        variant: Variant,
+        asked: &[(CellsJob, Block)],
+    ) -> Result<Flight, GpuError> {
         use wgpu::BufferUsages as Use;
+        let pipeline = self.prepare(gpu, variant)?;
         let (jobs, blocks): (Vec<_>, Vec<_>) = asked.iter().copied().unzip();
         let bytes = (blocks.len() * WORDS * 4) as u64;
         if self.jobs.size() < size_of_val(&jobs[..]) as u64 {
@@ -156,21 +120,14 @@ impl CellReader {
             self.answers = buffer(gpu, bytes, Use::STORAGE | Use::COPY_SRC);
         }
         gpu.queue.write_buffer(&self.jobs, 0, bytemuck::cast_slice(&jobs));
-        let home = match self.idle.iter().position(|b| b.size() >= bytes) {
+        let answer = match self.idle.iter().position(|b| b.size() >= bytes) {
             Some(i) => self.idle.swap_remove(i),
             None => buffer(gpu, bytes, Use::COPY_DST | Use::MAP_READ),
         };
         let view = pool.create_view(&wgpu::TextureViewDescriptor::default());
-        let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
-        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("brush cells"),
-            layout: &self.layout,
-            entries: &[
-                entry(0, wgpu::BindingResource::TextureView(&view)),
-                entry(1, self.jobs.as_entire_binding()),
-                entry(2, self.answers.as_entire_binding()),
-            ],
-        });
+        let texture = wgpu::BindingResource::TextureView(&view);
+        let resources = [texture, self.jobs.as_entire_binding(), self.answers.as_entire_binding()];
+        let group = self.kernel.group(gpu, resources);
         let mut encoder =
             gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("brush cells") });
         {
@@ -178,19 +135,17 @@ impl CellReader {
                 label: Some("brush cells"),
                 timestamp_writes: None,
             });
-            if let Some(pipeline) = self.pipelines.get(&(variant == Variant::Selection)) {
-                pass.set_pipeline(pipeline);
-                pass.set_bind_group(0, &group, &[]);
-                pass.dispatch_workgroups(blocks.len() as u32, 1, 1);
-            }
+            pass.set_pipeline(&pipeline);
+            pass.set_bind_group(0, group.as_ref(), &[]);
+            pass.dispatch_workgroups(blocks.len() as u32, 1, 1);
         }
-        encoder.copy_buffer_to_buffer(&self.answers, 0, &home, 0, bytes);
+        encoder.copy_buffer_to_buffer(&self.answers, 0, &answer, 0, bytes);
         gpu.queue.submit([encoder.finish()]);
         let come: Arc<AtomicBool> = Arc::default();
         let flag = come.clone();
         // A failure leaves it on its way; the stroke's end does without.
-        home.map_async(wgpu::MapMode::Read, .., move |result| flag.store(result.is_ok(), Ordering::Release));
-        Flight { blocks, buffer: home, come }
+        answer.map_async(wgpu::MapMode::Read, .., move |result| flag.store(result.is_ok(), Ordering::Release));
+        Ok(Flight { blocks, buffer: answer, come })
     }
 }
 
@@ -254,7 +209,7 @@ impl LiveBricks {
             }
         }
         for part in asked.chunks(MOST_BLOCKS) {
-            self.flights.push_back(gpu.scoped("painted cells", || Ok(reader.ask(gpu, pool, variant, part)))?);
+            self.flights.push_back(gpu.scoped("painted cells", || reader.ask(gpu, pool, variant, part))?);
         }
         Ok(())
     }

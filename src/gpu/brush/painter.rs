@@ -4,16 +4,18 @@
 //! after a loss of the device. The pools' slots show it in the same frame; the host's fields stay as they are until
 //! [`Painter::finish`]. Knows no history. Direct Volume Editing (2008) section 3, equations 1 and 2.
 
-use crate::gpu::brush::buffers::Chunk;
-use crate::gpu::brush::kernel::{BrushStroke, Kernels, Variant};
+use crate::gpu::brush::buffers::StrokeBuffers;
+use crate::gpu::brush::kernel::{self, BrushStroke, Variant};
 use crate::gpu::brush::live_cells::{CellReader, LiveBricks};
-use crate::gpu::brush::stroke::{Stroke, locked_bits};
-use crate::gpu::brush::submit::{buffer, met};
+use crate::gpu::brush::plan::met;
+use crate::gpu::brush::stroke::{SLOTS_AT_ONCE, Stroke, locked_bits};
+use crate::gpu::brush::submit::Dispatcher;
 use crate::gpu::brush::{live_cells, readback};
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
+use crate::gpu::device::kernel::{Compute, Kernel};
 use crate::gpu::fields::pools::{FieldPools, Fields};
-use crate::paint::{Brush, Dab, Reach, VoxelSet};
+use crate::paint::{Brush, Dab, Footprint, Reach, VoxelSet};
 use crate::volume::{Brick, BrickIndex, BrickKey, Grid, LiveCells, Refresh, Segments};
 use std::collections::{BTreeSet, HashMap};
 
@@ -22,28 +24,16 @@ const BUDGET: u64 = 512 << 20;
 /// Memory kept from stroke to stroke, so that a click does not wait for buffers.
 const KEPT: u64 = 64 << 20;
 
-/// Slots whose texels one submission copies.
-pub(crate) const TAKEN: usize = 128;
-
 /// Paints strokes, one at a time. Long-lived: it keeps pipelines and some buffers.
 #[derive(Debug)]
 pub struct Painter {
-    pub(crate) gpu: Gpu,
-    pub(crate) kernels: Kernels,
-    pub(crate) uniforms: wgpu::Buffer,
-    /// New words of a dispatch, on their way into the slots.
-    pub(crate) next: wgpu::Buffer,
-    /// What each workgroup does.
-    pub(crate) jobs: wgpu::Buffer,
-    pub(crate) locked: wgpu::Buffer,
-    /// Bound where a stroke has no use for a buffer.
-    pub(crate) nothing: wgpu::Buffer,
-    pub(crate) cells: CellReader,
-    spare: Vec<Chunk>,
+    gpu: Gpu,
+    kernel: Kernel<Compute>,
+    dispatcher: Dispatcher,
+    cells: CellReader,
+    spare: Vec<StrokeBuffers>,
     budget_bytes: u64,
-    /// Submissions so far.
-    pub(crate) submits: u64,
-    pub(crate) stroke: Option<Stroke>,
+    stroke: Option<Stroke>,
 }
 
 impl Painter {
@@ -52,21 +42,14 @@ impl Painter {
     /// # Errors
     /// If the device refuses its small buffers.
     pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
-        use wgpu::BufferUsages as Use;
-        let kernels = Kernels::new(gpu)?;
         gpu.scoped("the brush's buffers", || {
             Ok(Self {
-                uniforms: buffer(gpu, "brush uniforms", 1 << 16, Use::UNIFORM | Use::COPY_DST),
-                next: buffer(gpu, "brush words", 1 << 20, Use::STORAGE | Use::COPY_SRC),
-                jobs: buffer(gpu, "brush jobs", 1 << 14, Use::STORAGE | Use::COPY_DST),
-                locked: buffer(gpu, "brush locked", 65_536 / 8, Use::STORAGE | Use::COPY_DST),
-                nothing: buffer(gpu, "brush nothing", 16, Use::STORAGE),
+                kernel: kernel::brush(gpu),
+                dispatcher: Dispatcher::new(gpu),
                 cells: CellReader::new(gpu),
                 gpu: gpu.clone(),
-                kernels,
                 spare: Vec::new(),
                 budget_bytes: BUDGET,
-                submits: 0,
                 stroke: None,
             })
         })
@@ -80,7 +63,7 @@ impl Painter {
 
     /// How often dabs were submitted so far.
     pub fn submits(&self) -> u64 {
-        self.submits
+        self.dispatcher.submits
     }
 
     /// Whether a stroke is running.
@@ -152,8 +135,8 @@ impl Painter {
             constants: BrushStroke::new(brush, grid, target, reach),
             locked: locked_bits(segments),
             dabs: Vec::new(),
-            chunks: Vec::new(),
-            homes: HashMap::new(),
+            buffers: Vec::new(),
+            slots: HashMap::new(),
             live: LiveBricks::default(),
             seen: VoxelSet::default(),
             stale: BTreeSet::new(),
@@ -185,23 +168,24 @@ impl Painter {
         self.gpu.check()?;
         let Some(stroke) = &mut self.stroke else { return Err(NOT_RUNNING) };
         let (kind, target) = (stroke.kind(), fields.get(stroke.kind()));
-        let met = met(dabs, stroke);
+        let laid = |dab: &Dab| dab.footprint(&stroke.brush, &stroke.grid);
+        let footprints: Vec<_> = dabs.iter().filter_map(laid).collect();
+        let met = met(&footprints, stroke.grid.dims);
         let bricks: Vec<_> = met.keys().copied().collect();
         if bricks.is_empty() {
             stroke.dabs.extend_from_slice(dabs);
             return Ok(bricks);
         }
-        let new: Vec<_> = bricks.iter().copied().filter(|b| !stroke.homes.contains_key(b)).collect();
+        let new: Vec<_> = bricks.iter().copied().filter(|b| !stroke.slots.contains_key(b)).collect();
         let slots = if new.is_empty() { Vec::new() } else { pools.pin(&self.gpu, target, &new)? };
         let (Some(texture), Some(format)) = (pools.texture(kind), pools.format(kind)) else {
             return Err(GpuError::Stroke("the pools hold no slots of the field"));
         };
         let variant = Variant::of(target.format(), format);
-        let pipeline = self.kernels.pipeline(&self.gpu, variant)?;
-        let begins = stroke.homes.is_empty();
-        let submitted = self
-            .take(fields, variant, texture, &new, &slots)
-            .and_then(|encoder| self.submit(encoder, texture, &pipeline, variant, dabs, begins));
+        if stroke.slots.is_empty() {
+            self.dispatcher.lock(&self.gpu, &stroke.locked);
+        }
+        let submitted = self.lay(fields, variant, texture, &footprints, new.iter().copied().zip(slots));
         let Some(stroke) = &mut self.stroke else { return Err(NOT_RUNNING) };
         if let Err(error) = submitted {
             stroke.forget(&new);
@@ -214,34 +198,34 @@ impl Painter {
         Ok(bricks)
     }
 
-    /// Places for new slots, with all that the kernel reads of them. What copies their texels there is encoded last, and not
-    /// submitted.
-    fn take(
+    /// Gives new slots places, with all that the kernel reads of them, and submits the dabs on them and on those that have places.
+    fn lay(
         &mut self,
         fields: &Fields<'_>,
         variant: Variant,
         texture: &wgpu::Texture,
-        new: &[BrickIndex],
-        slots: &[[u32; 3]],
-    ) -> Result<wgpu::CommandEncoder, GpuError> {
-        let Self { gpu, stroke, cells, spare, budget_bytes, .. } = self;
+        footprints: &[Footprint],
+        new: impl Iterator<Item = (BrickIndex, [u32; 3])>,
+    ) -> Result<(), GpuError> {
+        let Self { gpu, kernel, dispatcher, cells, spare, budget_bytes, stroke } = self;
         let Some(stroke) = stroke else { return Err(NOT_RUNNING) };
+        let new: Vec<_> = new.collect();
+        let pipeline = kernel.pipeline(gpu, &[variant.condition()], &[], &[])?;
         if live_cells::matters(stroke.kind()) {
             cells.prepare(gpu, variant)?;
-            let target = fields.get(stroke.kind());
-            stroke.live.begin(target, new.iter().copied().zip(slots.iter().copied()))?;
+            stroke.live.begin(fields.get(stroke.kind()), new.iter().copied())?;
         }
         stroke.reserve(gpu, variant, fields.density, new.len(), spare, *budget_bytes)?;
         let begun = || gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("dabs") });
         let mut encoder = begun();
-        for (i, (new, slots)) in new.chunks(TAKEN).zip(slots.chunks(TAKEN)).enumerate() {
+        for (i, new) in new.chunks(SLOTS_AT_ONCE).enumerate() {
             if i > 0 {
                 gpu.queue.submit([std::mem::replace(&mut encoder, begun()).finish()]);
             }
-            stroke.take(gpu, fields, new, slots, &mut encoder, texture)?;
+            stroke.take(gpu, fields, new, &mut encoder, texture)?;
         }
         stroke.renew_gates(gpu, fields)?;
-        Ok(encoder)
+        dispatcher.submit(gpu, (kernel, &pipeline), stroke, footprints, encoder, texture)
     }
 
     /// Takes what has come of the minima and maxima of the running stroke's cells, and asks for those of what was painted since:
@@ -284,8 +268,8 @@ impl Painter {
     ) -> Result<Vec<(BrickIndex, Brick)>, GpuError> {
         let Some(stroke) = &self.stroke else { return Err(NOT_RUNNING) };
         let target = fields.get(stroke.kind());
-        let changed = readback::changed(&self.gpu, &stroke.chunks)?;
-        let bricks = readback::bricks(&self.gpu, pools, target, &stroke.slots(&changed))?;
+        let changed = readback::changed(&self.gpu, &stroke.buffers)?;
+        let bricks = readback::bricks(&self.gpu, pools, target, &stroke.texels_of(&changed))?;
         pools.hand_over(stroke.kind());
         self.end();
         Ok(bricks)
@@ -317,7 +301,7 @@ impl Painter {
     pub fn live(&self, pools: &FieldPools, fields: &Fields<'_>, brick: BrickIndex) -> Result<Option<Brick>, GpuError> {
         let Some(stroke) = &self.stroke else { return Ok(None) };
         let target = fields.get(stroke.kind());
-        Ok(readback::bricks(&self.gpu, pools, target, &stroke.slots(&[brick]))?.pop().map(|(_, brick)| brick))
+        Ok(readback::bricks(&self.gpu, pools, target, &stroke.texels_of(&[brick]))?.pop().map(|(_, brick)| brick))
     }
 
     /// After a loss of the device: paints the running stroke again on a new one, from the host's bricks. Without a running
@@ -339,8 +323,8 @@ impl Painter {
         let dabs = stroke.dabs;
         self.stroke = Some(Stroke {
             dabs: Vec::new(),
-            chunks: Vec::new(),
-            homes: HashMap::new(),
+            buffers: Vec::new(),
+            slots: HashMap::new(),
             live: LiveBricks::default(),
             ..stroke
         });
@@ -353,15 +337,15 @@ impl Painter {
 
     fn end(&mut self) {
         let Some(stroke) = self.stroke.take() else { return };
-        let mut kept: u64 = self.spare.iter().map(Chunk::bytes).sum();
-        for mut chunk in stroke.chunks {
-            if kept + chunk.bytes() <= KEPT {
-                kept += chunk.bytes();
-                chunk.bricks.clear();
-                self.spare.push(chunk);
+        let mut kept: u64 = self.spare.iter().map(StrokeBuffers::bytes).sum();
+        for mut buffers in stroke.buffers {
+            if kept + buffers.bytes() <= KEPT {
+                kept += buffers.bytes();
+                buffers.bricks.clear();
+                self.spare.push(buffers);
             }
         }
     }
 }
 
-pub(crate) const NOT_RUNNING: GpuError = GpuError::Stroke("none is running; begin one first");
+const NOT_RUNNING: GpuError = GpuError::Stroke("none is running; begin one first");

@@ -2,10 +2,9 @@
 //!
 //! Pure arithmetic: from footprints to a [`Plan`]. Its cost follows the dabs and the slots they meet, not the volume.
 
-use crate::gpu::brush::kernel::{
-    BrushDab, BrushItem, DABS_BYTES, GROUP, ITEMS_BYTES, MOST_DABS, PITCH, Variant, choices,
-};
+use crate::gpu::brush::kernel::{BrushDab, BrushItem, DABS_BYTES, ITEMS_BYTES, choices};
 use crate::gpu::brush::stroke::Stroke;
+use crate::gpu::device::constants::{MOST_DABS, ROW_PITCH_BYTES, ROWS_AT_ONCE};
 use crate::paint::{Footprint, IndexBox};
 use crate::volume::{BrickIndex, SLOT, SLOT_VOXELS};
 use std::collections::BTreeMap;
@@ -21,8 +20,19 @@ pub(crate) const GROUP_DABS: usize = 96;
 /// A texel's reading and writing costs as much as so many dabs.
 const TEXEL_DABS: u32 = 4;
 
-const _: () = assert!(GROUP_DABS <= MOST_DABS);
+const _: () = assert!(GROUP_DABS <= MOST_DABS as usize);
 const _: () = assert!(SLOT_VOXELS as u64 * (GROUP_DABS as u64 + TEXEL_DABS as u64) <= MOST_COST);
+
+/// By brick whose slot shows any of the dabs: a box of voxels around what they change in it.
+pub(crate) fn met(footprints: &[Footprint], dims: [u32; 3]) -> BTreeMap<BrickIndex, IndexBox> {
+    let mut met: BTreeMap<BrickIndex, IndexBox> = BTreeMap::new();
+    for footprint in footprints {
+        for brick in footprint.bounds.slots(dims) {
+            met.entry(brick).and_modify(|b| *b = b.union(&footprint.bounds)).or_insert(footprint.bounds);
+        }
+    }
+    met
+}
 
 /// A slot's share of up to [`GROUP_DABS`] dabs that follow each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,8 +66,8 @@ pub(crate) fn groups(footprints: &[Footprint], dims: [u32; 3]) -> Vec<Group<'_>>
 }
 
 impl Work {
-    /// The same in the slot's own texels and words. `next` is the first word of the box among the new words.
-    pub(crate) fn item(&self, brick: BrickIndex, dims: [u32; 3], place: u32, per_word: u32, next: u32) -> BrushItem {
+    /// The same in the slot's own texels; where its new texels go and what is done is left open.
+    pub(crate) fn item(&self, brick: BrickIndex, dims: [u32; 3], place: u32) -> BrushItem {
         let origin = brick.origin().map(|o| o as i32 - 1);
         let mut lo: [u32; 3] = std::array::from_fn(|a| (self.bounds.lo[a] as i32 - origin[a]).max(0) as u32);
         let mut end: [u32; 3] =
@@ -71,12 +81,12 @@ impl Work {
                 end[a] = SLOT;
             }
         }
-        (lo[0], end[0]) = (lo[0] / per_word, end[0].div_ceil(per_word));
+        (lo[0], end[0]) = (lo[0] / 4, end[0].div_ceil(4));
         BrushItem {
             origin,
             place,
             lo,
-            next,
+            next: 0,
             size: std::array::from_fn(|a| end[a] - lo[a]),
             first_dab: self.dabs[0],
             dab_count: self.dabs[1] - self.dabs[0] + 1,
@@ -94,7 +104,7 @@ pub(crate) struct Plan {
     pub(crate) dispatches: Vec<Dispatch>,
     /// Per workgroup of all dispatches: item and workgroup within it.
     pub(crate) jobs: Vec<u32>,
-    /// Bytes of new words of the largest dispatch.
+    /// Bytes of new texels of the largest dispatch.
     pub(crate) next_bytes: u64,
 }
 
@@ -104,29 +114,31 @@ struct Begun {
     items: Vec<BrushItem>,
     copies: Vec<Copy>,
     jobs: Vec<u32>,
-    words: u32,
+    rows: u32,
     cost: u64,
 }
 
 impl Begun {
-    fn add(&mut self, item: BrushItem, slot: [u32; 3], variant: Variant, cost: u64) {
-        self.copies.push(Copy::of(&item, slot, variant));
-        self.words += item.size[1] * item.size[2] * (PITCH / 4);
+    fn add(&mut self, item: BrushItem, slot: [u32; 3], cost: u64) {
+        self.copies.push(Copy::of(&item, slot));
+        let rows = item.size[1] * item.size[2];
+        self.rows += rows;
         let number = (self.items.len() as u32) << 16;
-        self.jobs.extend((0..item.size.iter().product::<u32>().div_ceil(GROUP)).map(|group| number | group));
+        self.jobs.extend((0..rows.div_ceil(ROWS_AT_ONCE)).map(|group| number | group));
         self.items.push(item);
         self.cost += cost;
     }
 }
 
 /// Texels times dabs, and what a texel costs without any.
-fn cost(item: &BrushItem, variant: Variant) -> u64 {
-    u64::from(item.size.iter().product::<u32>() * variant.per_word()) * u64::from(item.dab_count + TEXEL_DABS)
+fn cost(item: &BrushItem) -> u64 {
+    u64::from(item.size.iter().product::<u32>() * 4) * u64::from(item.dab_count + TEXEL_DABS)
 }
 
-/// The work of one group of dabs on slots of one chunk, of [`MOST_COST`] or one slot's.
+/// The work of one group of dabs on slots of the same buffers, of [`MOST_COST`] or one slot's.
 pub(crate) struct Dispatch {
-    pub(crate) chunk: usize,
+    /// Number of those buffers among the stroke's.
+    pub(crate) buffers: usize,
     /// Offsets within the uniforms.
     pub(crate) dabs_at: u32,
     pub(crate) items_at: u32,
@@ -136,7 +148,7 @@ pub(crate) struct Dispatch {
     pub(crate) copies: Vec<Copy>,
 }
 
-/// From a box of new words into a slot.
+/// From a box of new texels into a slot.
 pub(crate) struct Copy {
     pub(crate) offset: u64,
     pub(crate) rows: u32,
@@ -145,41 +157,41 @@ pub(crate) struct Copy {
 }
 
 impl Plan {
-    pub(crate) fn new(stroke: &Stroke, groups: &[Group<'_>], variant: Variant) -> Self {
+    pub(crate) fn new(stroke: &Stroke, groups: &[Group<'_>]) -> Self {
         let mut plan = Self { uniforms: Vec::new(), dispatches: Vec::new(), jobs: Vec::new(), next_bytes: 0 };
         plan.append(bytemuck::bytes_of(&stroke.constants), ALIGNED);
         let choices = choices(&stroke.brush);
         for (dabs, work) in groups {
             let dabs: Vec<_> = dabs.iter().map(BrushDab::new).collect();
             let dabs_at = plan.append(bytemuck::cast_slice(&dabs), DABS_BYTES as usize);
-            for chunk in 0..stroke.chunks.len() {
+            for buffers in 0..stroke.buffers.len() {
                 let mut begun = Begun::default();
                 for (brick, work) in work {
-                    let Some(home) = stroke.homes.get(brick).filter(|h| h.chunk == chunk) else { continue };
-                    let item = work.item(*brick, stroke.grid.dims, home.place, variant.per_word(), begun.words);
-                    let cost = cost(&item, variant);
+                    let Some(slot) = stroke.slots.get(brick).filter(|s| s.buffers == buffers) else { continue };
+                    let item = work.item(*brick, stroke.grid.dims, slot.place);
+                    let cost = cost(&item);
                     if begun.cost > 0 && begun.cost + cost > MOST_COST {
-                        plan.dispatch(chunk, dabs_at, std::mem::take(&mut begun));
+                        plan.dispatch(buffers, dabs_at, std::mem::take(&mut begun));
                     }
-                    begun.add(BrushItem { next: begun.words, choices, ..item }, home.slot, variant, cost);
+                    begun.add(BrushItem { next: begun.rows, choices, ..item }, slot.texel, cost);
                 }
-                plan.dispatch(chunk, dabs_at, begun);
+                plan.dispatch(buffers, dabs_at, begun);
             }
         }
         plan
     }
 
-    fn dispatch(&mut self, chunk: usize, dabs_at: u32, begun: Begun) {
+    fn dispatch(&mut self, buffers: usize, dabs_at: u32, begun: Begun) {
         if begun.items.is_empty() {
             return;
         }
-        let Begun { mut items, copies, jobs, words, cost } = begun;
+        let Begun { mut items, copies, jobs, rows, cost } = begun;
         items[0].first_job = self.jobs.len() as u32;
         let items_at = self.append(bytemuck::cast_slice(&items), ITEMS_BYTES as usize);
-        self.next_bytes = self.next_bytes.max(u64::from(words) * 4);
+        self.next_bytes = self.next_bytes.max(u64::from(rows * ROW_PITCH_BYTES));
         let workgroups = jobs.len() as u32;
         self.jobs.extend(jobs);
-        self.dispatches.push(Dispatch { chunk, dabs_at, items_at, workgroups, cost, copies });
+        self.dispatches.push(Dispatch { buffers, dabs_at, items_at, workgroups, cost, copies });
     }
 
     /// Adds bytes, padded; answers where.
@@ -192,12 +204,12 @@ impl Plan {
 }
 
 impl Copy {
-    /// From the new words of an item's box into its slot.
-    fn of(item: &BrushItem, slot: [u32; 3], variant: Variant) -> Self {
-        let x = item.lo[0] * variant.per_word();
-        let end = ((item.lo[0] + item.size[0]) * variant.per_word()).min(SLOT);
+    /// From the new texels of an item's box into its slot.
+    fn of(item: &BrushItem, slot: [u32; 3]) -> Self {
+        let x = item.lo[0] * 4;
+        let end = ((item.lo[0] + item.size[0]) * 4).min(SLOT);
         Self {
-            offset: u64::from(item.next) * 4,
+            offset: u64::from(item.next * ROW_PITCH_BYTES),
             rows: item.size[1],
             to: [slot[0] + x, slot[1] + item.lo[1], slot[2] + item.lo[2]],
             extent: wgpu::Extent3d { width: end - x, height: item.size[1], depth_or_array_layers: item.size[2] },

@@ -1,7 +1,8 @@
 //! What a stroke left in the pools' slots, back on the host.
 
-use crate::gpu::brush::buffers::{Chunk, at, rows};
-use crate::gpu::brush::kernel::{PITCH, Variant};
+use crate::gpu::brush::buffers::{StrokeBuffers, at, rows};
+use crate::gpu::brush::kernel::Variant;
+use crate::gpu::device::constants::ROW_PITCH_BYTES;
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::fields::pools::FieldPools;
@@ -10,24 +11,24 @@ use crate::volume::{BRICK, BRICK_VOXELS, Brick, BrickIndex, Field};
 /// Bricks of one copy, so that the buffer between stays small.
 const BATCH: usize = 128;
 /// Bytes of 32³ texels' rows at the copies' pitch.
-const RACK: u64 = (BRICK * BRICK * PITCH) as u64;
+const BRICK_PITCH_BYTES: u64 = (BRICK * BRICK * ROW_PITCH_BYTES) as u64;
 const BRICK_EXTENT: wgpu::Extent3d = wgpu::Extent3d { width: BRICK, height: BRICK, depth_or_array_layers: BRICK };
 
 /// The bricks in which a voxel of their own differs from the stroke's start, in order. Waits for the GPU.
-pub(crate) fn changed(gpu: &Gpu, chunks: &[Chunk]) -> Result<Vec<BrickIndex>, GpuError> {
-    let count: usize = chunks.iter().map(|c| c.bricks.len()).sum();
+pub(crate) fn changed(gpu: &Gpu, buffers: &[StrokeBuffers]) -> Result<Vec<BrickIndex>, GpuError> {
+    let count: usize = buffers.iter().map(|b| b.bricks.len()).sum();
     if count == 0 {
         return Ok(Vec::new());
     }
     let flags = read(gpu, "a stroke's changes", count as u64 * 4, |encoder, buffer| {
         let mut offset = 0;
-        for chunk in chunks.iter().filter(|c| !c.bricks.is_empty()) {
-            let bytes = chunk.bricks.len() as u64 * 4;
-            encoder.copy_buffer_to_buffer(&chunk.changed, 0, buffer, offset, bytes);
+        for some in buffers.iter().filter(|b| !b.bricks.is_empty()) {
+            let bytes = some.bricks.len() as u64 * 4;
+            encoder.copy_buffer_to_buffer(&some.changed, 0, buffer, offset, bytes);
             offset += bytes;
         }
     })?;
-    let bricks = chunks.iter().flat_map(|c| &c.bricks);
+    let bricks = buffers.iter().flat_map(|b| &b.bricks);
     let mut changed: Vec<_> =
         bricks.zip(flags.chunks_exact(4)).filter(|(_, flag)| flag.iter().any(|&b| b != 0)).map(|(b, _)| *b).collect();
     changed.sort_unstable();
@@ -48,9 +49,9 @@ pub(crate) fn bricks(
         };
         let variant = Variant::of(field.format(), format);
         let row = BRICK * variant.bytes();
-        let lanes = u64::from(PITCH / row);
-        let place = |i: usize| (i as u64 / lanes) * RACK + (i as u64 % lanes) * u64::from(row);
-        let size = (batch.len() as u64).div_ceil(lanes) * RACK;
+        let beside = u64::from(ROW_PITCH_BYTES / row);
+        let place = |i: usize| (i as u64 / beside) * BRICK_PITCH_BYTES + (i as u64 % beside) * u64::from(row);
+        let size = (batch.len() as u64).div_ceil(beside) * BRICK_PITCH_BYTES;
         let texels = read(gpu, "painted bricks", size, |encoder, buffer| {
             for (i, (_, slot)) in batch.iter().enumerate() {
                 let interior = slot.map(|s| s + 1);
@@ -72,7 +73,7 @@ fn unpack(texels: &[u8], field: &Field, brick: BrickIndex, variant: Variant) -> 
     let mut out = vec![0; BRICK_VOXELS * bytes];
     for z in 0..valid[2] {
         for y in 0..valid[1] {
-            let row = &texels[(z * edge + y) * PITCH as usize..][..valid[0] * variant.bytes() as usize];
+            let row = &texels[(z * edge + y) * ROW_PITCH_BYTES as usize..][..valid[0] * variant.bytes() as usize];
             let to = &mut out[(z * edge + y) * edge * bytes..][..valid[0] * bytes];
             if variant == Variant::CodesInFloats {
                 for (to, from) in to.chunks_exact_mut(2).zip(row.chunks_exact(4)) {

@@ -1,9 +1,8 @@
 //! A stroke while it runs: its constants, its dabs, and where each brick it touched is kept.
 
-use crate::gpu::brush::buffers::{Chunk, Extras, next_capacity, slot_bytes};
+use crate::gpu::brush::buffers::{Extras, StrokeBuffers, next_capacity, slot_bytes};
 use crate::gpu::brush::kernel::{BrushStroke, Variant};
 use crate::gpu::brush::live_cells::LiveBricks;
-use crate::gpu::brush::painter::TAKEN;
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::fields::pools::{FieldPools, Fields};
@@ -12,6 +11,10 @@ use crate::volume::{BrickIndex, Field, FieldKind, Grid, Segments, SourceError};
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap};
 
+/// Slots whose texels one submission copies.
+pub(crate) const SLOTS_AT_ONCE: usize = 128;
+
+/// See the file's head.
 #[derive(Debug)]
 pub(crate) struct Stroke {
     pub(crate) brush: Brush,
@@ -20,9 +23,9 @@ pub(crate) struct Stroke {
     /// A bit for every label.
     pub(crate) locked: Vec<u32>,
     pub(crate) dabs: Vec<Dab>,
-    pub(crate) chunks: Vec<Chunk>,
+    pub(crate) buffers: Vec<StrokeBuffers>,
     /// By touched brick.
-    pub(crate) homes: HashMap<BrickIndex, Home>,
+    pub(crate) slots: HashMap<BrickIndex, StrokeSlot>,
     pub(crate) live: LiveBricks,
     /// What it may paint, if it keeps to the visible surface.
     pub(crate) seen: VoxelSet,
@@ -30,14 +33,15 @@ pub(crate) struct Stroke {
     pub(crate) stale: BTreeSet<BrickIndex>,
 }
 
-/// Where a touched brick is kept.
+/// The slot of a touched brick, and where what is kept of it is.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Home {
-    pub(crate) chunk: usize,
-    /// Within the chunk.
+pub(crate) struct StrokeSlot {
+    /// Number of its buffers among the stroke's.
+    pub(crate) buffers: usize,
+    /// Within those.
     pub(crate) place: u32,
-    /// First texel of its slot in the pool, which keeps it for as long as it is pinned.
-    pub(crate) slot: [u32; 3],
+    /// Its first texel in the pool, which keeps it for as long as it is pinned.
+    pub(crate) texel: [u32; 3],
 }
 
 impl Stroke {
@@ -45,14 +49,14 @@ impl Stroke {
         self.brush.target.field()
     }
 
-    /// Room for further slots, from spare chunks or new ones.
+    /// Room for further slots, in spare buffers or new ones.
     pub(crate) fn reserve(
         &mut self,
         gpu: &Gpu,
         variant: Variant,
         density: &Field,
         count: usize,
-        spare: &mut Vec<Chunk>,
+        spare: &mut Vec<StrokeBuffers>,
         budget_bytes: u64,
     ) -> Result<(), GpuError> {
         let on_density = matches!(self.brush.target, Target::Density(_));
@@ -61,23 +65,23 @@ impl Stroke {
             gate: self.brush.range.is_some() || self.brush.visible_only,
         };
         loop {
-            let room: usize = self.chunks.iter().map(Chunk::room).sum();
+            let room: usize = self.buffers.iter().map(StrokeBuffers::room).sum();
             if room >= count {
                 return Ok(());
             }
             if let Some(i) = spare.iter().position(|c| c.serves(variant, extras)) {
-                self.chunks.push(spare.swap_remove(i));
+                self.buffers.push(spare.swap_remove(i));
                 continue;
             }
             // What does not serve makes room for what does.
             spare.clear();
-            let capacity = next_capacity(count - room, self.homes.len());
-            let held: u64 = self.chunks.iter().map(Chunk::bytes).sum();
+            let capacity = next_capacity(count - room, self.slots.len());
+            let held: u64 = self.buffers.iter().map(StrokeBuffers::bytes).sum();
             let needed = held + u64::from(capacity) * slot_bytes(variant, extras);
             if needed > budget_bytes {
                 return Err(GpuError::StrokeTooLarge { needed, budget: budget_bytes });
             }
-            self.chunks.push(Chunk::new(gpu, variant, extras, capacity)?);
+            self.buffers.push(StrokeBuffers::new(gpu, variant, extras, capacity)?);
         }
     }
 
@@ -86,33 +90,32 @@ impl Stroke {
         &mut self,
         gpu: &Gpu,
         fields: &Fields<'_>,
-        new: &[BrickIndex],
-        slots: &[[u32; 3]],
+        new: &[(BrickIndex, [u32; 3])],
         encoder: &mut wgpu::CommandEncoder,
         texture: &wgpu::Texture,
     ) -> Result<(), GpuError> {
         let (density, new_slots) = (fields.density, new.par_iter());
-        let base = match self.chunks.iter().any(|c| c.base.is_some()) {
-            true => new_slots.clone().map(|&b| density.base_slot(b)).collect::<Result<Vec<_>, _>>()?,
+        let base = match self.buffers.iter().any(|c| c.base.is_some()) {
+            true => new_slots.clone().map(|&(b, _)| density.base_slot(b)).collect::<Result<Vec<_>, _>>()?,
             false => Vec::new(),
         };
         let gate = match self.brush.range.is_some() || self.brush.visible_only {
-            true => new_slots.map(|&b| self.gate_of(density, b)).collect::<Result<Vec<_>, _>>()?,
+            true => new_slots.map(|&(b, _)| self.gate_of(density, b)).collect::<Result<Vec<_>, _>>()?,
             false => Vec::new(),
         };
-        for (i, (brick, &slot)) in new.iter().zip(slots).enumerate() {
-            let Some(home) = self.chunks.iter().position(|c| c.room() > 0) else { continue };
-            let chunk = &mut self.chunks[home];
-            let place = chunk.take(encoder, *brick, texture, slot);
+        for (i, &(brick, texel)) in new.iter().enumerate() {
+            let Some(number) = self.buffers.iter().position(|c| c.room() > 0) else { continue };
+            let buffers = &mut self.buffers[number];
+            let place = buffers.take(encoder, brick, texture, texel);
             let base = base.get(i).map(Vec::as_slice);
             let gate = gate.get(i).map(|bits| bytemuck::cast_slice(bits));
-            for (buffer, bytes) in [(&chunk.base, base), (&chunk.gate, gate)] {
+            for (buffer, bytes) in [(&buffers.base, base), (&buffers.gate, gate)] {
                 if let (Some(buffer), Some(bytes)) = (buffer, bytes) {
                     gpu.queue.write_buffer(buffer, u64::from(place) * bytes.len() as u64, bytes);
                 }
             }
-            self.homes.insert(*brick, Home { chunk: home, place, slot });
-            self.stale.remove(brick);
+            self.slots.insert(brick, StrokeSlot { buffers: number, place, texel });
+            self.stale.remove(&brick);
         }
         Ok(())
     }
@@ -130,15 +133,15 @@ impl Stroke {
     /// Writes the gates of slots anew in which more may be painted by now.
     pub(crate) fn renew_gates(&mut self, gpu: &Gpu, fields: &Fields<'_>) -> Result<(), GpuError> {
         while let Some(&brick) = self.stale.first() {
-            let Some(home) = self.homes.get(&brick) else {
+            let Some(slot) = self.slots.get(&brick) else {
                 self.stale.pop_first();
                 continue;
             };
             let bits = self.gate_of(fields.density, brick)?;
-            if let Some(gate) = &self.chunks[home.chunk].gate {
+            if let Some(gate) = &self.buffers[slot.buffers].gate {
                 gpu.queue.write_buffer(
                     gate,
-                    u64::from(home.place) * (bits.len() * 4) as u64,
+                    u64::from(slot.place) * (bits.len() * 4) as u64,
                     bytemuck::cast_slice(&bits),
                 );
             }
@@ -151,30 +154,30 @@ impl Stroke {
     pub(crate) fn forget(&mut self, new: &[BrickIndex]) {
         self.live.forget(new);
         for brick in new {
-            if let Some(home) = self.homes.remove(brick) {
-                let bricks = &mut self.chunks[home.chunk].bricks;
-                bricks.truncate(bricks.len().min(home.place as usize));
+            if let Some(slot) = self.slots.remove(brick) {
+                let bricks = &mut self.buffers[slot.buffers].bricks;
+                bricks.truncate(bricks.len().min(slot.place as usize));
             }
         }
     }
 
     /// Puts all slots back.
     pub(crate) fn restore(&self, gpu: &Gpu, pools: &FieldPools) -> Result<(), GpuError> {
-        self.copy(gpu, pools, "a cancelled stroke", &self.touched(), Chunk::restore)
+        self.copy(gpu, pools, "a cancelled stroke", &self.touched(), StrokeBuffers::restore)
     }
 
     /// Lets the slots of touched bricks show what they held at the stroke's start, until [`show_painted`](Self::show_painted).
     pub(crate) fn show_start(&mut self, gpu: &Gpu, pools: &FieldPools, bricks: &[BrickIndex]) -> Result<(), GpuError> {
-        let held: BTreeSet<_> = bricks.iter().filter_map(|brick| Some(self.homes.get(brick)?.chunk)).collect();
-        held.into_iter().try_for_each(|chunk| self.chunks[chunk].make_aside(gpu))?;
+        let held: BTreeSet<_> = bricks.iter().filter_map(|brick| Some(self.slots.get(brick)?.buffers)).collect();
+        held.into_iter().try_for_each(|number| self.buffers[number].make_aside(gpu))?;
         // All before the first is put back: slots in place share their aprons.
-        self.copy(gpu, pools, "a stroke put aside", bricks, Chunk::put_aside)?;
-        self.copy(gpu, pools, "a stroke's start", bricks, Chunk::restore)
+        self.copy(gpu, pools, "a stroke put aside", bricks, StrokeBuffers::put_aside)?;
+        self.copy(gpu, pools, "a stroke's start", bricks, StrokeBuffers::restore)
     }
 
     /// Lets them show the stroke again.
     pub(crate) fn show_painted(&self, gpu: &Gpu, pools: &FieldPools, bricks: &[BrickIndex]) -> Result<(), GpuError> {
-        self.copy(gpu, pools, "a stroke put back", bricks, Chunk::put_back)
+        self.copy(gpu, pools, "a stroke put back", bricks, StrokeBuffers::put_back)
     }
 
     /// Copies between the slots of touched bricks and what is kept of them.
@@ -184,16 +187,16 @@ impl Stroke {
         pools: &FieldPools,
         what: &str,
         bricks: &[BrickIndex],
-        copy: impl Fn(&Chunk, &mut wgpu::CommandEncoder, u32, &wgpu::Texture, [u32; 3]),
+        copy: impl Fn(&StrokeBuffers, &mut wgpu::CommandEncoder, u32, &wgpu::Texture, [u32; 3]),
     ) -> Result<(), GpuError> {
         let Some(texture) = pools.texture(self.kind()) else { return Ok(()) };
-        let homes: Vec<_> = bricks.iter().filter_map(|brick| self.homes.get(brick)).collect();
+        let slots: Vec<_> = bricks.iter().filter_map(|brick| self.slots.get(brick)).collect();
         gpu.scoped(what, || {
-            for part in homes.chunks(TAKEN) {
+            for part in slots.chunks(SLOTS_AT_ONCE) {
                 let mut encoder =
                     gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(what) });
-                for home in part {
-                    copy(&self.chunks[home.chunk], &mut encoder, home.place, texture, home.slot);
+                for slot in part {
+                    copy(&self.buffers[slot.buffers], &mut encoder, slot.place, texture, slot.texel);
                 }
                 gpu.queue.submit([encoder.finish()]);
             }
@@ -203,14 +206,14 @@ impl Stroke {
 
     /// The bricks whose slots it shows in, in order.
     pub(crate) fn touched(&self) -> Vec<BrickIndex> {
-        let mut touched: Vec<_> = self.homes.keys().copied().collect();
+        let mut touched: Vec<_> = self.slots.keys().copied().collect();
         touched.sort_unstable();
         touched
     }
 
-    /// These bricks with their slots.
-    pub(crate) fn slots(&self, bricks: &[BrickIndex]) -> Vec<(BrickIndex, [u32; 3])> {
-        bricks.iter().filter_map(|b| self.homes.get(b).map(|h| (*b, h.slot))).collect()
+    /// These bricks with the first texels of their slots.
+    pub(crate) fn texels_of(&self, bricks: &[BrickIndex]) -> Vec<(BrickIndex, [u32; 3])> {
+        bricks.iter().filter_map(|b| self.slots.get(b).map(|slot| (*b, slot.texel))).collect()
     }
 }
 

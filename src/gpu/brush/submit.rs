@@ -1,92 +1,120 @@
 //! Dabs on their way to the GPU: in parts, so that no submission holds the queue for long, however long the stroke.
 //!
-//! Owns the encoding of a [`Plan`]'s dispatches and copies. Uniforms are written anew for every part, ordered before its
-//! submissions by the queue.
+//! Owns the encoding of a [`Plan`]'s dispatches and copies, and the buffers of a frame's work. Uniforms are written anew for every
+//! part, ordered before its submissions by the queue. Reads a stroke that has taken its slots; does not know when one begins or ends.
 
-use crate::gpu::brush::buffers::{Chunk, at, rows};
-use crate::gpu::brush::kernel::{BrushStroke, DABS_BYTES, ITEMS_BYTES, Variant};
-use crate::gpu::brush::painter::{NOT_RUNNING, Painter};
+use crate::gpu::brush::buffers::{StrokeBuffers, at, rows};
+use crate::gpu::brush::kernel::{BrushStroke, DABS_BYTES, ITEMS_BYTES};
 use crate::gpu::brush::plan::{Dispatch, GROUP_DABS, MOST_COST, Plan, groups};
 use crate::gpu::brush::stroke::Stroke;
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
-use crate::paint::{Dab, Footprint, IndexBox};
-use crate::volume::BrickIndex;
-use std::collections::BTreeMap;
+use crate::gpu::device::kernel::{Compute, Kernel};
+use crate::paint::Footprint;
+use wgpu::BufferUsages as Use;
 
 /// Dabs that are planned together.
 const PART: usize = 16 * GROUP_DABS;
 
-/// By brick whose slot shows any of the dabs: a box of voxels around what they change in it.
-pub(crate) fn met(dabs: &[Dab], stroke: &Stroke) -> BTreeMap<BrickIndex, IndexBox> {
-    let mut met: BTreeMap<BrickIndex, IndexBox> = BTreeMap::new();
-    for footprint in footprints(dabs, stroke) {
-        for brick in footprint.bounds.slots(stroke.grid.dims) {
-            met.entry(brick).and_modify(|b| *b = b.union(&footprint.bounds)).or_insert(footprint.bounds);
+/// See the file's head. Long-lived; nothing in the buffers but the locked labels outlives a frame.
+#[derive(Debug)]
+pub(crate) struct Dispatcher {
+    uniforms: wgpu::Buffer,
+    /// New texels of a dispatch, on their way into the slots.
+    next: wgpu::Buffer,
+    /// What each workgroup does.
+    jobs: wgpu::Buffer,
+    locked: wgpu::Buffer,
+    /// Bound where a stroke has no use for a buffer.
+    nothing: wgpu::Buffer,
+    /// Submissions so far.
+    pub(crate) submits: u64,
+}
+
+impl Dispatcher {
+    pub(crate) fn new(gpu: &Gpu) -> Self {
+        Self {
+            uniforms: buffer(gpu, "brush uniforms", 1 << 16, Use::UNIFORM | Use::COPY_DST),
+            next: buffer(gpu, "brush texels", 1 << 20, Use::STORAGE | Use::COPY_SRC),
+            jobs: buffer(gpu, "brush jobs", 1 << 14, Use::STORAGE | Use::COPY_DST),
+            locked: buffer(gpu, "brush locked", 65_536 / 8, Use::STORAGE | Use::COPY_DST),
+            nothing: buffer(gpu, "brush nothing", 16, Use::STORAGE),
+            submits: 0,
         }
     }
-    met
-}
 
-fn footprints(dabs: &[Dab], stroke: &Stroke) -> impl Iterator<Item = Footprint> {
-    dabs.iter().filter_map(|d| d.footprint(&stroke.brush, &stroke.grid))
-}
+    /// Which labels are kept from now on, a bit for each.
+    pub(crate) fn lock(&self, gpu: &Gpu, locked: &[u32]) {
+        gpu.queue.write_buffer(&self.locked, 0, bytemuck::cast_slice(locked));
+    }
 
-impl Painter {
     /// Submits dabs on slots that the stroke has taken. `encoder` has what is to be done before.
     pub(crate) fn submit(
         &mut self,
+        gpu: &Gpu,
+        (kernel, pipeline): (&Kernel<Compute>, &wgpu::ComputePipeline),
+        stroke: &Stroke,
+        footprints: &[Footprint],
         encoder: wgpu::CommandEncoder,
         texture: &wgpu::Texture,
-        pipeline: &wgpu::ComputePipeline,
-        variant: Variant,
-        dabs: &[Dab],
-        begins: bool,
     ) -> Result<(), GpuError> {
-        use wgpu::BufferUsages as Use;
-        let Self { gpu, kernels, uniforms, next, jobs, locked, nothing, stroke, submits, .. } = self;
-        let Some(stroke) = stroke else { return Err(NOT_RUNNING) };
         let new_encoder = || gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("dabs") });
         gpu.scoped("dabs", || {
             let mut encoder = encoder;
+            let mut cost = 0;
+            let mut submits = 0;
             let mut send = |encoder: &mut wgpu::CommandEncoder| {
                 let done = std::mem::replace(encoder, new_encoder());
                 gpu.queue.submit([done.finish()]);
-                *submits += 1;
+                submits += 1;
             };
-            if begins {
-                gpu.queue.write_buffer(locked, 0, bytemuck::cast_slice(&stroke.locked));
-            }
-            let mut cost = 0;
-            for (i, part) in dabs.chunks(PART).enumerate() {
+            for (i, part) in footprints.chunks(PART).enumerate() {
                 if i > 0 {
                     send(&mut encoder);
                     cost = 0;
                 }
-                let footprints: Vec<_> = footprints(part, stroke).collect();
-                let plan = Plan::new(stroke, &groups(&footprints, stroke.grid.dims), variant);
-                grow(gpu, uniforms, plan.uniforms.len() as u64, Use::UNIFORM | Use::COPY_DST);
-                grow(gpu, next, plan.next_bytes, Use::STORAGE | Use::COPY_SRC);
-                grow(gpu, jobs, plan.jobs.len() as u64 * 4, Use::STORAGE | Use::COPY_DST);
-                gpu.queue.write_buffer(uniforms, 0, &plan.uniforms);
-                gpu.queue.write_buffer(jobs, 0, bytemuck::cast_slice(&plan.jobs));
-                let groups: Vec<_> = stroke
-                    .chunks
-                    .iter()
-                    .map(|chunk| bind(gpu, &kernels.layout, chunk, [&*uniforms, next, jobs, locked, nothing]))
-                    .collect();
+                let plan = Plan::new(stroke, &groups(part, stroke.grid.dims));
+                grow(gpu, &mut self.uniforms, plan.uniforms.len() as u64, Use::UNIFORM | Use::COPY_DST);
+                grow(gpu, &mut self.next, plan.next_bytes, Use::STORAGE | Use::COPY_SRC);
+                grow(gpu, &mut self.jobs, plan.jobs.len() as u64 * 4, Use::STORAGE | Use::COPY_DST);
+                gpu.queue.write_buffer(&self.uniforms, 0, &plan.uniforms);
+                gpu.queue.write_buffer(&self.jobs, 0, bytemuck::cast_slice(&plan.jobs));
+                let groups: Vec<_> = stroke.buffers.iter().map(|buffers| self.bind(gpu, kernel, buffers)).collect();
                 for dispatch in &plan.dispatches {
                     if cost > 0 && cost + dispatch.cost > MOST_COST {
                         send(&mut encoder);
                         cost = 0;
                     }
                     cost += dispatch.cost;
-                    encode(&mut encoder, dispatch, pipeline, &groups[dispatch.chunk], next, texture);
+                    encode(&mut encoder, dispatch, pipeline, groups[dispatch.buffers].as_ref(), &self.next, texture);
                 }
             }
             send(&mut encoder);
+            self.submits += submits;
             Ok(())
         })
+    }
+
+    fn bind(&self, gpu: &Gpu, kernel: &Kernel<Compute>, buffers: &StrokeBuffers) -> Option<wgpu::BindGroup> {
+        let Self { uniforms, next, jobs, locked, nothing, .. } = self;
+        let part = |size: u64| {
+            let size = std::num::NonZero::new(size);
+            wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: uniforms, offset: 0, size })
+        };
+        let resources = [
+            part(size_of::<BrushStroke>() as u64),
+            part(DABS_BYTES),
+            part(ITEMS_BYTES),
+            buffers.start.as_entire_binding(),
+            buffers.coverage.as_entire_binding(),
+            next.as_entire_binding(),
+            buffers.changed.as_entire_binding(),
+            buffers.base.as_ref().unwrap_or(nothing).as_entire_binding(),
+            buffers.gate.as_ref().unwrap_or(nothing).as_entire_binding(),
+            locked.as_entire_binding(),
+            jobs.as_entire_binding(),
+        ];
+        kernel.group(gpu, resources)
     }
 }
 
@@ -94,7 +122,7 @@ fn encode(
     encoder: &mut wgpu::CommandEncoder,
     dispatch: &Dispatch,
     pipeline: &wgpu::ComputePipeline,
-    group: &wgpu::BindGroup,
+    group: Option<&wgpu::BindGroup>,
     next: &wgpu::Buffer,
     texture: &wgpu::Texture,
 ) {
@@ -110,38 +138,7 @@ fn encode(
     }
 }
 
-fn bind(
-    gpu: &Gpu,
-    layout: &wgpu::BindGroupLayout,
-    chunk: &Chunk,
-    [uniforms, next, jobs, locked, nothing]: [&wgpu::Buffer; 5],
-) -> wgpu::BindGroup {
-    let part = |size: u64| {
-        wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-            buffer: uniforms,
-            offset: 0,
-            size: std::num::NonZero::new(size),
-        })
-    };
-    let resources = [
-        part(size_of::<BrushStroke>() as u64),
-        part(DABS_BYTES),
-        part(ITEMS_BYTES),
-        chunk.start.as_entire_binding(),
-        chunk.coverage.as_entire_binding(),
-        next.as_entire_binding(),
-        chunk.changed.as_entire_binding(),
-        chunk.base.as_ref().unwrap_or(nothing).as_entire_binding(),
-        chunk.gate.as_ref().unwrap_or(nothing).as_entire_binding(),
-        locked.as_entire_binding(),
-        jobs.as_entire_binding(),
-    ];
-    let entries: Vec<_> =
-        (0_u32..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
-    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("brush"), layout, entries: &entries })
-}
-
-pub(crate) fn buffer(gpu: &Gpu, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+fn buffer(gpu: &Gpu, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
     gpu.device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
 }
 

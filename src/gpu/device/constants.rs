@@ -41,4 +41,14 @@ shared! {
     MASK_BACKGROUND: u32 = 2;
     /// Transmittance under which a ray ends.
     CLEAR_END: f32 = 1.0 / 256.0;
+    /// Dabs of one dispatch of the brush.
+    MOST_DABS: u32 = 256;
+    /// Slots of one dispatch of the brush.
+    MOST_ITEMS: u32 = 128;
+    /// Invocations of a workgroup of the brush, of which each takes a row of texels.
+    ROWS_AT_ONCE: u32 = 64;
+    /// Bytes between rows in buffers that are copied to or from textures.
+    ROW_PITCH_BYTES: u32 = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT;
+    /// Words of a slot's bits that say which of its texels may be painted.
+    GATE_WORDS: u32 = crate::paint::GATE_WORDS as u32;
 }

@@ -14,8 +14,17 @@ use std::collections::HashMap;
 pub(crate) enum Binding {
     /// A uniform buffer of at least so many bytes.
     Uniform(usize),
+    /// A uniform buffer of which so many bytes are bound at an offset that each dispatch gives.
+    UniformAt(usize),
     /// A storage buffer that is read and written.
     Storage,
+    /// A storage buffer of elements of so many bytes, written by the kernel or not.
+    Elements {
+        /// Bytes of the largest element.
+        bytes: usize,
+        /// Whether the kernel writes it.
+        written: bool,
+    },
     /// A texture that is loaded from, or sampled where the sample type says so.
     Texture(wgpu::TextureViewDimension, wgpu::TextureSampleType),
     /// A filtering sampler.
@@ -32,12 +41,15 @@ impl Binding {
     fn entry(self, binding: u32, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayoutEntry {
         let buffer = |ty, bytes: usize| wgpu::BindingType::Buffer {
             ty,
-            has_dynamic_offset: false,
+            has_dynamic_offset: matches!(self, Self::UniformAt(_)),
             min_binding_size: wgpu::BufferSize::new(bytes as u64),
         };
         let ty = match self {
-            Self::Uniform(bytes) => buffer(wgpu::BufferBindingType::Uniform, bytes),
+            Self::Uniform(bytes) | Self::UniformAt(bytes) => buffer(wgpu::BufferBindingType::Uniform, bytes),
             Self::Storage => buffer(wgpu::BufferBindingType::Storage { read_only: false }, 4),
+            Self::Elements { bytes, written } => {
+                buffer(wgpu::BufferBindingType::Storage { read_only: !written }, bytes)
+            }
             Self::Texture(view_dimension, sample_type) => {
                 wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false }
             }

@@ -31,6 +31,11 @@ const LIBRARY: &[(&str, &str)] = files![
     "lib/fade.wgsl",
     "lib/march.wgsl",
     "lib/merge.wgsl",
+    "lib/stroke.wgsl",
+    "lib/coverage.wgsl",
+    "lib/equation.wgsl",
+    "lib/equation_floats.wgsl",
+    "lib/equation_colour.wgsl",
 ];
 
 /// Files with entry points.

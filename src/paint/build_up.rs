@@ -9,7 +9,7 @@ use std::collections::HashMap;
 
 /// See the module's head.
 #[derive(Clone, Debug)]
-pub struct Pile {
+pub struct BuildUpBound {
     edge_mm: f64,
     strength: f64,
     /// By cell: the strengths of the dabs in it and beside it.
@@ -17,7 +17,7 @@ pub struct Pile {
     most: f64,
 }
 
-impl Pile {
+impl BuildUpBound {
     /// Nothing yet of this brush's stroke.
     pub fn new(brush: &Brush, grid: &Grid) -> Self {
         let steps = grid.world_from_index.matrix3;

@@ -1,0 +1,70 @@
+#define_import_path burin::coverage
+// What dabs lay on voxels: G = strength F(d), F = 0 beyond the support (Direct Volume Editing, 2008, equation 2), and what a stroke
+// gathers of it. Four voxels at a time that follow each other along x, so that a dab is read once for four.
+
+#import burin::stroke::{LARGEST, LINEAR, PRODUCT, SMOOTH, Choices, dabs, stroke}
+
+// 1.0
+const ONE: u32 = 0x3f800000u;
+
+fn g_of(i: u32, x: vec4<i32>, yz: vec2<i32>, falloff: u32) -> vec4<f32> {
+    let dab = dabs[i];
+    let ox = vec4<f32>(x - dab.base.x) - dab.fraction.x;
+    let o = vec2<f32>(yz - dab.base.yz) - dab.fraction.yz;
+    let a = stroke.columns[0];
+    let b = stroke.columns[1];
+    let c = stroke.columns[2];
+    var dx = a.x * ox + b.x * o.x + c.x * o.y;
+    var dy = a.y * ox + b.y * o.x + c.y * o.y;
+    var dz = a.z * ox + b.z * o.x + c.z * o.y;
+    let n = dab.normal;
+    let lift = dots(dx, dy, dz, vec4<f32>(n.x), vec4<f32>(n.y), vec4<f32>(n.z));
+    dx -= n.x * lift;
+    dy -= n.y * lift;
+    dz -= n.z * lift;
+    let squared = dots(dx, dy, dz, dx, dy, dz);
+    let r = min(sqrt(squared), vec4<f32>(1.0));
+    let rest = 1.0 - r * r;
+    let f = select(select(vec4<f32>(1.0), 1.0 - r, falloff == LINEAR), rest * rest, falloff == SMOOTH);
+    var g = select(dab.gain * f, vec4<f32>(0.0), squared > vec4<f32>(dab.edge));
+    let held = dab.thin != 0u && all(o > vec2<f32>(-0.5)) && all(o <= vec2<f32>(0.5));
+    let holds = vec4<bool>(held) & (ox > vec4<f32>(-0.5)) & (ox <= vec4<f32>(0.5));
+    g = select(g, vec4<f32>(dab.gain), holds);
+    let beside = (dab.axis == 1 && yz.x != dab.layer) || (dab.axis == 2 && yz.y != dab.layer);
+    let off = vec4<bool>(beside) | (vec4<bool>(dab.axis == 0) & (x != vec4<i32>(dab.layer)));
+    return select(g, vec4<f32>(0.0), off);
+}
+
+// Of four vectors with four others.
+fn dots(ax: vec4<f32>, ay: vec4<f32>, az: vec4<f32>, bx: vec4<f32>, by: vec4<f32>, bz: vec4<f32>) -> vec4<f32> {
+    return vec4<f32>(
+        dot(vec3<f32>(ax.x, ay.x, az.x), vec3<f32>(bx.x, by.x, bz.x)),
+        dot(vec3<f32>(ax.y, ay.y, az.y), vec3<f32>(bx.y, by.y, bz.y)),
+        dot(vec3<f32>(ax.z, ay.z, az.z), vec3<f32>(bx.z, by.z, bz.z)),
+        dot(vec3<f32>(ax.w, ay.w, az.w), vec3<f32>(bx.w, by.w, bz.w)),
+    );
+}
+
+// What is kept of a texel: its largest G, or the sum of G, or what is left of 1 after all factors 1 - G, as bits of an f32; those
+// of 1 flipped where they are of a rest, so that a cleared buffer means untouched.
+fn state_of(kept: vec4<u32>, does: Choices) -> vec4<f32> {
+    return bitcast<vec4<f32>>(kept ^ vec4<u32>(flip(does)));
+}
+
+fn kept_of(state: vec4<f32>, does: Choices) -> vec4<u32> {
+    return bitcast<vec4<u32>>(state) ^ vec4<u32>(flip(does));
+}
+
+fn flip(does: Choices) -> u32 {
+    return select(0u, ONE, does.gather == PRODUCT);
+}
+
+fn gathered(state: vec4<f32>, g: vec4<f32>, does: Choices) -> vec4<f32> {
+    // Subtracting g times the rest, not multiplying by 1 - g: the latter is rounded alike for every dab.
+    let added = select(state + g, state - state * g, does.gather == PRODUCT);
+    return select(added, max(state, g), does.gather == LARGEST);
+}
+
+fn cover_of(state: vec4<f32>, does: Choices) -> vec4<f32> {
+    return select(state, 1.0 - state, does.gather == PRODUCT);
+}
