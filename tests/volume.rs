@@ -1,5 +1,6 @@
 //! Fields, levels, grids and the transfer function.
 
+mod distance;
 mod levels;
 mod presets;
 

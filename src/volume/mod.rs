@@ -6,6 +6,7 @@
 
 mod blocks;
 mod brick;
+mod distance;
 mod field;
 mod first_transfer;
 mod grid;
@@ -26,6 +27,7 @@ mod voxels;
 
 pub use blocks::Region;
 pub use brick::{BRICK, BRICK_VOXELS, Brick, BrickIndex, BrickKey, CELL, CELLS_PER_BRICK, SLOT, SLOT_VOXELS};
+pub use distance::squared_distances;
 pub use field::{BrickSummary, Cells, Changes, Field, FieldKind, Refresh};
 pub use grid::Grid;
 pub use histogram::Histogram;

@@ -32,6 +32,7 @@ mod parts;
 mod past;
 mod pictures;
 mod poses;
+mod poses_walk;
 mod program;
 mod projects;
 mod reach;

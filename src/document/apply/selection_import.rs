@@ -9,7 +9,9 @@ use crate::document::apply::overlap::{Rows, Spread, scan};
 use crate::document::error::DocumentError;
 use crate::document::state::State;
 use crate::math::{DAffine3, DVec3};
-use crate::volume::{BRICK, BRICK_VOXELS, Brick, BrickIndex, BrickSource, Changes, Grid, SourceError, Voxels};
+use crate::volume::{
+    BRICK, BRICK_VOXELS, Brick, BrickIndex, BrickSource, Changes, Grid, SourceError, Voxels, squared_distances,
+};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -225,74 +227,13 @@ impl Ramp {
             return mask.iter().map(|&m| if m == Side::Inside { 255 } else { 0 }).collect();
         }
         let half = self.spacing.min_element() * 0.5;
-        let to_outside = self.squared_distances(mask, size, Side::Outside);
-        let to_inside = self.squared_distances(mask, size, Side::Inside);
+        let to = |side: Side| squared_distances(size, self.spacing, |i| mask[i] == side);
+        let (to_outside, to_inside) = (to(Side::Outside), to(Side::Inside));
         let one = |(&side, (out, ins)): (&Side, (&f64, &f64))| {
             let d = if side == Side::Inside { out.sqrt() - half } else { half - ins.sqrt() };
             ((0.5 + d / self.soften_mm).clamp(0.0, 1.0) * 255.0).round() as u8
         };
         mask.iter().zip(to_outside.iter().zip(&to_inside)).map(one).collect()
-    }
-
-    /// Squared distance in mm² of every voxel to the nearest one where the mask is `goal`: one lower envelope of parabolas along
-    /// each axis in turn (Felzenszwalb and Huttenlocher 2012).
-    fn squared_distances(&self, mask: &[Side], size: [usize; 3], goal: Side) -> Vec<f64> {
-        let mut d: Vec<f64> = mask.iter().map(|&m| if m == goal { 0.0 } else { f64::INFINITY }).collect();
-        let strides = [1, size[0], size[0] * size[1]];
-        for axis in 0..3 {
-            let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-            let mut line = vec![0.0; size[axis]];
-            let mut envelope = Envelope::default();
-            for j in 0..size[v] {
-                for i in 0..size[u] {
-                    let start = i * strides[u] + j * strides[v];
-                    for (k, value) in line.iter_mut().enumerate() {
-                        *value = d[start + k * strides[axis]];
-                    }
-                    envelope.lower(&mut line, self.spacing[axis]);
-                    for (k, value) in line.iter().enumerate() {
-                        d[start + k * strides[axis]] = *value;
-                    }
-                }
-            }
-        }
-        d
-    }
-}
-
-/// Parabolas of a line, as (position, height, where it begins to be lowest).
-#[derive(Default)]
-struct Envelope(Vec<(f64, f64, f64)>);
-
-impl Envelope {
-    /// Replaces f(k) by the least of f(q) + (spacing·(k − q))² over all q.
-    fn lower(&mut self, line: &mut [f64], spacing: f64) {
-        self.0.clear();
-        for (k, &height) in line.iter().enumerate().filter(|(_, h)| h.is_finite()) {
-            let at = k as f64 * spacing;
-            let mut begin = f64::NEG_INFINITY;
-            while let Some(&(q, h, from)) = self.0.last() {
-                begin = ((height + at * at) - (h + q * q)) / (2.0 * (at - q));
-                if begin > from {
-                    break;
-                }
-                self.0.pop();
-                begin = f64::NEG_INFINITY;
-            }
-            self.0.push((at, height, begin));
-        }
-        if self.0.is_empty() {
-            return;
-        }
-        let mut current = 0;
-        for (k, value) in line.iter_mut().enumerate() {
-            let at = k as f64 * spacing;
-            while self.0.get(current + 1).is_some_and(|next| next.2 <= at) {
-                current += 1;
-            }
-            let (q, h, _) = self.0[current];
-            *value = h + (at - q) * (at - q);
-        }
     }
 }
 

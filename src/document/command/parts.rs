@@ -69,8 +69,8 @@ pub enum ExplosionCommand {
     Forces { forces: Forces },
     /// Seed of the explosion points' jitter.
     Seed { value: u64 },
-    /// Runs the simulation to rest.
+    /// Lets the forces take the parts to rest. That is no change of the scene and no step of history.
     Settle {},
-    /// Runs some steps of 1/60 s (what the window does every frame).
+    /// The same for some steps of 1/60 s (what the window does every frame).
     Step { steps: u32 },
 }

@@ -267,7 +267,7 @@ impl Motion {
     pub(crate) fn step(&mut self, state: &State, graphics: &mut Graphics, steps: u32) -> Result<Moved, DocumentError> {
         let moved = self.search_on(state, graphics, steps).and_then(|()| self.lead_on(state, steps));
         // What fails is not tried again before something is another way.
-        let over = moved.as_ref().map_or(true, |moved| !moved.moving && self.is_away(state));
+        let over = moved.as_ref().map_or(true, |moved| steps > 0 && !moved.moving && self.is_away(state));
         self.given_up = over.then(|| Cause::of(&state.scene, self.voxels));
         moved
     }
