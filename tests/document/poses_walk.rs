@@ -1,7 +1,7 @@
 //! Random walks over everything that decides about parts or moves them: what was decided comes back to the byte by undo, redo, saves
 //! and crashes, where parts stand comes back with it, and where they rest depends on what was decided alone.
 //!
-//! Without the viewing force nothing is measured in pictures, so that these walks need no GPU.
+//! Without the viewing force nothing is measured in pictures, so that these walks need no GPU. `BURIN_WALKS` sets how many (4).
 
 use super::maker::{run, state, undone};
 use burin::document::Document;
@@ -267,8 +267,9 @@ impl Walk {
 #[test]
 fn what_is_decided_and_what_is_found_come_back_whatever_was_done_between() {
     let dir = tempfile::tempdir().unwrap();
-    for seed in 0..12 {
-        Walk::new(seed, dir.path()).go(60);
+    let walks = std::env::var("BURIN_WALKS").map_or(4, |n| n.parse().unwrap());
+    for seed in 0..walks {
+        Walk::new(seed, dir.path()).go(40);
     }
 }
 

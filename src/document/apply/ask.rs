@@ -20,14 +20,12 @@ impl Document {
         match question {
             Question::Volume {} => Ok(volume(self.open()?)),
             Question::Scene {} => {
-                let scene = &self.open()?.scene;
-                Ok(json!({ "scene": scene, "poses": self.motion.poses().told(&scene.explosion.parts) }))
+                let mut scene = json!(self.open()?.scene);
+                scene["explosion"]["parts"] = json!(self.standing_parts()?);
+                Ok(json!({ "scene": scene }))
             }
             Question::Parts {} => {
-                let (explosion, poses) = (&self.open()?.scene.explosion, self.motion.poses());
-                let standing = |part: &Part| PartRecord::of(part, poses.of(part));
-                let parts: Vec<PartRecord> = explosion.parts.iter().map(standing).collect();
-                Ok(json!({ "degree": explosion.degree, "parts": parts }))
+                Ok(json!({ "degree": self.open()?.scene.explosion.degree, "parts": self.standing_parts()? }))
             }
             Question::Voxel { at } => {
                 let world = self.resolve(at)?.map(|sample| sample.position);
@@ -80,6 +78,13 @@ impl Document {
                 }))
             }
         }
+    }
+
+    /// The parts and where they stand.
+    fn standing_parts(&self) -> Result<Vec<PartRecord>, DocumentError> {
+        let poses = self.motion.poses();
+        let standing = |part: &Part| PartRecord::of(part, poses.of(part));
+        Ok(self.open()?.scene.explosion.parts.iter().map(standing).collect())
     }
 }
 

@@ -161,7 +161,7 @@ fn one_step() -> u32 {
 pub enum Question {
     /// Grid, type, statistics of the volume.
     Volume {},
-    /// All that was decided; beside it, as `poses`, where the parts stand.
+    /// The whole scene, and where its parts stand.
     Scene {},
     /// Parts with their poses.
     Parts {},
