@@ -2,6 +2,7 @@
 //!
 //! Answers go to stdout, what is wrong to stderr; exit code 0 is done, 2 is not.
 
+use burin::document::answers::Answer;
 use burin::document::{
     Document, DocumentError, KeepError, OpenAs, Opened, Origin, ProjectCommand, USUAL_COMPONENT, Wanted, at_home,
 };
@@ -231,9 +232,9 @@ fn render(
 }
 
 /// Says what is to be known of a document that was opened: what is wrong with it, what came back, what is lost.
-fn tell(path: &Path, answer: &Value) {
-    let warnings = answer["warnings"].as_array().into_iter().flatten().filter_map(Value::as_str);
-    for told in warnings.map(str::to_owned).chain(readout::recovered(&answer["recovered"])) {
+fn tell(path: &Path, answer: &Answer) {
+    let recovered = answer.recovered().and_then(readout::recovered);
+    for told in answer.warnings().map(str::to_owned).chain(recovered) {
         warn(&format!("{}: {told}", path.display()));
     }
 }

@@ -30,7 +30,7 @@ pub fn document(n: u32, folder: &Path) -> Result<Document, Failure> {
 
 /// Does a command.
 pub fn apply(document: &mut Document, command: Value) -> Result<Value, Failure> {
-    Ok(document.apply(serde_json::from_value(command)?)?)
+    Ok(document.apply(serde_json::from_value(command)?)?.to_json()?)
 }
 
 /// A stroke of 40 mm with a ball of 16 mm, `across` mm beside the middle of n³ voxels.

@@ -90,6 +90,11 @@ impl DocumentError {
         Self::Invalid { field: field.into(), found: found.to_string(), expected: expected.into() }
     }
 
+    /// A pixel of the 3D view where only numbers say where it is.
+    pub(super) fn of_picture(field: &str) -> Self {
+        Self::invalid(field, "a pixel of the 3D view", "a place in mm: what a pixel shows is known once it is drawn")
+    }
+
     /// The same of a field inside another.
     pub(super) fn within(self, outer: &str) -> Self {
         match self {

@@ -1,7 +1,8 @@
 //! The document: what is open, what can be done to it, and how it is kept.
 //!
 //! One command set. Buttons, shortcuts, tools, scripts and tests all call [`Document::apply`] with a [`Command`]; every command
-//! answers with what it did, and one that fails has changed nothing. Each noun has its handler file in `handle`; `keep` is the disk. Views and the brush are
+//! answers with what it did, and one that fails has changed nothing. What it does to the scene is in `reduce`, what beyond
+//! that in `apply`; what it means for everything around it in `command::effects`. Views and the brush are
 //! tools: they are saved, and undo leaves both alone. Views, looks, layers and window have a past of their own (`view.back`). Everything
 //! else is undone.
 
@@ -15,17 +16,20 @@ pub(crate) mod journal;
 pub(crate) mod live;
 mod place;
 pub mod project;
+mod reduce;
 mod scene;
 mod state;
 mod watch;
 
 pub use apply::open::Opened;
+pub use command::answers::Saved;
 pub use command::brush::*;
 pub use command::files::*;
 pub use command::parts::*;
 pub use command::paths::at_home;
 pub use command::views::*;
 pub use command::*;
+pub use command::{answers, answers_ask, effects};
 pub use disk::error::KeepError;
 pub use disk::source_files::SourceFiles;
 pub use error::DocumentError;
@@ -37,7 +41,7 @@ pub use journal::loaded::{KeptDocument, Recovered};
 pub use journal::recovery;
 pub use project::read::{LoadedDensity, Wanted};
 pub use project::source::ZarrSource;
-pub use project::store::{DensityKeeping, Saved};
+pub use reduce::{Changed, Ground};
 pub use scene::kept_poses::KeptPoses;
 pub use scene::past::{Past, PastOf};
 pub use scene::slice_plane::{SlicePlane, side_letter};
@@ -46,13 +50,14 @@ pub use state::State;
 pub use watch::Watch;
 
 use crate::document::apply::stroke::Running;
+use crate::document::command::answers::{Answer, Said, StepSaid};
+use crate::document::command::effects::{Noted, Remembered};
 use crate::document::history::edit::Edit;
 use crate::document::history::step::Refreshed;
 use crate::document::live::graphics::Graphics;
 use crate::document::live::motion::Motion;
 use crate::document::scene::past::PastGroup;
 use crate::explode::Poses;
-use serde_json::{Value, json};
 use std::path::PathBuf;
 
 /// See the module's head.
@@ -117,52 +122,60 @@ impl Document {
         self.revision
     }
 
-    /// Does a command. The answer is a JSON object that says what was done; `step` names the new step of history, or is null.
+    /// Does a command and answers what it did; `step` names the new step of history, or is null.
     ///
     /// # Errors
     /// If the command cannot be done; nothing was changed then.
-    pub fn apply(&mut self, command: Command) -> Result<Value, DocumentError> {
+    pub fn apply(&mut self, command: Command) -> Result<Answer, DocumentError> {
         let command = command.at_home()?;
-        if self.running.is_some() && !apply::stroke::leaves_running(&command) {
+        if self.running.is_some() && command.effects().ends_stroke {
             self.finish_stroke()?;
         }
-        let answer = match command {
-            Command::Stroke(command) => return self.stroke(command),
-            Command::Render(command) => return self.render(command),
-            Command::Project(command) => self.project(command)?,
-            Command::History(command) => self.travel(command)?,
-            Command::Volume(command) => self.volume(command)?,
-            Command::Ask(question) => return self.ask(question),
-            command => self.record(command)?,
+        let command = self.in_numbers(command)?;
+        let answer = match &command {
+            Command::Stroke(stroke) => return self.stroke(stroke),
+            Command::Render(render) => return Ok(Answer::from(self.render(render)?)),
+            Command::Ask(question) => return Ok(Answer::from(self.ask(question)?)),
+            Command::Project(project) => self.project(project)?,
+            Command::Volume(volume) => self.volume(volume)?,
+            Command::History(history) => self.travel(history)?,
+            // What they do to the scene is all they do.
+            Command::Transfer(_) | Command::Brush(_) | Command::Part(_) => {
+                self.record(&command, |_, said, _| Ok(said))?
+            }
+            Command::View(view) => self.record(&command, |document, said, _| document.view(view, said))?,
+            Command::Segment(segment) => {
+                self.record(&command, |document, said, edit| document.segment(segment, said, edit))?
+            }
+            Command::Selection(selection) => {
+                self.record(&command, |document, _, edit| document.selection(selection, edit))?
+            }
+            Command::Explosion(explosion) => {
+                self.record(&command, |document, said, _| document.explosion(explosion, said))?
+            }
         };
         self.revision += 1;
         Ok(answer)
     }
 
-    /// Does a command that changes what is open, and makes a step of what it changed.
-    fn record(&mut self, command: Command) -> Result<Value, DocumentError> {
-        let mut edit = Edit::new(self.state.as_ref());
-        let said = command.clone();
-        let before = self.state.as_ref().map(|s| (s.scene.views.clone(), s.scene.looks()));
-        let result = match command {
-            Command::Transfer(command) => self.transfer(command, &mut edit),
-            Command::View(command) => self.view(command, &mut edit),
-            Command::Brush(command) => self.brush(command),
-            Command::Segment(command) => self.segment(command, &mut edit),
-            Command::Selection(command) => self.selection(command, &mut edit),
-            Command::Part(command) => self.part(command, &mut edit),
-            Command::Explosion(command) => self.explosion(command, &mut edit),
-            // `apply` has sent these elsewhere.
-            Command::Project(_)
-            | Command::Volume(_)
-            | Command::Stroke(_)
-            | Command::History(_)
-            | Command::Ask(_)
-            | Command::Render(_) => Ok(json!({})),
-        };
+    /// Does a command that changes what is open, and makes a step of what it changed: first what it does to the scene, then what is
+    /// `beyond` it and needs voxels, disk or GPU, which is given what is said of the scene and says what is answered.
+    fn record(
+        &mut self,
+        command: &Command,
+        beyond: impl FnOnce(&mut Self, Said, &mut Edit) -> Result<Said, DocumentError>,
+    ) -> Result<Answer, DocumentError> {
         let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
-        let mut answer = match result {
-            Ok(answer) => answer,
+        let mut edit = Edit::new(Some(state));
+        let (views, looks) = (state.scene.views.clone(), state.scene.looks());
+        let ground = Ground { grid: state.source.grid(), histogram: &state.histogram, poses: self.motion.poses() };
+        let said = state.scene.apply(command, &ground).and_then(|changed| {
+            edit.name(changed.name);
+            beyond(self, changed.said, &mut edit)
+        });
+        let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
+        let said = match said {
+            Ok(said) => said,
             Err(error) => {
                 let refreshed = edit.roll_back(state)?;
                 self.mirror(&refreshed);
@@ -177,44 +190,42 @@ impl Document {
         let called = edit.called().to_owned();
         let (step, refreshed) = edit.finish(state);
         self.mirror(&refreshed);
-        let new_looks = before.is_some_and(|(views, looks)| self.remember(&said, &called, views, looks));
-        answer["step"] = json!(step.as_ref().map(|s| s.name.clone()));
-        if bricks > 0 {
-            answer["voxels_changed"] = json!(voxels);
-            answer["bricks_touched"] = json!(bricks);
-        }
-        let mut warnings = Vec::new();
+        let effects = command.effects();
+        let new_looks = self.remember(effects.past, &called, views, looks);
+        let step_said = StepSaid {
+            step: step.as_ref().map(|s| s.name.clone()),
+            voxels_changed: (bricks > 0).then_some(voxels),
+            bricks_touched: (bricks > 0).then_some(bricks),
+        };
+        let mut answer = Answer { said, step: Some(step_said), trouble: Vec::new() };
         let synced = step.is_some() || new_looks;
         self.unsaved |= new_looks;
         if let Some(step) = step {
             self.unsaved = true;
-            warnings.extend(self.history.push(step)?);
+            answer.trouble.extend(self.history.push(step)?);
         }
-        // What the simulation finds was decided by nobody. Frames of an animation are worth nothing to anybody; where it ends is.
-        if !matches!(said, Command::Explosion(ExplosionCommand::Step { .. } | ExplosionCommand::Settle {})) {
-            warnings.extend(self.note(&said, &refreshed.bricks, synced));
+        if effects.journal != Noted::Never {
+            answer.trouble.extend(self.note(command, &refreshed.bricks, synced));
         }
-        if answer["moving"] != json!(true) {
+        // Frames of an animation are worth nothing to anybody; where it ends is.
+        if !answer.said.is_moving() {
             self.note_poses();
         }
-        warn(&mut answer, warnings);
         Ok(answer)
     }
 
-    /// Notes what a command changed of views and looks, unless it walked their past. Answers whether looks are other ones.
-    fn remember(&mut self, said: &Command, called: &str, views: Views, looks: Looks) -> bool {
-        let Some(State { scene, past, .. }) = &mut self.state else { return false };
+    /// Notes what a command changed of views and looks. Answers whether looks are other ones.
+    fn remember(&mut self, past: Remembered, called: &str, before: Views, looks: Looks) -> bool {
+        let Some(State { scene, past: behind, .. }) = &mut self.state else { return false };
         let new_looks = !looks.are_of(scene);
         let mut group = self.history.in_group().then_some(&mut self.past_group);
-        match said {
-            Command::View(ViewCommand::Back { .. } | ViewCommand::Forward { .. }) => return new_looks,
-            Command::View(view) if view.moves_view() => {
-                past.viewed(view.change_name(), views, &scene.views, group.as_deref_mut());
-            }
-            _ => {}
+        match past {
+            Remembered::Nothing => return new_looks,
+            Remembered::View => behind.viewed(called, before, &scene.views, group.as_deref_mut()),
+            Remembered::Looks => {}
         }
         if new_looks {
-            past.looked(called, looks, group);
+            behind.looked(called, looks, group);
         }
         new_looks
     }
@@ -256,12 +267,5 @@ impl Document {
 
     fn open_mut(&mut self) -> Result<&mut State, DocumentError> {
         self.state.as_mut().ok_or(DocumentError::NothingOpen)
-    }
-}
-
-/// Adds what went wrong beside what went right.
-fn warn(answer: &mut Value, warnings: Vec<String>) {
-    if !warnings.is_empty() {
-        answer["warning"] = json!(warnings.join("; "));
     }
 }

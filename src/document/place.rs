@@ -1,10 +1,13 @@
 //! From what a command says of a place to a point of the volume at rest.
 
 use crate::document::Document;
-use crate::document::command::Place;
+use crate::document::command::parts::PartCommand;
+use crate::document::command::views::ViewCommand;
+use crate::document::command::{Command, Place};
 use crate::document::error::DocumentError;
+use crate::document::reduce::place::{normal_in, place_in};
 use crate::document::scene::ViewName;
-use crate::document::scene::slice_plane::SlicePlane;
+use crate::document::scene::check::check_size;
 use crate::document::state::State;
 use crate::gpu::Hit;
 use crate::math::{DVec2, DVec3};
@@ -16,47 +19,32 @@ impl Document {
     ///
     /// # Errors
     /// If numbers are not finite, or there is no GPU to look at the 3D view with.
-    pub(super) fn resolve(&mut self, place: Place) -> Result<Option<Sample>, DocumentError> {
+    pub(crate) fn resolve(&mut self, place: Place) -> Result<Option<Sample>, DocumentError> {
         let state = self.open()?;
-        let normal = |view: ViewName| normal_of(state, view);
-        let sample = |position: DVec3, normal: DVec3| Some(Sample { position, normal, pressure: 1.0, breaks: false });
-        let finite = |field: &str, v: &[f64]| {
-            if v.iter().all(|x| x.is_finite()) {
-                Ok(())
-            } else {
-                Err(DocumentError::invalid(field, format!("{v:?}"), "finite numbers"))
+        if let Some(sample) = place_in(place, &state.scene, state.grid())? {
+            return Ok(Some(sample));
+        }
+        let normal = normal_of(state, ViewName::Axial);
+        let Place::Pixel { px, size, .. } = place else { return Ok(None) };
+        let hit = self.pick(DVec2::from_array(px), size)?;
+        Ok(hit.map(|hit| Sample { position: hit.rest, normal, pressure: 1.0, breaks: false }))
+    }
+
+    /// The command with what it names by pixels of a picture put in numbers of the world, so that it means the same whatever is seen.
+    ///
+    /// # Errors
+    /// If nothing shows at such a pixel, or there is no GPU to look with.
+    pub(crate) fn in_numbers(&mut self, command: Command) -> Result<Command, DocumentError> {
+        match command {
+            Command::View(ViewCommand::Crosshair { at }) => {
+                let world = self.resolve(at)?.ok_or_else(|| nothing_there("at", at))?.position;
+                Ok(Command::View(ViewCommand::Crosshair { at: Place::Mm(world.to_array()) }))
             }
-        };
-        match place {
-            Place::Mm(at) => {
-                finite("mm", &at)?;
-                Ok(sample(DVec3::from_array(at), normal(ViewName::Axial)))
+            Command::Part(PartCommand::Split { by, size }) => {
+                let by = self.cuts_of(by, size)?;
+                Ok(Command::Part(PartCommand::Split { by, size: None }))
             }
-            Place::Index(at) => {
-                finite("index", &at)?;
-                let world = state.grid().world_from_index.transform_point3(DVec3::from_array(at));
-                finite("index", &world.to_array())?;
-                Ok(sample(world, normal(ViewName::Axial)))
-            }
-            Place::Pixel { view, px, size } => {
-                finite("px", &px)?;
-                let mut views = state.scene.views.clone();
-                if let (Some(size), Some(i)) = (size, view.slice()) {
-                    views.slices[i].size = check_size(size)?;
-                }
-                match SlicePlane::new(state.grid(), &views, view) {
-                    Some(plane) => {
-                        let world = plane.world(DVec2::from_array(px));
-                        finite("px", &world.to_array())?;
-                        Ok(sample(world, plane.towards_viewer))
-                    }
-                    None => {
-                        let normal = normal(ViewName::Axial);
-                        let hit = self.pick(DVec2::from_array(px), size)?;
-                        Ok(hit.and_then(|hit| sample(hit.rest, normal)))
-                    }
-                }
-            }
+            other => Ok(other),
         }
     }
 
@@ -76,20 +64,12 @@ impl Document {
 }
 
 /// The normal of a slice view.
-pub(super) fn normal_of(state: &State, view: ViewName) -> DVec3 {
-    SlicePlane::new(state.grid(), &state.scene.views, view).map_or(DVec3::Z, |p| p.towards_viewer)
+pub(crate) fn normal_of(state: &State, view: ViewName) -> DVec3 {
+    normal_in(state.grid(), &state.scene.views, view)
 }
 
-/// Most pixels of a picture: with depth and object each takes 24 bytes on the host alone.
-const MAX_PIXELS: u64 = 1 << 26;
-
-/// A picture's size that can be drawn.
-pub(super) fn check_size(size: [u32; 2]) -> Result<[u32; 2], DocumentError> {
-    let pixels = u64::from(size[0]) * u64::from(size[1]);
-    if size.iter().all(|s| (1..=16_384).contains(s)) && pixels <= MAX_PIXELS {
-        Ok(size)
-    } else {
-        let expected = "1 to 16384 pixels either way, 67108864 in all";
-        Err(DocumentError::invalid("size", format!("{size:?}"), expected))
-    }
+/// What a command says that needs a surface where there is none.
+pub(crate) fn nothing_there(field: &str, at: impl serde::Serialize) -> DocumentError {
+    let at = serde_json::json!(at);
+    DocumentError::invalid(field, format!("{at}, where nothing is visible"), "a pixel on a visible surface")
 }

@@ -23,4 +23,4 @@ pub use poses::{PartPose, Poses};
 pub use simulation::{Simulation, Wrench};
 pub use solid::{Nearest, Solid};
 pub use splitters::{axis_plane, depth_plane, line_plane};
-pub use state::{Axis, Explosion, Face, Forces, Part, PartId, PartRecord};
+pub use state::{Axis, Cut, Explosion, Face, Forces, Part, PartId, PartRecord};

@@ -4,7 +4,7 @@
 //! it in place. Knows no camera (see `splitters`) and no forces.
 
 use super::convex;
-use super::{ExplodeError, Explosion, Face, Forces, Part, PartId, Poses};
+use super::{ExplodeError, Explosion, Face, Forces, Part, PartId};
 use crate::math::convex::{area, diameter, mean, polygon, volume};
 use crate::math::{DVec3, Plane, Pose, nearest_region};
 use crate::volume::Grid;
@@ -102,18 +102,9 @@ impl Explosion {
         pairs.fold(0.0, f64::max).sqrt()
     }
 
-    /// Splits a part by a plane of the world where it stands now, exploded or not. The inner half comes first; both keep
-    /// colour, hand and the rest, get new ids, and names that follow from the old one. `None`, and nothing changes, if the
-    /// plane leaves less than a fraction of a voxel on either side.
-    ///
-    /// # Errors
-    /// If there is no such part.
-    pub fn split(&mut self, id: PartId, poses: &Poses, world: &Plane) -> Result<Option<[PartId; 2]>, ExplodeError> {
-        let rest = poses.of(self.part(id)?).unapply_plane(world);
-        self.split_at_rest(id, &rest)
-    }
-
-    /// The same with a plane of the volume at rest, world mm.
+    /// Splits a part by a plane of the volume at rest, world mm. The inner half comes first; both keep colour, hand and the rest, get
+    /// new ids, and names that follow from the old one. `None`, and nothing changes, if the plane leaves less than a fraction of a
+    /// voxel on either side.
     ///
     /// # Errors
     /// If there is no such part.

@@ -5,7 +5,7 @@
 //! exploded or not; [`Explosion::split`] takes them back to rest.
 
 use super::convex::ON_PLANE;
-use super::{Axis, ExplodeError, Explosion, Part, PartId, Poses};
+use super::{Axis, Cut, ExplodeError, Explosion, Part, PartId, Poses};
 use crate::math::convex::{diameter, section};
 use crate::math::{Camera, DVec2, DVec3, Plane, Pose, Projection};
 
@@ -121,23 +121,39 @@ impl Explosion {
         Ok(self.parts.iter().filter(meets).map(|p| p.id).collect())
     }
 
-    /// The line splitter: cuts every part that [`Explosion::meeting`] names; answers their halves, none for a part that the
-    /// plane only grazes.
+    /// The line splitter: where it cuts every part that [`Explosion::meeting`] names.
     ///
     /// # Errors
     /// If the segment has no length.
-    pub fn split_by_line(
-        &mut self,
+    pub fn line_cuts(
+        &self,
         poses: &Poses,
         camera: &Camera,
         from: DVec2,
         to: DVec2,
         size: [u32; 2],
-    ) -> Result<Vec<[PartId; 2]>, ExplodeError> {
+    ) -> Result<Vec<Cut>, ExplodeError> {
         let plane = line_plane(camera, from, to, size)?;
+        let met = self.meeting(poses, camera, from, to, size)?;
+        met.into_iter().map(|part| self.cut_of(part, poses, &plane)).collect()
+    }
+
+    /// Where a plane of the world cuts a part where it stands now, exploded or not.
+    ///
+    /// # Errors
+    /// If there is no such part.
+    pub fn cut_of(&self, part: PartId, poses: &Poses, world: &Plane) -> Result<Cut, ExplodeError> {
+        Ok(Cut { part, plane: poses.of(self.part(part)?).unapply_plane(world) })
+    }
+
+    /// Cuts parts one after another; answers their halves, none for a part that a plane only grazes.
+    ///
+    /// # Errors
+    /// If there is no such part; what was cut before stays cut.
+    pub fn cut(&mut self, cuts: &[Cut]) -> Result<Vec<[PartId; 2]>, ExplodeError> {
         let mut halves = Vec::new();
-        for id in self.meeting(poses, camera, from, to, size)? {
-            halves.extend(self.split(id, poses, &plane)?);
+        for Cut { part, plane } in cuts {
+            halves.extend(self.split_at_rest(*part, plane)?);
         }
         Ok(halves)
     }

@@ -35,6 +35,16 @@ pub struct Face {
     pub cut: bool,
 }
 
+/// Where a part is cut.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Cut {
+    /// The part.
+    pub part: PartId,
+    /// The plane at rest, world mm; the half that it points away from comes first.
+    pub plane: Plane,
+}
+
 /// A convex part of the background, as it was decided.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(from = "PartRecord", into = "PartRecord")]

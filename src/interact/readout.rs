@@ -1,8 +1,8 @@
 //! Numbers and answers as a person reads them in passing: lengths of scale bars, values under the pointer, what a crash left.
 
+use crate::document::answers::{RecoveredSaid, StrokeFate};
 use crate::math::DVec3;
 use crate::volume::{Number, VoxelType};
-use serde_json::Value;
 
 /// The largest 1, 2 or 5 × 10ⁿ that is not longer.
 pub fn round_length(mm: f64) -> f64 {
@@ -144,16 +144,15 @@ pub fn ago(seconds: u64) -> String {
 }
 
 /// What the answer of an opened project says of work that was not saved when the program ended; `None` if there was none.
-pub fn recovered(answer: &Value) -> Option<String> {
-    let steps = answer["steps"].as_u64()?;
-    let torn = answer["torn_bytes"].as_u64().filter(|&n| n > 0);
+pub fn recovered(recovered: &RecoveredSaid) -> Option<String> {
+    let torn = (recovered.torn_bytes > 0).then_some(recovered.torn_bytes);
     let torn = torn
         .map(|n| format!("The step that was being noted when the program ended is lost ({n} bytes of it are there)."));
-    let text = match (answer["stroke"].as_str(), steps) {
-        (Some("painted"), 0) => {
+    let text = match (recovered.stroke, recovered.steps) {
+        (StrokeFate::Painted, 0) => {
             "The stroke that was running when the program ended was brought back as far as it had come"
         }
-        (Some("painted"), _) => {
+        (StrokeFate::Painted, _) => {
             "What was not saved when the program ended was brought back, and the stroke that was running as far as it had \
              come"
         }

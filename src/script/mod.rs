@@ -73,7 +73,7 @@ pub fn run(
 /// What is wrong with the line, or why it cannot be done, in words.
 pub fn perform(document: &mut Document, line: &str) -> Result<Value, String> {
     let command = parse(line).map_err(|e| format!("not a command: {e}; `burin schema` lists them"))?;
-    document.apply(command).map_err(|e| e.to_string())
+    document.apply(command).map_err(|e| e.to_string())?.to_json()
 }
 
 /// A line as a command; what is wrong is told with the path of the field.

@@ -144,7 +144,7 @@ fn a_volume_whose_name_is_not_utf_8_is_saved_whole_and_never_linked() {
         let mut document = Document::new();
         document.keep_unsaved_in(folder.path().join("states"));
         let open = VolumeCommand::Open { path, component: 0, frame: 0, range: None, open_as: OpenAs::Image };
-        let answer = document.apply(Command::Volume(open)).unwrap();
+        let answer = document.apply(Command::Volume(open)).unwrap().to_json().unwrap();
         assert!(answer["warnings"][0].as_str().unwrap().contains("not UTF-8"), "{answer}");
         let save = |density| {
             Command::Project(ProjectCommand::Save { path: Some(folder.path().join("p")), density: Some(density) })

@@ -54,7 +54,7 @@ pub fn labelled() -> Document {
 /// Does a command given as JSON.
 pub fn run(document: &mut Document, line: &str) -> Result<Value, DocumentError> {
     let command: Command = serde_json::from_str(line).unwrap_or_else(|e| panic!("{line}: {e}"));
-    document.apply(command)
+    Ok(document.apply(command)?.to_json().unwrap())
 }
 
 /// Every byte that undo answers for: fields at every level, and the scene but for its tools.

@@ -1,9 +1,11 @@
 //! Commands, history, journal, projects.
 
+mod answers;
 mod before_many_volumes;
 mod brushes;
 mod colours;
 mod doors;
+mod effects;
 mod exploded;
 mod first_look;
 mod fixtures;
@@ -36,6 +38,7 @@ mod poses_walk;
 mod program;
 mod projects;
 mod reach;
+mod reduce;
 mod replies;
 mod rings;
 mod sampling;

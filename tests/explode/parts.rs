@@ -167,7 +167,7 @@ fn a_plane_that_misses_or_grazes_splits_nothing() {
         assert_eq!(explosion, before);
     }
     let plane = Plane { normal: DVec3::X, offset: 0.0 };
-    assert!(matches!(explosion.split(PartId(9), &Poses::default(), &plane), Err(ExplodeError::NoSuchPart { .. })));
+    assert!(matches!(explosion.cut_of(PartId(9), &Poses::default(), &plane), Err(ExplodeError::NoSuchPart { .. })));
 }
 
 #[test]
@@ -203,13 +203,15 @@ fn an_exploded_part_splits_where_the_plane_is_seen() {
     let poses = Poses::found(&explosion.parts, &[pose]);
     // Seen at x = 104: at rest this is y = -4, since the part is turned by a right angle about z.
     let plane = Plane { normal: DVec3::X, offset: 104.0 };
-    let ids = explosion.split(PartId(1), &poses, &plane).unwrap().unwrap();
+    let cut = explosion.cut_of(PartId(1), &poses, &plane).unwrap();
+    let ids = explosion.cut(&[cut]).unwrap()[0];
     let inner = explosion.part(ids[0]).unwrap();
     assert!(inner.vertices.iter().all(|&v| pose.apply(v).x < 104.0 + 1e-9));
     assert!(inner.vertices.iter().all(|v| v.y > -4.0 - 1e-9));
     assert!((inner.volume_mm3() - 14.0 * 400.0).abs() < 1e-6);
     let mut missed = Explosion::whole(&cube(20));
-    assert_eq!(missed.split(PartId(1), &poses, &Plane { normal: DVec3::X, offset: 4.0 }).unwrap(), None);
+    let cut = missed.cut_of(PartId(1), &poses, &Plane { normal: DVec3::X, offset: 4.0 }).unwrap();
+    assert!(missed.cut(&[cut]).unwrap().is_empty());
 }
 
 #[test]

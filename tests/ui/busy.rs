@@ -92,11 +92,11 @@ fn a_jump_over_many_steps_tells_how_far_it_is_and_stops_between_two() {
         listener.lock().unwrap().push(share);
         share < 0.45
     }));
-    let answer = document.apply(Command::History(HistoryCommand::Undo { steps: 5 })).unwrap();
+    let answer = document.apply(Command::History(HistoryCommand::Undo { steps: 5 })).unwrap().to_json().unwrap();
     assert_eq!(answer["undone"].as_array().unwrap().len(), 3, "{answer}");
     assert_eq!(*told.lock().unwrap(), [0.0, 0.2, 0.4, 0.6]);
     assert!(answer["warning"].to_string().contains("after 3 of 5 steps"), "{answer}");
     // One step is whole or not at all.
-    let answer = document.apply(Command::History(HistoryCommand::Redo { steps: 1 })).unwrap();
+    let answer = document.apply(Command::History(HistoryCommand::Redo { steps: 1 })).unwrap().to_json().unwrap();
     assert_eq!((answer["redone"].as_array().unwrap().len(), told.lock().unwrap().len()), (1, 4), "{answer}");
 }

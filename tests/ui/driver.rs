@@ -2,8 +2,8 @@
 
 use super::scene;
 use burin::document::{Command, Scene, ViewCommand};
-use burin::explode::{Part, PartId};
-use burin::math::DVec3;
+use burin::explode::{Explosion, PartId};
+use burin::math::{DVec3, Plane};
 use burin::ui::{App, Canvas, Far, Opened, Recent, Report, Request, Session, Snapshot};
 use burin::volume::{Histogram, Statistics, VoxelType};
 use eframe::egui_wgpu::RenderState;
@@ -20,16 +20,13 @@ pub struct Window {
     serial: u64,
 }
 
-fn part(id: u32, name: &str) -> Part {
-    Part {
-        id: PartId(id),
-        name: name.into(),
-        colour: None,
-        visible: true,
-        held: None,
-        importance: 1.0,
-        faces: Vec::new(),
-        vertices: vec![DVec3::ZERO, DVec3::splat(20.0)],
+/// The volume in two parts.
+fn halves(explosion: &mut Explosion) {
+    let centre = explosion.parts[0].centre();
+    let plane = Plane::through(centre, DVec3::X).unwrap();
+    explosion.split_at_rest(PartId(1), &plane).unwrap();
+    for (part, (id, name)) in explosion.parts.iter_mut().zip([(1, "Left half"), (2, "Right half")]) {
+        (part.id, part.name) = (PartId(id), name.into());
     }
 }
 
@@ -78,7 +75,7 @@ impl Window {
         for id in [1, 2] {
             s.segments.ensure(id);
         }
-        s.explosion.parts = vec![part(1, "Left half"), part(2, "Right half")];
+        halves(&mut s.explosion);
         self.snapshot(|_| {});
         self
     }

@@ -1,6 +1,7 @@
 //! Opening, saving and what is said of it, in a window whose document is the test.
 
 use super::driver::{SMALL, Window};
+use super::replies::{done, saved};
 use burin::document::{Command, OpenAs, ProjectCommand, VolumeCommand};
 use burin::ui::{Gravity, Offer, Recent, Report, Then};
 use burin::volume::FieldKind;
@@ -74,7 +75,7 @@ fn what_a_volume_was_opened_as_is_not_asked_again() {
         let mut window = started(&state);
         let open = serde_json::json!({ "volume": { "open": { "path": volume, "as": name } } });
         let open: Command = serde_json::from_value(open).unwrap();
-        window.report(Report::Done(open.clone(), serde_json::json!({})));
+        window.report(done(open.clone()));
         assert_eq!(Recent::kept_in(state.clone()).entries()[0].open_as, Some(open_as));
         assert_eq!(started(&state).click("Recent 1: atlas.nrrd"), [open], "as {name}, at once");
     }
@@ -103,7 +104,7 @@ fn the_first_steps_are_there_on_the_sample_and_done_by_a_click() {
     let [open] = &window.click("Open the sample head")[..] else { panic!("nothing is opened") };
     let open = open.clone();
     window.snapshot(|_| {});
-    window.report(Report::Done(open.clone(), serde_json::json!({})));
+    window.report(done(open.clone()));
     let selected = serde_json::to_value(window.click("Select the brain")).unwrap();
     let brain = selected[0]["selection"]["import"]["path"].as_str().unwrap();
     assert!(std::fs::metadata(brain).unwrap().len() > 1_000_000);
@@ -115,9 +116,9 @@ fn the_first_steps_are_there_on_the_sample_and_done_by_a_click() {
     window.click("Close the first steps");
     assert!(window.harness.query_by_label("Select the brain").is_none());
     // Another volume is no lesson.
-    window.report(Report::Done(open, serde_json::json!({})));
+    window.report(done(open));
     assert!(window.harness.query_by_label("Select the brain").is_some());
-    window.report(Report::Done(self::open(Path::new("/data/head.nii")), serde_json::json!({})));
+    window.report(done(self::open(Path::new("/data/head.nii"))));
     assert!(window.harness.query_by_label("Select the brain").is_none());
 }
 
@@ -132,7 +133,7 @@ fn a_step_that_is_clicked_early_does_those_before_it() {
         let [open] = &window.click("Open the sample head")[..] else { panic!("nothing is opened") };
         let open = open.clone();
         window.snapshot(|_| {});
-        window.report(Report::Done(open, serde_json::json!({})));
+        window.report(done(open));
         let nouns = |sent: Vec<Command>| -> Vec<String> {
             let nouns =
                 sent.iter().map(|c| serde_json::to_value(c).unwrap().as_object().unwrap().keys().next().cloned());
@@ -181,9 +182,9 @@ fn a_name_is_typed_over_the_one_that_is_offered_and_keeps_the_ending() {
 fn what_was_opened_and_saved_is_listed() {
     let dir = tempfile::tempdir().unwrap();
     let mut window = started(dir.path());
-    window.report(Report::Done(open(Path::new("/data/head.nii")), serde_json::json!({})));
+    window.report(done(open(Path::new("/data/head.nii"))));
     let save = Command::Project(ProjectCommand::Save { path: Some("/data/head.burin".into()), density: None });
-    window.report(Report::Done(save, serde_json::json!({ "path": "/data/head.burin" })));
+    window.report(saved(save, Some("/data/head.burin")));
     let listed: Vec<(PathBuf, bool)> =
         Recent::kept_in(dir.path().into()).entries().iter().map(|s| (s.path.clone(), s.project)).collect();
     assert_eq!(listed, [("/data/head.burin".into(), true), ("/data/head.nii".into(), false)]);
@@ -209,7 +210,7 @@ fn a_path_that_failed_comes_back_with_the_reason() {
     // Once more, and this time it works: nothing is left of it.
     window.harness.key_press_modifiers(Modifiers::NONE, egui::Key::Enter);
     assert_eq!(sent_in_time(&mut window), sent);
-    window.report(Report::Done(sent[0].clone(), serde_json::json!({})));
+    window.report(done(sent[0].clone()));
     window.report(Report::Refused(Box::new(sent[0].clone()), "of another way in".into()));
     assert!(window.harness.query_by_label("Path").is_none());
 }
@@ -229,7 +230,7 @@ fn a_save_that_failed_on_the_way_out_still_closes_once_it_works() {
     assert!(window.harness.query_by_label("the disk is full").is_some());
     let again = window.key(Modifiers::NONE, egui::Key::Enter);
     assert_eq!(again, sent, "the same place once more");
-    window.far.reports.send(Report::Done(again[0].clone(), serde_json::json!({}))).unwrap();
+    window.far.reports.send(done(again[0].clone())).unwrap();
     window.harness.step();
     let output = &window.harness.output().viewport_output[&egui::ViewportId::ROOT];
     assert!(output.commands.contains(&egui::ViewportCommand::Close));
@@ -249,7 +250,7 @@ fn what_was_written_is_said_with_a_way_to_it() {
             "Saved project h.burin",
         ),
     ] {
-        window.report(Report::Done(command, serde_json::json!({})));
+        window.report(done(command));
         assert!(window.harness.query_by_label(said).is_some(), "{said}");
     }
     window.harness.get_by_label("Copy the path of what was written").click();
@@ -271,7 +272,7 @@ fn a_short_word_goes_by_itself_and_lies_over_no_control() {
     for size in [[900.0, 600.0], SMALL] {
         let mut window = Window::open(size);
         let save = Command::Project(ProjectCommand::Save { path: Some("/data/h.burin".into()), density: None });
-        window.report(Report::Done(save, serde_json::json!({})));
+        window.report(done(save));
         let word = window.harness.get_by_label("Saved project h.burin").rect();
         for name in ["Open", "Brush radius", "Axial slice", "Sagittal slice", "Step 1: Stroke", "Degree of explosion"] {
             let control = window.harness.query_by_label(name).map(|c| c.rect());
@@ -301,7 +302,7 @@ fn an_error_goes_with_its_cause() {
 fn a_warning_is_shown_and_words_stand_above_each_other() {
     let mut window = Window::open(SMALL);
     window.report(Report::Message(Gravity::Warning, "it covers a third of the volume (os error 1)".into()));
-    window.report(Report::Done(image("/data/a.png"), serde_json::json!({})));
+    window.report(done(image("/data/a.png")));
     let warning = window.harness.get_by_label("it covers a third of the volume").rect();
     let word = window.harness.get_by_label("Saved picture a.png").rect();
     assert!(warning.bottom() < word.top(), "{warning:?} {word:?}");
@@ -312,7 +313,7 @@ fn a_warning_is_shown_and_words_stand_above_each_other() {
         "the same is said once"
     );
     for i in 0..5 {
-        window.report(Report::Done(image(&format!("/data/{i}.png")), serde_json::json!({})));
+        window.report(done(image(&format!("/data/{i}.png"))));
     }
     let words = window.harness.query_all_by_label_contains("Saved picture").count();
     assert!(words <= 3, "{words} at once");
@@ -325,7 +326,7 @@ fn names_break_no_line() {
     assert!(window.harness.query_by_label("two\\nlines.burin").is_some());
     window.report(Report::Message(Gravity::Error, "two\nlines: it is not there (os error 2)".into()));
     assert!(window.harness.query_by_label("two\\nlines: it is not there").is_some());
-    window.report(Report::Done(image("/data/a\tb.png"), serde_json::json!({})));
+    window.report(done(image("/data/a\tb.png")));
     assert!(window.harness.query_by_label("Saved picture a\\tb.png").is_some());
 }
 
@@ -353,7 +354,7 @@ fn a_list_that_was_emptied_stays_closed_until_something_goes_wrong() {
         assert!(open(&window));
         window.click(empty);
         assert!(!open(&window));
-        window.report(Report::Done(image("/data/a.png"), serde_json::json!({})));
+        window.report(done(image("/data/a.png")));
         assert!(!open(&window), "a word is enough for what went well");
         window.report(Report::Message(Gravity::Error, "two".into()));
         assert!(open(&window));
@@ -377,7 +378,7 @@ fn a_warning_begins_as_a_sentence_does() {
 fn ways_to_a_file_stand_behind_what_is_said_of_it() {
     let mut window = Window::open(SMALL);
     window.report(Report::Message(Gravity::Error, "one".into()));
-    window.report(Report::Done(image("/data/a.png"), serde_json::json!({})));
+    window.report(done(image("/data/a.png")));
     let (text, way) = (window.rect("Saved picture a.png"), window.rect("Show message 2 in its folder"));
     assert!(text.right() <= way.left() && (text.center().y - way.center().y).abs() < 2.0, "{text:?} {way:?}");
 }
@@ -403,7 +404,7 @@ fn a_projects_first_file_stands_for_its_folder() {
 fn words_wait_until_a_question_is_answered() {
     let mut window = Window::open(SMALL);
     window.key(Modifiers::COMMAND, egui::Key::O);
-    window.report(Report::Done(image("/data/a.png"), serde_json::json!({})));
+    window.report(done(image("/data/a.png")));
     let second = (1.0 / f64::from(window.harness.input_mut().predicted_dt)).ceil() as usize;
     window.harness.run_steps(9 * second);
     assert!(window.harness.query_by_label("Saved picture a.png").is_none(), "not over the question");

@@ -1,6 +1,7 @@
 //! What the values of a file mean, how a picture shall be, what is exported: the questions, and the commands that they lead to.
 
 use super::driver::{SMALL, Window};
+use super::replies::lost;
 use burin::document::Command;
 use burin::ui::{Report, Request};
 use egui::Modifiers;
@@ -88,9 +89,7 @@ fn what_was_chosen_waits_for_a_question_that_comes_first() {
     window.harness.input_mut().dropped_files.push(Arc::new(Dropped(path)));
     window.harness.step();
     window.harness.input_mut().dropped_files.clear();
-    let lost = command(json!({ "project": { "lost": {} } }));
-    let answer = json!({ "lost": [{ "id": "1", "origin": "/data/a.nii" }] });
-    window.far.reports.send(Report::Done(lost, answer)).unwrap();
+    window.far.reports.send(lost(&[("1", "/data/a.nii")], Duration::ZERO)).unwrap();
     window.harness.step();
     std::thread::sleep(Duration::from_millis(300));
     window.harness.run_steps(3);

@@ -22,6 +22,7 @@ mod projection;
 mod reach;
 mod real;
 mod recent;
+mod replies;
 mod rescue;
 mod saving;
 mod shown;

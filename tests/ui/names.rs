@@ -1,6 +1,7 @@
 //! Every control can be found and told from the others by its name, whatever the window shows.
 
 use super::driver::{SMALL, Window};
+use super::replies::{done, lost};
 use burin::document::{Command, ProjectCommand};
 use burin::explode::{Part, PartId};
 use burin::paint::Target;
@@ -10,6 +11,7 @@ use egui::Modifiers;
 use egui::accesskit::Role as R;
 use egui_kittest::kittest::NodeT;
 use std::collections::BTreeMap;
+use std::time::Duration;
 
 /// Names of all controls with how often each comes; those without a name are said with their place.
 fn controls(window: &Window) -> (BTreeMap<String, u32>, Vec<String>) {
@@ -67,10 +69,8 @@ pub(super) fn states() -> Vec<(&'static str, Window, &'static str)> {
             window.snapshot(|_| {});
         }
     };
-    let lost = |window: &mut Window| {
-        let each = |id: &str, origin: &str| serde_json::json!({ "id": id, "origin": origin });
-        let lost = serde_json::json!({ "lost": [each("1", "/data/a.nii"), each("2", "/data/b.nii")] });
-        window.report(Report::Done(Command::Project(ProjectCommand::Lost {}), lost));
+    let left = |window: &mut Window| {
+        window.report(lost(&[("1", "/data/a.nii"), ("2", "/data/b.nii")], Duration::ZERO));
     };
     let close = |window: &mut Window| {
         window.snapshot(|s| s.unsaved = true);
@@ -127,11 +127,11 @@ pub(super) fn states() -> Vec<(&'static str, Window, &'static str)> {
     });
     add("what was written", "Copy the path of what was written", &|window| {
         let save = Command::Project(ProjectCommand::Save { path: Some("/data/h.burin".into()), density: None });
-        window.report(Report::Done(save, serde_json::json!({})));
+        window.report(done(save));
     });
     add("what was written, in the list", "Copy the path of message 1", &|window| {
         let save = Command::Project(ProjectCommand::Save { path: Some("/data/h.burin".into()), density: None });
-        window.report(Report::Done(save, serde_json::json!({})));
+        window.report(done(save));
         window.click("Messages");
     });
     add("the labels to choose from", "2  Segment 2", &|window| {
@@ -148,7 +148,7 @@ pub(super) fn states() -> Vec<(&'static str, Window, &'static str)> {
         window.report(Report::Progress(42));
     });
     add("a path to type", "Path", &|window| drop(window.key(Modifiers::COMMAND, egui::Key::O)));
-    add("what a crash left", "Recover b.nii", &lost);
+    add("what a crash left", "Recover b.nii", &left);
     add("a question before closing", "Discard changes", &close);
     let mut empty = Window::empty(SMALL);
     empty.harness.run_steps(3);

@@ -1,13 +1,15 @@
 //! The window as it is painted: grounds, pictures and what lies over them.
 
 use super::driver::{SMALL, Window};
-use burin::document::{Command, ProjectCommand, ViewName};
+use super::replies::lost;
+use burin::document::ViewName;
 use burin::math::DVec3;
 use burin::ui::style::theme;
 use burin::ui::{Canvas, Picture, Report};
 use eframe::egui_wgpu::{RenderState, RendererOptions};
 use egui::Color32;
 use egui_kittest::kittest::Queryable;
+use std::time::Duration;
 
 /// A device as a window has it; `None` where there is none.
 fn render_state() -> Option<RenderState> {
@@ -71,10 +73,7 @@ fn a_question_darkens_the_whole_window_and_is_not_dark_itself() {
     window.report(report);
     let view = window.harness.get_by_label("3D view").rect();
     let lit = window.harness.render().unwrap();
-    window.report(Report::Done(
-        Command::Project(ProjectCommand::Lost {}),
-        serde_json::json!({"lost": [{"id": "a", "origin": "/data/head.nii"}]}),
-    ));
+    window.report(lost(&[("a", "/data/head.nii")], Duration::ZERO));
     let dark = window.harness.render().unwrap();
     let shade = 1.0 - f64::from(theme::SHADE.a()) / 255.0;
     let open = window.harness.get_by_label("Open").rect();

@@ -169,10 +169,11 @@ fn a_stroke_by_hand_is_in_the_saved_project() {
             generation: None,
         }))
         .unwrap();
-    let painted = document.apply(Command::Ask(Question::Field { field: FieldKind::Selection })).unwrap();
+    let painted =
+        document.apply(Command::Ask(Question::Field { field: FieldKind::Selection })).unwrap().to_json().unwrap();
     let count = painted["nonzero"].as_u64().unwrap();
     // A ball of 5 mm drawn along 24 pixels, 31 if the press counted as it fell, in voxels of 8 mm³; a tenth for their corners.
-    let scene = document.apply(Command::Ask(Question::Scene {})).unwrap();
+    let scene = document.apply(Command::Ask(Question::Scene {})).unwrap().to_json().unwrap();
     let slice = &scene["scene"]["views"]["slices"][0];
     let mm_per_px = slice["height_mm"].as_f64().unwrap() / slice["size"][1].as_f64().unwrap();
     let voxels = |px: f64| (4.0 / 3.0 * 125.0 + 25.0 * px * mm_per_px) * std::f64::consts::PI / 8.0;

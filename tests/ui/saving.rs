@@ -1,11 +1,13 @@
 //! Saving, what waits for it, and what a crash left.
 
 use super::driver::{SMALL, Window};
+use super::replies::{self, recovered, saved};
 use burin::document::{Command, DensityKeeping, ProjectCommand, VolumeCommand};
 use burin::ui::{Gravity, Report};
 use egui::{Modifiers, ViewportCommand, ViewportEvent, ViewportId};
 use egui_kittest::kittest::Queryable;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// A window with unsaved work, in a project if one is named.
 fn unsaved(project: Option<&str>) -> Window {
@@ -37,7 +39,7 @@ fn save(path: Option<&str>) -> Command {
 
 /// The save is done; answers whether the window closes, and what it asks for next.
 fn done(window: &mut Window, command: Command) -> (bool, Vec<Command>) {
-    window.far.reports.send(Report::Done(command, serde_json::json!({ "saved": {} }))).unwrap();
+    window.far.reports.send(saved(command, None)).unwrap();
     let mut closes = false;
     for _ in 0..3 {
         window.harness.step();
@@ -109,8 +111,7 @@ fn what_a_crash_left_is_said() {
     let mut window = Window::open(SMALL);
     let open =
         Command::Project(ProjectCommand::Open { path: "/data/head.burin".into(), source: None, generation: None });
-    let answer = serde_json::json!({ "recovered": { "steps": 2, "last": null, "stroke": "painted" } });
-    window.report(Report::Done(open, answer));
+    window.report(recovered(open, 2));
     let said = "What was not saved when the program ended was brought back, \
         and the stroke that was running as far as it had come. Save to keep it.";
     assert!(window.harness.query_by_label(said).is_some());
@@ -119,19 +120,14 @@ fn what_a_crash_left_is_said() {
     for then in [save(None), other] {
         let open =
             Command::Project(ProjectCommand::Open { path: "/data/head.burin".into(), source: None, generation: None });
-        let answer = serde_json::json!({ "recovered": { "steps": 2, "last": null, "stroke": "painted" } });
-        window.report(Report::Done(open, answer));
+        window.report(recovered(open, 2));
         assert!(window.harness.query_by_label(said).is_some());
-        window.report(Report::Done(then, serde_json::json!({})));
+        window.report(replies::done(then));
         assert!(window.harness.query_by_label(said).is_none());
     }
 
     let mut window = Window::empty(SMALL);
-    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap().as_secs();
-    let lost = serde_json::json!({ "lost": [
-        { "id": "1-a", "origin": "/data/head.nii.gz", "changed": { "secs_since_epoch": now - 7500, "nanos_since_epoch": 0 } }
-    ] });
-    window.report(Report::Done(Command::Project(ProjectCommand::Lost {}), lost));
+    window.report(replies::lost(&[("1-a", "/data/head.nii.gz")], Duration::from_secs(7500)));
     assert!(window.harness.query_by_label("2 hours ago").is_some());
     let recover = Command::Project(ProjectCommand::Recover { id: "1-a".into() });
     assert_eq!(window.click("Recover head.nii.gz"), [recover]);
@@ -139,9 +135,8 @@ fn what_a_crash_left_is_said() {
 
 /// What a crash left of two files.
 fn lost(window: &mut Window) {
-    let each = |id: &str, origin: &str| serde_json::json!({ "id": id, "origin": origin });
-    let answer = serde_json::json!({ "lost": [each("1-a", "/data/head.nii.gz"), each("2-b", "/data/skull.nrrd")] });
-    window.report(Report::Done(Command::Project(ProjectCommand::Lost {}), answer));
+    let left = [("1-a", "/data/head.nii.gz"), ("2-b", "/data/skull.nrrd")];
+    window.report(replies::lost(&left, Duration::ZERO));
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use crate::document::maker::{run, write_nrrd};
 use crate::document::maker_gpu::{block, cut, select};
+use burin::document::answers_ask::VoxelSaid;
 use burin::document::{Command, Document, ViewName};
 use burin::math::{DVec3, Pose};
 use burin::ui::{Gravity, Report, Request, Session, Snapshot, spawn};
@@ -29,7 +30,7 @@ struct Desk {
     /// Serial of the last picture of the 3D view.
     shows: u64,
     /// What was under the pointer last.
-    probe: serde_json::Value,
+    probe: Option<VoxelSaid>,
 }
 
 impl Desk {
@@ -43,7 +44,7 @@ impl Desk {
             moved: false,
             refining: false,
             shows: 0,
-            probe: serde_json::Value::Null,
+            probe: None,
         }
     }
 
@@ -258,16 +259,17 @@ fn what_lies_under_the_pointer_is_asked_of_the_document_as_it_is_now() {
     let Some(document) = block() else { return };
     let mut desk = Desk::new(document);
     desk.rest(0);
+    let selected = |d: &Desk| d.probe.as_ref().and_then(|voxel| voxel.values.as_ref()).unwrap().selection;
     let size = [64, 64];
     let probe = Request::Probe { view: ViewName::Axial, px: burin::math::DVec2::splat(32.0), size };
     desk.session.send(probe.clone());
-    desk.until("it answers", |d| d.probe["inside"] == true);
-    assert_eq!(desk.probe["selection"], 0.0);
+    desk.until("it answers", |d| d.probe.as_ref().is_some_and(|voxel| voxel.inside));
+    assert_eq!(selected(&desk), 0.0);
     desk.apply(r#"{"brush":{"set":{"target":{"selection":1},"radius_mm":9,"falloff":"hard"}}}"#);
     let at = r#"{"pixel":{"view":"axial","px":[32,32],"size":[64,64]}}"#;
     desk.apply(&format!(r#"{{"stroke":{{"paint":{{"points":[{{"at":{at}}}]}}}}}}"#));
     desk.session.send(probe);
-    desk.until("it follows", |d| d.probe["selection"] == 1.0);
+    desk.until("it follows", |d| selected(d) == 1.0);
     desk.close();
 }
 

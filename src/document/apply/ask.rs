@@ -1,83 +1,90 @@
 //! Questions; they change nothing.
 
 use crate::document::Document;
-use crate::document::apply::view::checked;
 use crate::document::command::Question;
+use crate::document::command::answers::{Said, SceneSaid};
+use crate::document::command::answers_ask::{
+    FieldSaid, HiddenBy, HistorySaid, HitSaid, PartsSaid, PastCounts, PickSaid, VisibilitySaid, VolumeSaid, VoxelSaid,
+    VoxelValues,
+};
 use crate::document::error::DocumentError;
 use crate::document::frame::WHOLE;
-use crate::document::place::check_size;
+use crate::document::scene::check::check_size;
+use crate::document::scene::check::safe_camera;
 use crate::document::scene::past::PastOf;
 use crate::document::state::State;
 use crate::explode::{Part, PartRecord};
 use crate::math::DVec2;
 use crate::volume::{BrickIndex, FieldKind, Number, SourceError, Total};
 use rayon::prelude::*;
-use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
 impl Document {
-    pub(crate) fn ask(&mut self, question: Question) -> Result<Value, DocumentError> {
-        match question {
-            Question::Volume {} => Ok(volume(self.open()?)),
-            Question::Scene {} => {
-                let mut scene = json!(self.open()?.scene);
-                scene["explosion"]["parts"] = json!(self.standing_parts()?);
-                Ok(json!({ "scene": scene }))
-            }
+    pub(crate) fn ask(&mut self, question: &Question) -> Result<Said, DocumentError> {
+        Ok(match *question {
+            Question::Volume {} => volume(self.open()?).into(),
+            Question::Scene {} => SceneSaid { scene: self.open()?.scene.clone(), parts: self.standing_parts()? }.into(),
             Question::Parts {} => {
-                Ok(json!({ "degree": self.open()?.scene.explosion.degree, "parts": self.standing_parts()? }))
+                PartsSaid { degree: self.open()?.scene.explosion.degree, parts: self.standing_parts()? }.into()
             }
             Question::Voxel { at } => {
                 let world = self.resolve(at)?.map(|sample| sample.position);
-                world.map_or(Ok(json!({ "inside": false })), |world| voxel(self.open()?, world))
+                match world {
+                    Some(world) => voxel(self.open()?, world)?.into(),
+                    None => VoxelSaid::default().into(),
+                }
             }
-            Question::Field { field } => Ok(sums(self.open()?, field)?),
+            Question::Field { field } => sums(self.open()?, field)?.into(),
             Question::History {} => {
                 let (memory, disk) = self.history.bytes();
                 let past = |of| {
                     let (back, forward) = self.state.as_ref().map_or((0, 0), |s| s.past.counts(Some(of)));
-                    json!({ "back": back, "forward": forward })
+                    PastCounts { back, forward }
                 };
-                Ok(json!({
-                    "undo": self.history.undo_names().rev().collect::<Vec<_>>(),
-                    "redo": self.history.redo_names().collect::<Vec<_>>(),
-                    "memory": memory,
-                    "disk": disk,
-                    "budget": self.history.budget_bytes(),
-                    "views": past(PastOf::Views),
-                    "looks": past(PastOf::Looks),
-                }))
+                HistorySaid {
+                    undo: self.history.undo_names().rev().map(str::to_owned).collect(),
+                    redo: self.history.redo_names().map(str::to_owned).collect(),
+                    memory,
+                    disk,
+                    budget: self.history.budget_bytes(),
+                    views: past(PastOf::Views),
+                    looks: past(PastOf::Looks),
+                }
+                .into()
             }
             Question::Pick { px, size } => {
-                let Some(hit) = self.pick(DVec2::from_array(px), size)? else { return Ok(json!({ "hit": null })) };
+                let Some(hit) = self.pick(DVec2::from_array(px), size)? else {
+                    return Ok(PickSaid { hit: None }.into());
+                };
                 let state = self.open()?;
                 let index = state.grid().index_from_world().transform_point3(hit.rest);
-                Ok(json!({ "hit": {
-                    "mm": hit.world.to_array(),
-                    "rest_mm": hit.rest.to_array(),
-                    "index": index.to_array(),
-                    "part": state.part_at(hit.body, hit.rest)?,
-                    "selection": hit.body == WHOLE && !state.selection.is_blank(),
-                    "depth_mm": hit.depth_mm,
-                } }))
+                let hit = HitSaid {
+                    mm: hit.world.to_array(),
+                    rest_mm: hit.rest.to_array(),
+                    index: index.to_array(),
+                    part: state.part_at(hit.body, hit.rest)?,
+                    selection: hit.body == WHOLE && !state.selection.is_blank(),
+                    depth_mm: hit.depth_mm,
+                };
+                PickSaid { hit: Some(hit) }.into()
             }
             Question::Visibility { camera, size } => {
                 let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
                 let views = &state.scene.views;
-                let camera = checked(camera.unwrap_or(views.camera), &state.grid().world_bounds())?;
+                let camera = safe_camera(camera.unwrap_or(views.camera), &state.grid().world_bounds())?;
                 let size = check_size(size.unwrap_or(views.size))?;
                 let frame = state.parted_frame(self.motion.poses(), &camera, size);
                 let seen = self.graphics.visibility(state, &frame)?;
-                let hidden: Vec<Value> =
-                    seen.hidden_by.iter().map(|(id, px)| json!({ "part": id, "pixels": px })).collect();
-                Ok(json!({
-                    "share": seen.share(),
-                    "selected": seen.selected,
-                    "visible": seen.visible,
-                    "hidden_by": hidden,
-                }))
+                let hidden = seen.hidden_by.iter().map(|&(part, pixels)| HiddenBy { part, pixels });
+                VisibilitySaid {
+                    share: seen.share(),
+                    selected: seen.selected,
+                    visible: seen.visible,
+                    hidden_by: hidden.collect(),
+                }
+                .into()
             }
-        }
+        })
     }
 
     /// The parts and where they stand.
@@ -88,7 +95,7 @@ impl Document {
     }
 }
 
-pub(crate) fn volume(state: &State) -> Value {
+pub(crate) fn volume(state: &State) -> VolumeSaid {
     let grid = state.grid();
     let m = grid.world_from_index;
     let rows: [[f64; 4]; 3] = std::array::from_fn(|r| {
@@ -98,41 +105,41 @@ pub(crate) fn volume(state: &State) -> Value {
     let [min, max, sum] = state.statistics.numbers();
     // Of a volume without a finite value there is neither.
     let [min, max] = [min, max].map(|n| (!n.is_nan()).then_some(n));
-    json!({
-        "name": state.source.name(),
-        "dims": grid.dims,
-        "voxel_type": state.source.voxel_type(),
-        "world_from_index": rows,
-        "spacing_mm": grid.spacing().to_array(),
-        "min": min, "max": max, "sum": sum, "nan_count": state.statistics.nan_count,
-        "texels": state.density.format(),
-        "half_step": state.half_step(),
-        "levels": state.density.level_count(),
-    })
+    VolumeSaid {
+        name: state.source.name().to_owned(),
+        dims: grid.dims,
+        voxel_type: state.source.voxel_type(),
+        world_from_index: rows,
+        spacing_mm: grid.spacing().to_array(),
+        min,
+        max,
+        sum,
+        nan_count: state.statistics.nan_count,
+        texels: state.density.format(),
+        half_step: state.half_step(),
+        levels: state.density.level_count(),
+    }
 }
 
-fn voxel(state: &State, world: crate::math::DVec3) -> Result<Value, DocumentError> {
+fn voxel(state: &State, world: crate::math::DVec3) -> Result<VoxelSaid, DocumentError> {
     let index = state.grid().index_from_world().transform_point3(world);
-    let Some(voxel) = state.grid().voxel_at(index) else {
-        return Ok(json!({ "inside": false, "mm": world.to_array(), "index": index.to_array() }));
-    };
+    let place = VoxelSaid { mm: Some(world.to_array()), index: Some(index.to_array()), ..VoxelSaid::default() };
+    let Some(voxel) = state.grid().voxel_at(index) else { return Ok(place) };
     let texel = state.colour.texel(voxel)?;
     let label = state.labels.value(voxel)? as u16;
     let values = state.density.values(voxel, [1; 3])?;
     let painted = values.painted.first().map(|&(_, value)| value);
     let own = values.unpainted(0);
-    Ok(json!({
-        "inside": true,
-        "mm": world.to_array(),
-        "index": index.to_array(),
-        "voxel": voxel,
-        "density": painted.map_or(own, Number::Real),
-        "half_step": painted.map_or(0.0, |value| state.half_step_at(value, own.to_f64())),
-        "colour": texel.map(|c| f32::from(c) / 255.0),
-        "selection": state.selection.value(voxel)?,
-        "label": label,
-        "segment": state.scene.segments.get(label).map(|s| s.name.clone()),
-    }))
+    let values = VoxelValues {
+        voxel,
+        density: painted.map_or(own, Number::Real),
+        half_step: painted.map_or(0.0, |value| state.half_step_at(value, own.to_f64())),
+        colour: texel.map(|c| f32::from(c) / 255.0),
+        selection: state.selection.value(voxel)?,
+        label,
+        segment: state.scene.segments.get(label).map(|s| s.name.clone()),
+    };
+    Ok(VoxelSaid { inside: true, values: Some(values), ..place })
 }
 
 #[derive(Default)]
@@ -185,7 +192,7 @@ impl Sums {
 
 /// Sum, count of non-zero, smallest and largest of the finite values; colour counts by its alpha. Brick by brick in order, so
 /// that the answer is the same on every run.
-fn sums(state: &State, kind: FieldKind) -> Result<Value, SourceError> {
+fn sums(state: &State, kind: FieldKind) -> Result<FieldSaid, SourceError> {
     let field = state.field(kind);
     let one = |index: BrickIndex| -> Result<Sums, SourceError> {
         let mut sums = Sums::default();
@@ -212,16 +219,13 @@ fn sums(state: &State, kind: FieldKind) -> Result<Value, SourceError> {
     };
     let bricks = field.brick_indices(0).into_par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
     let sums = bricks.into_iter().fold(Sums::default(), Sums::join);
-    let mut answer = json!({
-        "field": kind.name(),
-        "sum": sums.sum(),
-        "nonzero": sums.nonzero,
-        "min": sums.ends.map(|[min, _]| min),
-        "max": sums.ends.map(|[_, max]| max),
-        "edited_bricks": field.edits().len(),
-    });
-    if kind == FieldKind::Labels {
-        answer["voxels_by_label"] = json!(sums.labels);
-    }
-    Ok(answer)
+    Ok(FieldSaid {
+        field: kind.name(),
+        sum: sums.sum(),
+        nonzero: sums.nonzero,
+        min: sums.ends.map(|[min, _]| min),
+        max: sums.ends.map(|[_, max]| max),
+        edited_bricks: field.edits().len(),
+        voxels_by_label: (kind == FieldKind::Labels).then_some(sums.labels),
+    })
 }

@@ -1,75 +1,59 @@
-//! Commands on the degree of explosion and the forces.
+//! Commands on the explosion, as far as the scene alone does not say what they do: where forces take parts, and what is missing for it.
 
 use crate::document::Document;
+use crate::document::command::answers::{DegreeSaid, MovedSaid, Said, SettledSaid};
 use crate::document::command::parts::ExplosionCommand;
 use crate::document::error::DocumentError;
-use crate::document::history::edit::Edit;
 use crate::explode::PartPose;
-use serde_json::{Value, json};
 
 /// Steps of one command: more than a minute of animation is a slip.
 const MOST_STEPS: u32 = 3600;
 
 impl Document {
-    pub(crate) fn explosion(&mut self, command: ExplosionCommand, edit: &mut Edit) -> Result<Value, DocumentError> {
-        let explosion = &mut self.open_mut()?.scene.explosion;
+    pub(crate) fn explosion(&mut self, command: &ExplosionCommand, said: Said) -> Result<Said, DocumentError> {
         match command {
-            ExplosionCommand::Degree { value } => {
-                edit.name("Degree of explosion");
-                explosion.degree = value;
-                explosion.check()?;
-                let mut answer = json!({ "degree": value });
-                self.hint(&mut answer);
-                Ok(answer)
-            }
-            ExplosionCommand::Forces { forces } => {
-                edit.name("Forces");
-                forces.check()?;
-                explosion.forces = forces;
-                Ok(json!({ "forces": forces }))
-            }
-            ExplosionCommand::Seed { value } => {
-                edit.name("Seed of explosion points");
-                explosion.seed = value;
-                Ok(json!({ "seed": value }))
-            }
+            ExplosionCommand::Forces { .. } | ExplosionCommand::Seed { .. } => Ok(said),
+            ExplosionCommand::Degree { value } => Ok(DegreeSaid { degree: *value, hint: self.hint() }.into()),
             ExplosionCommand::Settle {} => {
                 let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
                 let settled = self.motion.settle(state, &mut self.graphics, &self.watch)?;
-                let mut answer = json!({
-                    "poses": self.told_poses()?,
-                    "gains": settled.gains,
-                    "rounds": settled.rounds,
-                    "steps": settled.steps,
-                    "at_rest": settled.at_rest,
-                    "visible": settled.visible,
-                });
-                self.hint(&mut answer);
-                Ok(answer)
+                let said = SettledSaid {
+                    poses: self.told_poses()?,
+                    gains: settled.gains,
+                    rounds: settled.rounds,
+                    steps: settled.steps,
+                    at_rest: settled.at_rest,
+                    visible: settled.visible,
+                    hint: self.hint(),
+                };
+                Ok(said.into())
             }
             ExplosionCommand::Step { steps } => {
-                if steps > MOST_STEPS {
+                if *steps > MOST_STEPS {
                     return Err(DocumentError::invalid("steps", steps, format!("at most {MOST_STEPS}")));
                 }
                 let due = self.follow_stroke()?;
                 let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
-                let moved = self.motion.step(state, &mut self.graphics, steps)?;
-                Ok(json!({ "poses": self.told_poses()?, "moving": moved.moving || due, "visible": moved.visible }))
+                let moved = self.motion.step(state, &mut self.graphics, *steps)?;
+                let moving = moved.moving || due;
+                Ok(MovedSaid { poses: self.told_poses()?, moving, visible: moved.visible }.into())
             }
         }
     }
 
-    /// Says what is missing where parts are to make way for nothing.
-    fn hint(&self, answer: &mut Value) {
-        let Some(state) = &self.state else { return };
+    /// What is missing where parts are to make way for nothing.
+    fn hint(&self) -> Option<&'static str> {
+        let state = self.state.as_ref()?;
         let explosion = &state.scene.explosion;
         if explosion.degree > 0.0 && explosion.parts.len() < 2 {
-            answer["hint"] = json!("there is one part, which nothing moves: cut it first (part.split)");
+            Some("there is one part, which nothing moves: cut it first (part.split)")
         } else if explosion.degree > 0.0 && state.selection.is_blank() {
-            answer["hint"] = json!(
+            Some(
                 "nothing is selected, so parts have nothing to make way for: select something first (paint with target \
-                 selection, selection.from_label or selection.import)"
-            );
+                 selection, selection.from_label or selection.import)",
+            )
+        } else {
+            None
         }
     }
 

@@ -6,6 +6,7 @@
 //! is bounded, however fine the file is.
 
 use crate::document::apply::overlap::{AT_ONCE, ROUNDING, Rows, Spread, scan};
+use crate::document::command::answers::{BroughtSegment, LabelsSaid};
 use crate::document::error::DocumentError;
 use crate::document::state::State;
 use crate::io::NamedLabel;
@@ -15,7 +16,6 @@ use crate::volume::{
 };
 use crate::with_voxels;
 use rayon::prelude::*;
-use serde_json::{Value as Json, json};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -32,7 +32,7 @@ pub(crate) struct Imported {
     /// The table with what is new.
     pub segments: Segments,
     /// What the command answers.
-    pub answer: Json,
+    pub said: LabelsSaid,
     /// What was odd or left out.
     pub warnings: Vec<String>,
 }
@@ -70,22 +70,18 @@ pub(crate) fn import(
     }
     let mut brought: Vec<(i128, u16)> = ids.iter().map(|(&value, &id)| (value, id)).collect();
     brought.sort_unstable();
-    let listed: Vec<Json> = brought
-        .iter()
-        .map(|(value, id)| {
-            let name = segments.get(*id).map(|s| s.name.as_str());
-            json!({ "id": id, "value": value, "name": name, "voxels": counts.get(id).unwrap_or(&0) })
-        })
-        .collect();
-    let resampled = !same_place(&fill.other_from_index, state, other);
-    let answer = json!({
-        "segments": listed,
-        "labelled_voxels": counts.values().sum::<u64>(),
-        "kept_locked": kept_locked,
-        "covered": covered,
-        "resampled": resampled,
+    let listed = brought.into_iter().map(|(value, id)| {
+        let name = segments.get(id).map(|s| s.name.clone());
+        BroughtSegment { id, value, name, voxels: counts.get(&id).copied().unwrap_or(0) }
     });
-    Ok(Imported { changes, segments, answer, warnings })
+    let said = LabelsSaid {
+        segments: listed.collect(),
+        labelled_voxels: counts.values().sum(),
+        kept_locked,
+        covered,
+        resampled: !same_place(&fill.other_from_index, state, other),
+    };
+    Ok(Imported { changes, segments, said, warnings })
 }
 
 /// Whether voxels lie on voxels.

@@ -1,10 +1,10 @@
-//! What each command does: one file per noun, every one a part of `Document`.
+//! What commands do beyond the scene, which `reduce` has: with voxels, the disk or the GPU. One file per noun, every one a part of
+//! `Document`.
 //!
 //! A handler changes the state through an `Edit`, which remembers what was there; whoever calls it makes the step of history and
 //! the record of the journal.
 
 pub(crate) mod ask;
-pub(crate) mod brush;
 pub(crate) mod colours;
 pub(crate) mod explosion;
 pub(crate) mod labels;
@@ -19,7 +19,6 @@ pub(crate) mod selection_import;
 pub(crate) mod stroke;
 pub(crate) mod stroke_nothing;
 pub(crate) mod trail;
-pub(crate) mod transfer;
 pub(crate) mod undo;
 pub(crate) mod view;
 pub(crate) mod visible;

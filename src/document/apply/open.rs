@@ -3,6 +3,7 @@
 use crate::document::Document;
 use crate::document::apply::trail::Resolved;
 use crate::document::command::Command;
+use crate::document::command::answers::{Answer, LabelsSaid, OpenedSaid, RecoveredSaid, Said, StrokeFate};
 use crate::document::command::files::{OpenAs, USUAL_COMPONENT, VolumeCommand};
 use crate::document::disk::error::KeepError;
 use crate::document::error::DocumentError;
@@ -16,7 +17,6 @@ use crate::document::state::State;
 use crate::explode::{Explosion, Poses};
 use crate::io;
 use crate::volume::FieldKind;
-use serde_json::{Value as Json, json};
 use std::path::Path;
 
 impl State {
@@ -66,8 +66,9 @@ pub struct Opened {
     keeper: Option<Keeper>,
     recovered: Recovered,
     warnings: Vec<String>,
-    /// What the answer says beside what `ask.volume` does.
-    said: Json,
+    /// Of a file that was opened as labels, or as a selection.
+    labels: Option<LabelsSaid>,
+    selected_voxels: Option<u64>,
 }
 
 impl Opened {
@@ -92,13 +93,14 @@ impl Opened {
         let share = if open_as == OpenAs::Image && !coloured { 1.0 } else { 0.6 };
         let mut state = State::open(origin, range, &|x| progress(x * share))?;
         let go_on: &(dyn Fn(f32) -> bool + Sync) = &|x| progress(0.6 + x * 0.4);
-        let (said, filled) = match open_as {
+        let (mut labels, mut selected_voxels) = (None, None);
+        let filled = match open_as {
             OpenAs::Image => {
                 let parts = if coloured { file.colours(frame, &|x| progress(0.6 + x * 0.1))? } else { None };
                 let filled = parts.map(|parts| {
                     crate::document::apply::colours::changes(&state.colour, &parts, &|x| progress(0.7 + x * 0.3))
                 });
-                (json!({}), filled.transpose()?.map(|changes| (FieldKind::Colour, changes)))
+                filled.transpose()?.map(|changes| (FieldKind::Colour, changes))
             }
             OpenAs::Labels => {
                 let imported =
@@ -106,13 +108,15 @@ impl Opened {
                 state.scene.segments = imported.segments;
                 warnings.extend(file.left_out(component));
                 warnings.extend(imported.warnings);
-                (imported.answer, Some((FieldKind::Labels, imported.changes)))
+                labels = Some(imported.said);
+                Some((FieldKind::Labels, imported.changes))
             }
             OpenAs::Selection => {
                 let imported =
                     crate::document::apply::selection_import::import(&state, &*state.source, 0.0, 0.0, go_on)?;
                 warnings.extend(imported.warnings);
-                (json!({ "selected_voxels": imported.voxels }), Some((FieldKind::Selection, imported.changes)))
+                selected_voxels = Some(imported.voxels);
+                Some((FieldKind::Selection, imported.changes))
             }
         };
         let mut touched = Vec::new();
@@ -138,7 +142,7 @@ impl Opened {
             None => None,
         };
         let poses = KeptPoses::at_rest(&state.scene, Poses::default());
-        Ok(Self { state, poses, keeper, recovered: Recovered::default(), warnings, said })
+        Ok(Self { state, poses, keeper, recovered: Recovered::default(), warnings, labels, selected_voxels })
     }
 
     /// A project, with what its journal holds beyond the last save.
@@ -219,18 +223,15 @@ impl Opened {
         if let Some((path, reason)) = &recovered.set_aside {
             warnings.push(format!("the journal was damaged and put aside as {}: {reason}", path.display()));
         }
-        Ok(Self { state, poses, keeper, recovered, warnings, said: json!({}) })
+        Ok(Self { state, poses, keeper, recovered, warnings, labels: None, selected_voxels: None })
     }
 }
 
 impl Document {
     /// Shows what was read in place of what was open; past steps are forgotten. Answers as `volume.open` and `project.open` do.
-    pub fn take(&mut self, opened: Opened) -> Json {
-        let Opened { state, poses, keeper, recovered, mut warnings, said } = opened;
-        let mut answer = crate::document::apply::ask::volume(&state);
-        if let (Json::Object(answer), Json::Object(said)) = (&mut answer, said) {
-            answer.extend(said);
-        }
+    pub fn take(&mut self, opened: Opened) -> Answer {
+        let Opened { state, poses, keeper, recovered, mut warnings, labels, selected_voxels } = opened;
+        let volume = crate::document::apply::ask::volume(&state);
         self.adopt(state);
         if let Some(state) = &self.state {
             self.motion.stand(state, poses);
@@ -238,35 +239,29 @@ impl Document {
         self.keeper = keeper;
         self.unsaved = recovered.steps > 0;
         let stroke = self.finish_recovered(&recovered, &mut warnings);
-        answer["warnings"] = json!(warnings);
-        if recovered.steps > 0 || !recovered.stroke.is_empty() || recovered.torn_bytes > 0 {
-            answer["recovered"] = json!({
-                "steps": recovered.steps,
-                "last": recovered.last,
-                "stroke": stroke,
-                "torn_bytes": recovered.torn_bytes,
-            });
-        }
-        answer
+        let Recovered { steps, last, torn_bytes, .. } = recovered;
+        let anything = steps > 0 || !recovered.stroke.is_empty() || torn_bytes > 0;
+        let recovered = anything.then_some(RecoveredSaid { steps, last, stroke, torn_bytes });
+        Said::from(OpenedSaid { volume, labels, selected_voxels, warnings, recovered }).into()
     }
 
     /// Paints the stroke that was running when the document was lost as far as it had come; answers what became of it. It is tried
     /// once: the journal has it no more before it is begun, so that a stroke that brings the program down is not met at every
     /// start, and one that is cut off again is not painted twice.
-    fn finish_recovered(&mut self, recovered: &Recovered, warnings: &mut Vec<String>) -> &'static str {
+    fn finish_recovered(&mut self, recovered: &Recovered, warnings: &mut Vec<String>) -> StrokeFate {
         if recovered.stroke.is_empty() {
-            return "none";
+            return StrokeFate::None;
         }
         self.no_stroke();
         let keeper = self.keeper.take();
         let begun = self.begin_stroke(Resolved { samples: recovered.stroke.clone(), ..Resolved::default() });
         self.keeper = keeper;
         match begun.and_then(|_| self.finish_stroke()) {
-            Ok(_) => "painted",
+            Ok(_) => StrokeFate::Painted,
             Err(error) => {
                 warnings.push(format!("the stroke that was running is lost: {error}"));
                 self.drop_stroke();
-                "lost"
+                StrokeFate::Lost
             }
         }
     }

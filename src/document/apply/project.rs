@@ -7,15 +7,15 @@
 use crate::document::Document;
 use crate::document::apply::open::Opened;
 use crate::document::command::Command;
+use crate::document::command::answers::{Answer, ForgottenSaid, LostSaid, Said, Saved, SavedSaid};
+use crate::document::command::files::DensityKeeping;
 use crate::document::command::files::ProjectCommand;
 use crate::document::command::paths::check_target;
 use crate::document::error::DocumentError;
 use crate::document::journal::autosave::Keeper;
 use crate::document::journal::recovery;
 use crate::document::project::read::Wanted;
-use crate::document::project::store::DensityKeeping;
 use crate::volume::{BrickIndex, FieldKind};
-use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 impl Document {
@@ -85,32 +85,32 @@ impl Document {
         }
     }
 
-    pub(crate) fn project(&mut self, command: ProjectCommand) -> Result<Value, DocumentError> {
+    pub(crate) fn project(&mut self, command: &ProjectCommand) -> Result<Answer, DocumentError> {
         match command {
             ProjectCommand::Open { path, source, generation } => {
                 let watch = self.watch.clone();
-                let wanted = Wanted { source: source.as_deref(), generation };
-                let opened = self.beside(&path, || Opened::wanted(&path, wanted, &|x| watch.go_on(x)))?;
+                let wanted = Wanted { source: source.as_deref(), generation: *generation };
+                let opened = self.beside(path, || Opened::wanted(path, wanted, &|x| watch.go_on(x)))?;
                 Ok(self.take(opened))
             }
             ProjectCommand::Save { path, density } => {
                 let watch = self.watch.clone();
-                let saved = self.save(path.as_deref(), density, &|x| watch.go_on(x))?;
+                let saved = self.save(path.as_deref(), *density, &|x| watch.go_on(x))?;
                 let path = self.project_dir().map(|dir| dir.display().to_string());
-                Ok(json!({ "saved": saved, "path": path }))
+                Ok(Said::from(SavedSaid { saved, path }).into())
             }
             ProjectCommand::Lost {} => {
                 let lost = recovery::list(&self.recovery_folder()?)?;
-                Ok(json!({ "lost": lost }))
+                Ok(Said::from(LostSaid { lost }).into())
             }
             ProjectCommand::Recover { id } => {
                 let watch = self.watch.clone();
-                let opened = Opened::lost(&self.recovery_folder()?, &id, &|x| watch.go_on(x))?;
+                let opened = Opened::lost(&self.recovery_folder()?, id, &|x| watch.go_on(x))?;
                 Ok(self.take(opened))
             }
             ProjectCommand::Forget { id } => {
-                recovery::discard(&self.recovery_folder()?, &id)?;
-                Ok(json!({ "forgotten": id }))
+                recovery::discard(&self.recovery_folder()?, id)?;
+                Ok(Said::from(ForgottenSaid { forgotten: id.clone() }).into())
             }
         }
     }
@@ -125,7 +125,7 @@ impl Document {
         path: Option<&Path>,
         density: Option<DensityKeeping>,
         progress: &(dyn Fn(f32) -> bool + Sync),
-    ) -> Result<crate::document::project::store::Saved, DocumentError> {
+    ) -> Result<Saved, DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
         let first = self.project_dir().is_none();
         let path = path.or(if first { self.save_to.as_deref() } else { None });

@@ -1,15 +1,15 @@
 //! Pictures: to files by command, and for the window.
 
 use crate::document::Document;
-use crate::document::apply::view::{checked, checked_colour};
+use crate::document::command::answers::{PictureSaid, Said};
 use crate::document::command::files::RenderCommand;
 use crate::document::command::paths::check_target;
 use crate::document::error::DocumentError;
-use crate::document::place::check_size;
 use crate::document::scene::ViewName;
+use crate::document::scene::check::check_size;
+use crate::document::scene::check::{checked_colour, safe_camera};
 use crate::gpu::Image;
 use crate::math::Camera;
-use serde_json::{Value, json};
 
 /// Times that a picture for a file may be drawn larger than it becomes.
 const MOST_SAMPLES: u32 = 8;
@@ -19,9 +19,10 @@ const MOST_SAMPLES: u32 = 8;
 const PIECE: u32 = 2048;
 
 impl Document {
-    pub(crate) fn render(&mut self, command: RenderCommand) -> Result<Value, DocumentError> {
+    pub(crate) fn render(&mut self, command: &RenderCommand) -> Result<Said, DocumentError> {
         let RenderCommand::Image { path, view, size, camera, transparent, background, supersample } = command;
-        check_target(&path, self.open()?.files.as_deref())?;
+        let (view, size, camera, supersample) = (*view, *size, *camera, *supersample);
+        check_target(path, self.open()?.files.as_deref())?;
         let views = &self.open()?.scene.views;
         let size = check_size(size.unwrap_or(views.slice(view).map_or(views.size, |s| s.size)))?;
         if view != ViewName::ThreeD && camera.is_some() {
@@ -34,24 +35,19 @@ impl Document {
         if !(1..=MOST_SAMPLES).contains(&supersample) {
             return Err(DocumentError::invalid("supersample", supersample, format!("1 to {MOST_SAMPLES}")));
         }
-        if transparent && background.is_some() {
+        if *transparent && background.is_some() {
             return Err(DocumentError::invalid("background", "one for a transparent picture", "one of the two"));
         }
         let background = match background {
-            Some(colour) => checked_colour("background", colour)?,
+            Some(colour) => checked_colour("background", *colour)?,
             None => self.open()?.scene.look.background,
         };
         let image = self.fine_picture(view, size, camera, supersample)?;
-        image.write(&path, (!transparent).then_some(background))?;
+        image.write(path, (!transparent).then_some(background))?;
         let shown = image.colour.iter().filter(|c| c[3] > 0.0).count();
-        let written = std::path::absolute(&path).unwrap_or(path);
-        Ok(json!({
-            "path": written.display().to_string(),
-            "view": view,
-            "size": size,
-            "supersample": supersample,
-            "covered": shown as f64 / image.colour.len() as f64,
-        }))
+        let written = std::path::absolute(path).unwrap_or_else(|_| path.clone());
+        let covered = shown as f64 / image.colour.len() as f64;
+        Ok(PictureSaid { path: written.display().to_string(), view, size, supersample, covered }.into())
     }
 
     /// A view at rest, drawn `supersample` times larger either way, piece by piece, and averaged.
@@ -90,7 +86,7 @@ impl Document {
         match state.slice_frame(view, size) {
             Some(frame) => self.graphics.slice(state, &frame.part(corner, part)),
             None => {
-                let camera = checked(camera.unwrap_or(state.scene.views.camera), &state.grid().world_bounds())?;
+                let camera = safe_camera(camera.unwrap_or(state.scene.views.camera), &state.grid().world_bounds())?;
                 self.graphics.part(state, &state.frame(self.motion.poses(), &camera, size), corner, part)
             }
         }
@@ -105,7 +101,7 @@ impl Document {
         match state.slice_frame(view, check_size(size)?) {
             Some(frame) => self.graphics.slice(state, &frame),
             None => {
-                let camera = checked(camera.unwrap_or(state.scene.views.camera), &state.grid().world_bounds())?;
+                let camera = safe_camera(camera.unwrap_or(state.scene.views.camera), &state.grid().world_bounds())?;
                 self.graphics.image(state, &state.frame(self.motion.poses(), &camera, size))
             }
         }
@@ -117,7 +113,7 @@ impl Document {
     /// As [`picture`](Self::picture).
     pub fn picture_rows(&mut self, size: [u32; 2], rows: std::ops::Range<u32>) -> Result<Image, DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
-        let camera = checked(state.scene.views.camera, &state.grid().world_bounds())?;
+        let camera = safe_camera(state.scene.views.camera, &state.grid().world_bounds())?;
         self.graphics.rows(state, &state.frame(self.motion.poses(), &camera, check_size(size)?), rows)
     }
 

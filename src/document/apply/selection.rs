@@ -2,51 +2,43 @@
 
 use crate::document::Document;
 use crate::document::apply::selection_import::import;
-use crate::document::apply::view::finite;
 use crate::document::command::SelectionCommand;
+use crate::document::command::answers::{Said, SelectedSaid};
 use crate::document::error::DocumentError;
 use crate::document::history::edit::Edit;
+use crate::document::scene::check::finite;
 use crate::document::state::State;
 use crate::io;
 use crate::volume::{Brick, BrickIndex, Changes, FieldKind};
 use rayon::prelude::*;
-use serde_json::{Value, json};
 
 /// The widest soft border, in voxels: blocks and what is around them have to fit into memory.
 const MAX_SOFTEN_VOXELS: f64 = 128.0;
 
 impl Document {
-    pub(crate) fn selection(&mut self, command: SelectionCommand, edit: &mut Edit) -> Result<Value, DocumentError> {
+    pub(crate) fn selection(&mut self, command: &SelectionCommand, edit: &mut Edit) -> Result<Said, DocumentError> {
         let watch = self.watch.clone();
         let state = self.open_mut()?;
-        let mut answer = json!({});
+        let (mut covered, mut warnings) = (None, None);
         let changes = match command {
-            SelectionCommand::FromLabel { label } => {
-                edit.name(format!("Select label {label}"));
-                from_label(state, label)?
-            }
-            SelectionCommand::Clear {} => {
-                edit.name("Clear selection");
-                Changes::new()
-            }
+            SelectionCommand::FromLabel { label } => from_label(state, *label)?,
+            SelectionCommand::Clear {} => Changes::new(),
             SelectionCommand::Import { path, threshold, soften_mm } => {
-                edit.name("Import selection");
-                finite("threshold", threshold)?;
+                let (threshold, soften_mm) = (finite("threshold", *threshold)?, *soften_mm);
                 let most = (state.grid().spacing() * MAX_SOFTEN_VOXELS).min_element();
                 if !(0.0..=most).contains(&soften_mm) {
                     return Err(DocumentError::invalid("soften_mm", soften_mm, format!("0 to {most} mm")));
                 }
-                let opened = io::open(&path)?;
+                let opened = io::open(path)?;
                 let other = opened.source(0, 0, &|x| watch.go_on(x * 0.3))?;
                 let imported = import(state, other.as_ref(), threshold, soften_mm, &|x| watch.go_on(0.3 + x * 0.7))?;
-                answer["covered"] = json!(imported.covered);
-                answer["warnings"] = json!([opened.warnings, imported.warnings].concat());
+                covered = Some(imported.covered);
+                warnings = Some([opened.warnings, imported.warnings].concat());
                 imported.changes
             }
         };
         replace(state, edit, changes)?;
-        answer["selected_bricks"] = json!(state.selection.edits().len());
-        Ok(answer)
+        Ok(SelectedSaid { selected_bricks: state.selection.edits().len(), covered, warnings }.into())
     }
 }
 

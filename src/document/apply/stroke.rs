@@ -2,20 +2,21 @@
 //!
 //! While a stroke runs, questions, moves of the view and steps of the simulation leave it running; every other command ends it
 //! first, as `stroke.end` would. The GPU holds its texels until [`Document::finish_stroke`], which is the one place that waits for them.
+//! While a stroke runs, a command that is not one of its own may end it first, as `stroke.end` would; which do, their effects say.
+//! The GPU holds its texels until [`Document::finish_stroke`], which is the one place that waits for them.
 
+use crate::document::Document;
 use crate::document::apply::stroke_nothing::why_nothing;
 use crate::document::apply::trail::{Resolved, Trail};
+use crate::document::command::answers::{Answer, CancelledSaid, ExtendedSaid, PaintedSaid, Said};
 use crate::document::command::brush::{StrokeCommand, StrokePoint};
-use crate::document::command::parts::ExplosionCommand;
 use crate::document::command::{Command, Place};
 use crate::document::error::DocumentError;
 use crate::document::history::edit::Edit;
 use crate::document::state::State;
-use crate::document::{Document, warn};
 use crate::gpu::GpuError;
 use crate::paint::{Brush, BuildUpBound, Dab, Reach, Sample, StrokePath, Target, VoxelSet};
 use crate::volume::{DensityMap, FieldKind};
-use serde_json::{Value, json};
 
 /// A stroke that has begun.
 #[derive(Debug)]
@@ -44,19 +45,8 @@ impl Running {
     }
 }
 
-/// Whether a command leaves a running stroke running.
-pub(crate) fn leaves_running(command: &Command) -> bool {
-    match command {
-        Command::Ask(_) | Command::Stroke(_) | Command::Explosion(ExplosionCommand::Step { .. }) => true,
-        Command::View(view) => {
-            view.moves_view() || matches!(view, crate::document::command::views::ViewCommand::Size { .. })
-        }
-        _ => false,
-    }
-}
-
 impl Document {
-    pub(crate) fn stroke(&mut self, command: StrokeCommand) -> Result<Value, DocumentError> {
+    pub(crate) fn stroke(&mut self, command: &StrokeCommand) -> Result<Answer, DocumentError> {
         self.open()?;
         let running = self.running.is_some();
         match command {
@@ -64,11 +54,11 @@ impl Document {
                 Err(DocumentError::NotNow("a stroke is running; end it (stroke.end) or cancel it first".into()))
             }
             StrokeCommand::Begin { points } => {
-                let resolved = self.follow(&points, None)?;
+                let resolved = self.follow(points, None)?;
                 self.begin_stroke(resolved)
             }
             StrokeCommand::Paint { points } => {
-                let resolved = self.follow(&points, None)?;
+                let resolved = self.follow(points, None)?;
                 self.begin_stroke(resolved)?;
                 self.finish_stroke()
             }
@@ -77,13 +67,13 @@ impl Document {
             }
             StrokeCommand::Extend { points } => {
                 let trail = self.running.as_ref().and_then(|r| r.trail.clone());
-                let resolved = self.follow(&points, trail)?;
+                let resolved = self.follow(points, trail)?;
                 self.extend_stroke(resolved)
             }
             StrokeCommand::End {} => self.finish_stroke(),
             StrokeCommand::Cancel {} => {
                 self.drop_stroke();
-                Ok(json!({ "cancelled": true, "step": null }))
+                Ok(Said::from(CancelledSaid { cancelled: true, step: None }).into())
             }
         }
     }
@@ -98,13 +88,13 @@ impl Document {
     ///
     /// # Errors
     /// If the device fails or the source does; the stroke then still runs.
-    pub fn finish_stroke(&mut self) -> Result<Value, DocumentError> {
+    pub fn finish_stroke(&mut self) -> Result<Answer, DocumentError> {
         let cut_short = self.end_path()?;
-        let (Some(running), Some(state)) = (&mut self.running, &mut self.state) else { return Ok(json!({})) };
+        let (Some(running), Some(state)) = (&mut self.running, &mut self.state) else { return Ok(Answer::default()) };
         let kind = running.brush.target.field();
         let changes: Vec<_> =
             self.graphics.finish(state)?.into_iter().map(|(index, brick)| (index, Some(brick))).collect();
-        let Some(mut running) = self.running.take() else { return Ok(json!({})) };
+        let Some(mut running) = self.running.take() else { return Ok(Answer::default()) };
         let swapped = running.edit.swap(state, kind, changes);
         let (voxels, bricks) = running.edit.counts();
         if swapped.is_err() || voxels == 0 {
@@ -114,13 +104,15 @@ impl Document {
             self.no_stroke();
             swapped?;
             let why = why_nothing(self.open()?, &running.brush, &running.samples, running.missed, &running.seen)?;
-            return Ok(json!({
-                "step": null,
-                "dabs": running.dabs,
-                "missed": running.missed,
-                "voxels_changed": 0,
-                "nothing": why,
-            }));
+            let said = PaintedSaid {
+                step: None,
+                dabs: running.dabs,
+                missed: running.missed,
+                voxels_changed: 0,
+                bricks_touched: None,
+                nothing: Some(why),
+            };
+            return Ok(Said::from(said).into());
         }
         if kind == FieldKind::Density {
             let [before, after] = running.reach;
@@ -129,28 +121,28 @@ impl Document {
         let (step, mut refreshed) = running.edit.finish(state);
         // The GPU took a wider map over at the stroke's beginning.
         (refreshed.painted, refreshed.remapped) = (true, false);
-        let mut answer = json!({
-            "step": step.as_ref().map(|s| s.name.clone()),
-            "dabs": running.dabs,
-            "missed": running.missed,
-            "voxels_changed": voxels,
-            "bricks_touched": bricks,
-        });
+        let said = PaintedSaid {
+            step: step.as_ref().map(|s| s.name.clone()),
+            dabs: running.dabs,
+            missed: running.missed,
+            voxels_changed: voxels,
+            bricks_touched: Some(bricks),
+            nothing: None,
+        };
         self.mirror(&refreshed);
-        let mut warnings: Vec<String> = cut_short.into_iter().collect();
+        let mut trouble: Vec<String> = cut_short.into_iter().collect();
         if let Some(step) = step {
             self.unsaved = true;
-            warnings.extend(self.history.push(step)?);
+            trouble.extend(self.history.push(step)?);
         }
         let at = |s: &Sample| {
             let Sample { position, pressure, breaks, .. } = *s;
             StrokePoint { at: Place::Mm(position.to_array()), pressure, breaks }
         };
-        let said = Command::Stroke(StrokeCommand::Paint { points: running.samples.iter().map(at).collect() });
-        warnings.extend(self.note(&said, &refreshed.bricks, true));
-        warn(&mut answer, warnings);
+        let done = Command::Stroke(StrokeCommand::Paint { points: running.samples.iter().map(at).collect() });
+        trouble.extend(self.note(&done, &refreshed.bricks, true));
         self.revision += 1;
-        Ok(answer)
+        Ok(Answer { trouble, ..Answer::from(Said::from(said)) })
     }
 
     /// Paints what is left of the running stroke: what the pointer passed since its last whole pixel, and the dab at its last sample.
@@ -195,7 +187,7 @@ impl Document {
     }
 
     /// Starts a stroke with resolved samples.
-    pub(crate) fn begin_stroke(&mut self, resolved: Resolved) -> Result<Value, DocumentError> {
+    pub(crate) fn begin_stroke(&mut self, resolved: Resolved) -> Result<Answer, DocumentError> {
         let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
         let mut brush = state.scene.brush;
         brush.visible_only &= !resolved.on_slice;
@@ -284,29 +276,26 @@ impl Document {
         found
     }
 
-    fn extend_stroke(&mut self, resolved: Resolved) -> Result<Value, DocumentError> {
+    fn extend_stroke(&mut self, resolved: Resolved) -> Result<Answer, DocumentError> {
         let Resolved { samples, missed, trail, .. } = resolved;
-        let Some(running) = &self.running else { return Ok(json!({})) };
+        let Some(running) = &self.running else { return Ok(Answer::default()) };
         let mut path = running.path.clone();
         let dabs = path.extend(&samples)?;
         self.make_room(&dabs)?;
         self.keep_to_surface(&dabs)?;
-        let (Some(running), Some(state)) = (&mut self.running, &self.state) else { return Ok(json!({})) };
+        let (Some(running), Some(state)) = (&mut self.running, &self.state) else { return Ok(Answer::default()) };
         let bricks = if dabs.is_empty() { Vec::new() } else { self.graphics.extend(state, &dabs)? };
         running.path = path;
         running.samples.extend_from_slice(&samples);
         running.trail = trail;
         running.dabs += dabs.len() as u64;
         running.missed += missed;
-        let mut answer = json!({
-            "dabs": dabs.len(),
-            "missed": missed,
-            "bricks_touched": bricks.len(),
-            "length_mm": running.path.length_mm(),
-        });
+        let length_mm = running.path.length_mm();
+        let said = ExtendedSaid { dabs: dabs.len(), missed, bricks_touched: bricks.len(), length_mm };
+        let mut answer = Answer::from(Said::from(said));
         let noted = if samples.is_empty() { None } else { self.keeper.as_mut().map(|k| k.samples(&samples)) };
         if let Some(Err(error)) = noted {
-            warn(&mut answer, vec![error.to_string()]);
+            answer.trouble.push(error.to_string());
         }
         self.revision += 1;
         Ok(answer)

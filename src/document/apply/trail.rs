@@ -98,7 +98,7 @@ impl Document {
         resolved: &mut Resolved,
     ) -> Result<(), DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
-        let size = crate::document::place::check_size(size.unwrap_or(state.scene.views.size))?;
+        let size = crate::document::scene::check::check_size(size.unwrap_or(state.scene.views.size))?;
         if !px.is_finite() {
             return Err(DocumentError::invalid("px", px, "two finite numbers"));
         }

@@ -1,30 +1,30 @@
 //! Commands on history: undo, redo, groups, budget.
 
+use crate::document::Document;
+use crate::document::command::answers::{Answer, BudgetSaid, GroupSaid, GroupState, Said, TravelledSaid};
 use crate::document::command::{Command, HistoryCommand};
 use crate::document::error::DocumentError;
 use crate::document::history::step::Refreshed;
-use crate::document::{Document, warn};
-use serde_json::{Value, json};
 
 impl Document {
-    pub(crate) fn travel(&mut self, command: HistoryCommand) -> Result<Value, DocumentError> {
+    pub(crate) fn travel(&mut self, command: &HistoryCommand) -> Result<Answer, DocumentError> {
         let mut warnings = Vec::new();
-        let mut answer = match command {
+        let said = match *command {
             HistoryCommand::Undo { steps } => self.walk(steps, true, &mut warnings)?,
             HistoryCommand::Redo { steps } => self.walk(steps, false, &mut warnings)?,
             HistoryCommand::Budget { bytes } => {
                 warnings.extend(self.history.set_budget(bytes));
                 let (memory, disk) = self.history.bytes();
-                json!({ "budget": bytes, "memory": memory, "disk": disk })
+                BudgetSaid { budget: bytes, memory, disk }.into()
             }
             HistoryCommand::Begin {} => {
                 self.open()?;
                 self.history.begin()?;
-                json!({ "group": "open" })
+                GroupSaid { group: GroupState::Open, step: None }.into()
             }
             HistoryCommand::End {} => {
                 let step = self.end_group(&mut warnings)?;
-                json!({ "group": "closed", "step": step })
+                GroupSaid { group: GroupState::Closed, step: Some(step) }.into()
             }
             HistoryCommand::Cancel {} => {
                 let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
@@ -33,16 +33,15 @@ impl Document {
                 self.motion.travelled(&before, &state.scene.explosion);
                 state.past.group_cancelled(std::mem::take(&mut self.past_group), &mut state.scene);
                 self.travelled(HistoryCommand::Cancel {}, &refreshed, &mut warnings);
-                json!({ "group": "cancelled" })
+                GroupSaid { group: GroupState::Cancelled, step: None }.into()
             }
         };
-        warn(&mut answer, warnings);
-        Ok(answer)
+        Ok(Answer { trouble: warnings, ..Answer::from(said) })
     }
 
     /// Takes back or does again as many steps as there are. An open group is closed first. Between two steps it can be stopped:
     /// those already taken stand.
-    fn walk(&mut self, steps: u32, back: bool, warnings: &mut Vec<String>) -> Result<Value, DocumentError> {
+    fn walk(&mut self, steps: u32, back: bool, warnings: &mut Vec<String>) -> Result<Said, DocumentError> {
         if self.history.in_group() {
             self.end_group(warnings)?;
         }
@@ -79,11 +78,9 @@ impl Document {
             let said = if back { HistoryCommand::Undo { steps } } else { HistoryCommand::Redo { steps } };
             self.travelled(said, &all, warnings);
         }
-        Ok(json!({
-            if back { "undone" } else { "redone" }: names,
-            "undo": self.history.undo_names().len(),
-            "redo": self.history.redo_names().len(),
-        }))
+        let (undone, redone) = if back { (Some(names), None) } else { (None, Some(names)) };
+        let (undo, redo) = (self.history.undo_names().len(), self.history.redo_names().len());
+        Ok(TravelledSaid { undone, redone, undo, redo }.into())
     }
 
     fn end_group(&mut self, warnings: &mut Vec<String>) -> Result<Option<String>, DocumentError> {

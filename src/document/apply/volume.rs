@@ -2,16 +2,16 @@
 
 use crate::document::Document;
 use crate::document::apply::open::Opened;
+use crate::document::command::answers::{Answer, ExportedSaid, Said};
 use crate::document::command::files::VolumeCommand;
 use crate::document::command::paths::check_target;
 use crate::document::error::DocumentError;
 use crate::document::scene::Origin;
 use crate::io::{Compression, export};
-use serde_json::{Value, json};
 
 impl Document {
-    pub(crate) fn volume(&mut self, command: VolumeCommand) -> Result<Value, DocumentError> {
-        match command {
+    pub(crate) fn volume(&mut self, command: &VolumeCommand) -> Result<Answer, DocumentError> {
+        match command.clone() {
             VolumeCommand::Open { path, component, frame, range, open_as } => {
                 let origin = Origin { path, component, frame };
                 let watch = self.watch.clone();
@@ -30,7 +30,7 @@ impl Document {
                     &|x| self.watch.go_on(x),
                 )?;
                 let warnings = exported.warnings.clone();
-                Ok(json!({ "exported": exported, "warnings": warnings }))
+                Ok(Said::from(ExportedSaid { exported, warnings }).into())
             }
         }
     }

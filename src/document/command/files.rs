@@ -2,7 +2,6 @@
 
 #![allow(missing_docs)] // fields: the command's own text says what they are
 
-use crate::document::project::store::DensityKeeping;
 use crate::document::scene::ViewName;
 use crate::math::Camera;
 use crate::volume::FieldKind;
@@ -39,6 +38,17 @@ pub enum ProjectCommand {
     Recover { id: String },
     /// Throws one of them away.
     Forget { id: String },
+}
+
+/// Whether a project holds its density or only says where it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum DensityKeeping {
+    /// All voxels are in the project.
+    #[default]
+    Whole,
+    /// The source file is named by path, length and hash, and has to stay where it is.
+    Linked,
 }
 
 /// See [`Command::Volume`].

@@ -16,6 +16,9 @@ use crate::document::command::files::{ProjectCommand, RenderCommand, VolumeComma
 use crate::document::command::parts::{ExplosionCommand, PartCommand};
 use crate::document::command::views::{TransferCommand, ViewCommand};
 use crate::document::scene::ViewName;
+pub mod answers;
+pub mod answers_ask;
+pub mod effects;
 use crate::math::Camera;
 use crate::volume::FieldKind;
 use schemars::JsonSchema;

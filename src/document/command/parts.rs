@@ -2,13 +2,13 @@
 
 #![allow(missing_docs)] // fields: the command's own text says what they are
 
-use crate::explode::{Axis, Forces, PartId};
+use crate::explode::{Axis, Cut, Forces, PartId};
 use crate::math::Pose;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Where a splitter cuts.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Splitter {
     /// Through the picked point, along the viewing ray and a screen axis; cuts the part that is hit first.
@@ -24,6 +24,26 @@ pub enum Splitter {
         #[serde(default)]
         part: Option<PartId>,
     },
+    /// Single parts, one after another, each by a plane at rest: what splitters by pixels come to.
+    Cuts {
+        cuts: Vec<Cut>,
+        /// What the step is called.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        name: Option<String>,
+    },
+}
+
+impl Splitter {
+    /// What a step of it is called.
+    pub(crate) fn step_name(&self) -> &str {
+        match self {
+            Self::Axis { .. } => "Axis split",
+            Self::Depth { .. } => "Depth split",
+            Self::Line { .. } => "Line split",
+            Self::Plane { .. } => "Plane split",
+            Self::Cuts { name, .. } => name.as_deref().unwrap_or("Split"),
+        }
+    }
 }
 
 /// See [`Command::Part`](crate::document::command::Command::Part).

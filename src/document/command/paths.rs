@@ -14,19 +14,34 @@ use crate::io::FileMark;
 use std::path::{Path, PathBuf};
 
 impl Command {
-    /// Every path that it names.
-    fn paths(&mut self) -> Vec<&mut PathBuf> {
+    /// Every path that it names, the one that it is about first.
+    fn paths_mut(&mut self) -> Vec<&mut PathBuf> {
         match self {
-            Self::Project(ProjectCommand::Open { path, source, .. }) => {
-                std::iter::once(path).chain(source.as_mut()).collect()
-            }
-            Self::Project(ProjectCommand::Save { path, .. }) => path.as_mut().into_iter().collect(),
+            Self::Project(command) => match command {
+                ProjectCommand::Open { path, source, .. } => std::iter::once(path).chain(source.as_mut()).collect(),
+                ProjectCommand::Save { path, .. } => path.as_mut().into_iter().collect(),
+                ProjectCommand::Lost {} | ProjectCommand::Recover { .. } | ProjectCommand::Forget { .. } => Vec::new(),
+            },
             Self::Volume(VolumeCommand::Open { path, .. } | VolumeCommand::Export { path, .. })
             | Self::Selection(SelectionCommand::Import { path, .. })
             | Self::Segment(SegmentCommand::Import { path, .. })
             | Self::Render(RenderCommand::Image { path, .. }) => vec![path],
-            _ => Vec::new(),
+            Self::Selection(SelectionCommand::FromLabel { .. } | SelectionCommand::Clear {})
+            | Self::Segment(SegmentCommand::Set { .. } | SegmentCommand::Remove { .. })
+            | Self::Transfer(_)
+            | Self::View(_)
+            | Self::Brush(_)
+            | Self::Stroke(_)
+            | Self::Part(_)
+            | Self::Explosion(_)
+            | Self::History(_)
+            | Self::Ask(_) => Vec::new(),
         }
+    }
+
+    /// The file or folder that it is about.
+    pub fn path(&self) -> Option<PathBuf> {
+        self.clone().paths_mut().into_iter().next().map(std::mem::take)
     }
 
     /// The command with `~` at a path's beginning taken for the home folder.
@@ -34,7 +49,7 @@ impl Command {
     /// # Errors
     /// If a path is empty.
     pub(crate) fn at_home(mut self) -> Result<Self, DocumentError> {
-        for path in self.paths() {
+        for path in self.paths_mut() {
             if path.as_os_str().is_empty() {
                 return Err(DocumentError::invalid("path", "nothing", "the name of a file or folder"));
             }

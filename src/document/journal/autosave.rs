@@ -4,6 +4,8 @@
 //! done and never looks for itself. Dropping it leaves everything to be found at the next start, as a crash would.
 
 use crate::document::command::Command;
+use crate::document::command::answers::Saved;
+use crate::document::command::files::DensityKeeping;
 use crate::document::disk::error::KeepError;
 use crate::document::disk::files::remove_dir;
 use crate::document::disk::lock::Lock;
@@ -15,7 +17,7 @@ use crate::document::journal::replay::{Replay, free_aside};
 use crate::document::project::link::Link;
 use crate::document::project::manifest::{JOURNAL_HEADER, Kept, MANIFEST, Manifest};
 use crate::document::project::read::{Wanted, load, named, read_unsaved};
-use crate::document::project::store::{Committed, DensityKeeping, Saved, Store};
+use crate::document::project::store::{Committed, Store};
 use crate::document::scene::kept_poses::KeptPoses;
 use crate::document::state::State;
 use crate::explode::Poses;

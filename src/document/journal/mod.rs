@@ -15,7 +15,7 @@ pub mod recovery;
 pub(crate) mod replay;
 
 use crate::document::command::Command;
-use crate::document::command::files::VolumeCommand;
+use crate::document::command::effects::Noted;
 use crate::document::disk::error::KeepError;
 use crate::document::disk::files::sync_dir;
 use crate::document::journal::record::{
@@ -165,7 +165,8 @@ impl Journal {
             back.map_err(|e| KeepError::Scene { reason: e.to_string() })?;
         }
         let map = Some(*state.density.map()).filter(|map| *map != self.now.map);
-        let ends_stroke = matches!(command, Command::Stroke(_));
+        let noted = command.effects().journal;
+        let ends_stroke = noted == Noted::Stroke;
         // Looking about is no step of work. In what was opened and never saved it is nothing to lose: the first step takes it along.
         let known_parts = changed.keys().all(|part| ["views", "brush"].contains(&part.as_str()));
         let looks_about = known_parts && !ends_stroke && map.is_none() && touched.is_empty();
@@ -173,7 +174,7 @@ impl Journal {
             return Ok(());
         }
         // What a file was opened as is read again from the file, and no step of work either.
-        let opens = matches!(command, Command::Volume(VolumeCommand::Open { .. }));
+        let opens = noted == Noted::Opening;
         let command = serde_json::to_value(command).map_err(|e| KeepError::Scene { reason: e.to_string() })?;
         let past = PastDelta::between(&self.now.past, &state.past);
         let head = StepHead { command, steps: u64::from(!looks_about && !opens), scene: changed, map, past };

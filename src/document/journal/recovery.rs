@@ -4,6 +4,7 @@
 //! removes its folder; what a crash leaves is offered at the next start. Whoever calls names the place; for programs it is
 //! [`state_dir`].
 
+use crate::document::command::answers::Lost;
 use crate::document::disk::error::KeepError;
 use crate::document::disk::files::{create_dir, remove_dir};
 use crate::document::disk::inside;
@@ -16,19 +17,6 @@ use std::time::SystemTime;
 /// The journal's name in a recovery folder.
 pub(crate) const JOURNAL: &str = "journal";
 const FOLDER: &str = "recovery";
-
-/// A document that a crash left behind.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
-pub struct Lost {
-    /// Names it for `Keeper::recover` and [`discard`].
-    pub id: String,
-    /// The file that was open.
-    pub origin: PathBuf,
-    /// When it was last changed.
-    pub changed: SystemTime,
-    /// Bytes of its journal.
-    pub bytes: u64,
-}
 
 /// What crashes left behind, the latest first. Documents that are open in some process are not lost. What cannot be read is
 /// left out, and told by `tracing`.

@@ -10,6 +10,8 @@
 //! shards.
 //! Owns the folder and its lock; knows nothing of the journal but the generation that it belongs to.
 
+use crate::document::command::answers::Saved;
+use crate::document::command::files::DensityKeeping;
 use crate::document::disk::error::KeepError;
 use crate::document::disk::files::{Writer, create_dir, remove_dir, replace, sync_dir};
 use crate::document::disk::inside;
@@ -33,17 +35,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// What a save did.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-pub struct Saved {
-    /// The generation that is now current.
-    pub generation: u64,
-    /// Bytes written, metadata included.
-    pub bytes_written: u64,
-    /// Files of the generation before that did not change.
-    pub files_linked: u64,
-}
-
 /// A save that is done.
 #[derive(Debug)]
 pub(crate) struct Committed<T> {
@@ -52,17 +43,6 @@ pub(crate) struct Committed<T> {
     pub made: T,
     /// What failed after it: the new generation is current, but a power cut could bring the old one back.
     pub doubt: Option<KeepError>,
-}
-
-/// Whether a project holds its density or only says where it is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum DensityKeeping {
-    /// All voxels are in the project.
-    #[default]
-    Whole,
-    /// The source file is named by path, length and hash, and has to stay where it is.
-    Linked,
 }
 
 /// An open project folder; nobody else can open it meanwhile.

@@ -3,12 +3,10 @@
 //! A command that fails its check is refused. A part that was kept and fails it is put right, or becomes what it is in a volume that
 //! was just opened, and that is told: nothing behind the scene meets a number that it cannot use. Knows no files.
 
-use crate::document::apply::view::{checked, checked_colour, finite, near, positive};
 use crate::document::error::DocumentError;
-use crate::document::place::check_size;
 use crate::document::scene::{Layer, Look, Scene, Views, Window};
 use crate::explode::Explosion;
-use crate::math::Aabb;
+use crate::math::{Aabb, Camera, DVec3, Projection};
 use crate::volume::{FieldKind, Grid, Histogram, Lighting, Mode, Segment, Segments, TransferFunction};
 
 /// Ids of parts count up; no hand gets near this.
@@ -62,7 +60,7 @@ impl Views {
     /// # Errors
     /// The first field that is wrong.
     fn check(&self, bounds: &Aabb) -> Result<(), DocumentError> {
-        checked(self.camera, bounds)?;
+        safe_camera(self.camera, bounds)?;
         near("crosshair", self.crosshair, bounds)?;
         for slice in &self.slices {
             positive("slices.height_mm", slice.height_mm)?;
@@ -111,7 +109,7 @@ fn check_explosion(explosion: &Explosion, bounds: &Aabb) -> Result<(), DocumentE
     }
     explosion.check()?;
     let reach = 1e-3 * bounds.half_diagonal();
-    let out = |v: &crate::math::DVec3| (v.clamp(bounds.min, bounds.max) - *v).length() > reach;
+    let out = |v: &DVec3| (v.clamp(bounds.min, bounds.max) - *v).length() > reach;
     for (i, part) in explosion.parts.iter().enumerate() {
         if let Some(corner) = part.vertices.iter().find(|v| out(v)) {
             let found = format!("a corner at {corner}");
@@ -121,7 +119,7 @@ fn check_explosion(explosion: &Explosion, bounds: &Aabb) -> Result<(), DocumentE
     Ok(())
 }
 
-fn check_transfer(transfer: &TransferFunction) -> Result<(), DocumentError> {
+pub(crate) fn check_transfer(transfer: &TransferFunction) -> Result<(), DocumentError> {
     transfer.check().map_err(|found| DocumentError::NotNow(format!("transfer function: {found}")))
 }
 
@@ -197,4 +195,83 @@ fn put_in_order(segments: Segments) -> Segments {
         }
     }
     ordered
+}
+
+/// Diagonals of the volume from its centre within which there is something to see: further out, samples along a ray can no
+/// longer be told apart.
+const REACH: f64 = 1e4;
+
+/// A point that is not lost in space.
+pub(crate) fn near(field: &str, point: DVec3, bounds: &Aabb) -> Result<DVec3, DocumentError> {
+    let reach = REACH * 2.0 * bounds.half_diagonal();
+    let away = point.distance(bounds.centre());
+    // Whoever is as far from zero as numbers go has no distance.
+    if away <= reach {
+        return Ok(point);
+    }
+    Err(DocumentError::invalid(field, format!("a point {away:e} mm from the volume"), format!("at most {reach:e} mm")))
+}
+
+/// A camera that sees something.
+pub(crate) fn safe_camera(camera: Camera, bounds: &Aabb) -> Result<Camera, DocumentError> {
+    let invalid = |field: &str, found: String, expected: &str| Err(DocumentError::invalid(field, found, expected));
+    for (name, v) in [("camera.eye", camera.eye), ("camera.target", camera.target), ("camera.up", camera.up)] {
+        if !v.is_finite() {
+            return invalid(name, format!("{v}"), "three finite numbers");
+        }
+    }
+    near("camera.eye", camera.eye, bounds)?;
+    near("camera.target", camera.target, bounds)?;
+    if camera.eye == camera.target {
+        return invalid("camera.target", format!("{} as the eye", camera.target), "another point than the eye");
+    }
+    match camera.projection {
+        Projection::Perspective { fov_y_deg } if !(fov_y_deg > 0.0 && fov_y_deg < 180.0) => {
+            invalid("camera.projection.fov_y_deg", fov_y_deg.to_string(), "between 0 and 180 degrees")
+        }
+        Projection::Orthographic { height_mm } if !(height_mm.is_finite() && height_mm > 0.0) => {
+            invalid("camera.projection.height_mm", height_mm.to_string(), "a positive length")
+        }
+        _ => Ok(camera),
+    }
+}
+
+pub(crate) fn checked_colour(field: &str, colour: [f32; 3]) -> Result<[f32; 3], DocumentError> {
+    if colour.iter().all(|c| (0.0..=1.0).contains(c)) {
+        Ok(colour)
+    } else {
+        Err(DocumentError::invalid(field, format!("{colour:?}"), "red, green and blue of 0 to 1"))
+    }
+}
+
+pub(crate) fn finite(field: &str, value: f64) -> Result<f64, DocumentError> {
+    if value.is_finite() { Ok(value) } else { Err(DocumentError::invalid(field, value, "a finite number")) }
+}
+
+pub(crate) fn positive(field: &str, value: f64) -> Result<f64, DocumentError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(DocumentError::invalid(field, value, "a positive number"))
+    }
+}
+
+pub(crate) fn direction(field: &str, v: [f64; 3]) -> Result<DVec3, DocumentError> {
+    DVec3::from_array(v)
+        .try_normalize()
+        .ok_or_else(|| DocumentError::invalid(field, format!("{v:?}"), "a direction other than zero"))
+}
+
+/// Most pixels of a picture: with depth and object each takes 24 bytes on the host alone.
+const MAX_PIXELS: u64 = 1 << 26;
+
+/// A picture's size that can be drawn.
+pub(crate) fn check_size(size: [u32; 2]) -> Result<[u32; 2], DocumentError> {
+    let pixels = u64::from(size[0]) * u64::from(size[1]);
+    if size.iter().all(|s| (1..=16_384).contains(s)) && pixels <= MAX_PIXELS {
+        Ok(size)
+    } else {
+        let expected = "1 to 16384 pixels either way, 67108864 in all";
+        Err(DocumentError::invalid("size", format!("{size:?}"), expected))
+    }
 }

@@ -1,6 +1,6 @@
 //! Questions about what would be lost: before the window closes, before something else is opened, and what a crash left.
 
-use crate::document::{Command, ProjectCommand};
+use crate::document::{Command, ProjectCommand, answers};
 use crate::interact::readout;
 use crate::ui::dialogs::{Dialog, plain, primary};
 use crate::ui::style::theme;
@@ -8,7 +8,7 @@ use crate::ui::style::widgets::{from_right_row, tipped};
 use crate::ui::window::app::App;
 use crate::ui::window::saving::{AfterSave, Coming};
 use egui::{RichText, Ui, vec2};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::SystemTime;
 
 /// A document that a crash left behind.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,13 +22,11 @@ pub(crate) struct Lost {
     doomed: bool,
 }
 
-impl From<&serde_json::Value> for Lost {
-    fn from(lost: &serde_json::Value) -> Self {
-        let text = |name: &str| lost[name].as_str().unwrap_or_default().to_owned();
-        let changed = lost["changed"]["secs_since_epoch"].as_u64().map(|s| UNIX_EPOCH + Duration::from_secs(s));
-        let age = changed.and_then(|c| SystemTime::now().duration_since(c).ok());
+impl From<&answers::Lost> for Lost {
+    fn from(lost: &answers::Lost) -> Self {
+        let age = SystemTime::now().duration_since(lost.changed).ok();
         let age = age.map_or_else(String::new, |a| readout::ago(a.as_secs()));
-        Self { id: text("id"), origin: text("origin"), age, doomed: false }
+        Self { id: lost.id.clone(), origin: lost.origin.to_string_lossy().into_owned(), age, doomed: false }
     }
 }
 

@@ -7,10 +7,7 @@ use crate::math::DVec3;
 use crate::ui::style::theme;
 use crate::ui::style::widgets::{from_right, spinner};
 use crate::ui::window::app::{App, Busy};
-use crate::volume::Number;
 use egui::{Button, Frame, Label, Margin, Panel, ProgressBar, RichText, Ui};
-use serde::Deserialize;
-use serde_json::Value;
 
 /// Seconds that nobody needs to be told of.
 const AT_ONCE: f64 = 0.1;
@@ -77,18 +74,17 @@ impl App {
 
     /// Value and label of the voxel as the document answered last.
     fn voxel_text(&self) -> (String, Option<String>) {
-        let number = |v: &Value| v.as_f64();
+        let values = self.probe.as_ref().and_then(|voxel| voxel.values.as_ref());
         let value = self
             .opened()
-            .zip(Number::deserialize(&self.probe["density"]).ok())
-            .map_or_else(String::new, |(open, n)| format!("value {}", readout::value(n, open.voxel_type)));
+            .zip(values)
+            .map_or_else(String::new, |(open, v)| format!("value {}", readout::value(v.density, open.voxel_type)));
         let mut extra = Vec::new();
-        if let Some(id) = self.probe["label"].as_u64().filter(|&id| id != 0) {
-            let name =
-                self.scene.as_ref().and_then(|s| s.segments.get(id as u16)).map_or("unnamed", |s| s.name.as_str());
+        if let Some(id) = values.map(|v| v.label).filter(|&id| id != 0) {
+            let name = self.scene.as_ref().and_then(|s| s.segments.get(id)).map_or("unnamed", |s| s.name.as_str());
             extra.push(format!("{id} {name}"));
         }
-        if let Some(selected) = number(&self.probe["selection"]).filter(|&s| s > 0.0) {
+        if let Some(selected) = values.map(|v| v.selection).filter(|&s| s > 0.0) {
             extra.push(format!("selected {:.0} %", selected * 100.0));
         }
         if let Some(part) =

@@ -1,6 +1,5 @@
 //! The thread that the document lives on, the line to it, and what is expected of it before it answers.
 
-pub(crate) mod errand;
 pub(crate) mod prediction;
 pub(crate) mod progress;
 pub(crate) mod session;

@@ -3,12 +3,13 @@
 //! Requests go one way, reports come back; both ends are plain channels, so that a test can stand at the other end. Every request has
 //! a serial; a snapshot says which was the last that it knows of.
 
-use crate::document::{Command, RenderCommand, Scene, ViewName};
+use crate::document::answers::Answer;
+use crate::document::answers_ask::VoxelSaid;
+use crate::document::{Command, Ground, RenderCommand, Scene, ViewName};
 use crate::explode::Poses;
 use crate::math::{Camera, DVec2};
 use crate::ui::thread::progress::Stop;
 use crate::volume::{Grid, Histogram, Statistics, VoxelType};
-use serde_json::Value;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -82,6 +83,11 @@ pub struct Opened {
 }
 
 impl Opened {
+    /// What reducers are given beside the scene.
+    pub fn ground(&self) -> Ground<'_> {
+        Ground { grid: &self.grid, histogram: &self.histogram, poses: &self.poses }
+    }
+
     /// The smallest and the largest value; of a volume without any the ends of its histogram.
     pub fn ends(&self) -> [f64; 2] {
         let Statistics { min, max, .. } = self.statistics;
@@ -148,8 +154,8 @@ pub enum Report {
     Sketch(RenderCommand, Result<([u32; 2], Vec<u8>), String>),
     /// A view was drawn.
     Picture(Box<Picture>),
-    /// The voxel under the pointer, as `ask.voxel` answers; null where there is none.
-    Probe(Value),
+    /// The voxel under the pointer; `None` if nobody can tell.
+    Probe(Option<VoxelSaid>),
     /// Whether the 3D view is to be drawn anew, or finer.
     Refining(bool),
     /// Something was done and came to nothing: a sentence for where the hand is.
@@ -165,7 +171,7 @@ pub enum Report {
     /// Something went wrong that the user can put right.
     Offer(Box<Offer>),
     /// A command was done; its answer.
-    Done(Command, Value),
+    Done(Box<Command>, Box<Answer>),
     /// A command was not done; why.
     Refused(Box<Command>, String),
     /// Something else was not done, by a name of its own; why.

@@ -3,7 +3,8 @@
 //! A picture is drawn again only if what it depends on changed. While something is held or moves the 3D view is drawn with as few
 //! pixels as the eye forgives; at rest it is refined in bands of rows, so that a command never waits long for a picture.
 
-use crate::document::{Command, Document, DocumentError, HistoryCommand, SlicePlane, ViewCommand, ViewName};
+use crate::document::effects::Redraws;
+use crate::document::{Document, DocumentError, SlicePlane, ViewName};
 use crate::gpu::Image;
 use crate::math::Camera;
 use crate::ui::thread::session::Picture;
@@ -20,9 +21,8 @@ const COARSEST: f64 = 4.0;
 /// What a picture depends on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Basis {
-    content: u64,
-    /// Of parts; slices show the volume at rest.
-    poses: u64,
+    /// Changes of what is drawn in the view, counted.
+    changes: u64,
     size: [u32; 2],
     plane: Option<SlicePlane>,
     camera: Camera,
@@ -50,8 +50,9 @@ struct Refining {
 /// See the module's head.
 #[derive(Debug)]
 pub(crate) struct Studio {
-    content: u64,
-    poses: u64,
+    /// Changes of what the 3D view draws, and of what slices draw.
+    three_d: u64,
+    slices: u64,
     turn: u64,
     drawn: BTreeMap<ViewName, Drawn>,
     refining: Option<Refining>,
@@ -61,31 +62,15 @@ pub(crate) struct Studio {
 
 impl Default for Studio {
     fn default() -> Self {
-        Self { content: 0, poses: 0, turn: 0, drawn: BTreeMap::new(), refining: None, micros_per_pixel: 0.5 }
+        Self { three_d: 0, slices: 0, turn: 0, drawn: BTreeMap::new(), refining: None, micros_per_pixel: 0.5 }
     }
 }
 
 impl Studio {
-    /// Looks at a command that is about to be done: does it change more than a view's place?
-    pub(crate) fn note(&mut self, command: &Command) {
-        let keeps = match command {
-            Command::View(view) => !matches!(
-                view,
-                ViewCommand::Look { .. }
-                    | ViewCommand::Window { .. }
-                    | ViewCommand::Layer(_)
-                    | ViewCommand::Back { .. }
-                    | ViewCommand::Forward { .. }
-            ),
-            Command::Brush(_) | Command::Ask(_) | Command::Render(_) => true,
-            Command::History(HistoryCommand::Begin {} | HistoryCommand::End {} | HistoryCommand::Budget { .. }) => true,
-            Command::Part(_) | Command::Explosion(_) => {
-                self.poses += 1;
-                true
-            }
-            _ => false,
-        };
-        self.content += u64::from(!keeps);
+    /// Takes in which pictures a command that is about to be done may change.
+    pub(crate) fn note(&mut self, redraws: Redraws) {
+        self.three_d += u64::from(redraws.three_d);
+        self.slices += u64::from(redraws.slices);
     }
 
     fn basis(&self, document: &Document, view: ViewName) -> Option<Basis> {
@@ -93,7 +78,8 @@ impl Studio {
         let views = &state.scene.views;
         let plane = SlicePlane::new(state.grid(), views, view);
         let size = views.slice(view).map_or(views.size, |s| s.size);
-        Some(Basis { content: self.content, poses: self.poses, size, plane, camera: views.camera })
+        let changes = if view == ViewName::ThreeD { self.three_d } else { self.slices };
+        Some(Basis { changes, size, plane, camera: views.camera })
     }
 
     /// The view that needs drawing most: of those that show something old every second time the one under the hand, else the one
@@ -207,10 +193,10 @@ impl Studio {
 /// Whether two pictures would be equal: a slice does not depend on the camera, the 3D view not on the planes.
 fn same(a: &Basis, b: &Basis, view: ViewName) -> bool {
     let place = match view {
-        ViewName::ThreeD => a.camera == b.camera && a.poses == b.poses,
+        ViewName::ThreeD => a.camera == b.camera,
         _ => a.plane == b.plane,
     };
-    a.content == b.content && a.size == b.size && place
+    a.changes == b.changes && a.size == b.size && place
 }
 
 fn background(document: &Document) -> [f32; 3] {

@@ -3,6 +3,8 @@
 //! Commands come first; pictures are drawn when none waits, one view at a time, so that a stroke's samples never queue behind a
 //! picture for longer than one takes. Knows egui only to wake the window.
 
+use crate::document::answers::{Answer, Said};
+use crate::document::effects::{Effects, Lasts, Redraws};
 use crate::document::{
     Command, Document, DocumentError, ExplosionCommand, HistoryCommand, KeepError, Place, Question, RenderCommand,
     ViewName,
@@ -10,13 +12,11 @@ use crate::document::{
 use crate::interact::readout;
 use crate::io::in_words;
 use crate::math::DVec2;
-use crate::ui::thread::errand::{lasts, opens, topic};
 use crate::ui::thread::progress::Progress;
 use crate::ui::thread::session::{Far, Gravity, Opened, Picture, Report, Request, Session, Snapshot};
 use crate::ui::thread::view_scheduler::Studio;
 use crate::ui::window::rescue::{after_failure, way_out};
 use crate::volume::Histogram;
-use serde_json::Value;
 use std::collections::BTreeSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -253,8 +253,9 @@ impl Worker {
     }
 
     fn apply(&mut self, command: Command) {
-        self.studio.note(&command);
-        let started = lasts(&command);
+        let effects = command.effects();
+        self.note(&effects);
+        let started = doing(&command, effects.lasts);
         if let Some(what) = &started {
             self.progress.begin();
             self.report(Report::Started(what.clone()));
@@ -265,20 +266,20 @@ impl Worker {
         }
         match result {
             Ok(answer) => {
-                if opens(&command) {
+                if effects.opens {
                     self.histogram = None;
                 }
                 // A script moves parts when it says so; the window lets them follow whatever is done.
                 self.moving = self.document.must_move();
                 self.say_warnings(&answer);
-                if let Some(nothing) = answer["nothing"].as_str() {
+                if let Some(nothing) = answer.nothing() {
                     self.report(Report::Nothing(nothing.to_owned()));
                 }
                 if !self.refused.is_empty() {
-                    self.worked(&topic(&command));
+                    self.worked(effects.name);
                 }
-                if started.is_some() || matches!(command, Command::Project(_)) {
-                    self.report(Report::Done(command, answer));
+                if effects.is_awaited {
+                    self.report(Report::Done(Box::new(command), Box::new(answer)));
                 }
             }
             // A group that was closed by something else is no news.
@@ -295,10 +296,16 @@ impl Worker {
                 if let Some(offer) = way_out(&command, &error) {
                     self.report(Report::Offer(Box::new(offer)));
                 }
-                self.refused.insert(topic(&command));
+                self.refused.insert(effects.name.into());
                 self.report(Report::Refused(Box::new(command), error.to_string()));
             }
         }
+    }
+
+    /// Takes in which pictures a command that is about to be done may change; one that ends a stroke lays its last dab.
+    fn note(&mut self, effects: &Effects) {
+        let ends = effects.ends_stroke && self.document.is_painting();
+        self.studio.note(if ends { Redraws::ALL } else { effects.redraws });
     }
 
     /// What was refused before has worked now.
@@ -308,10 +315,8 @@ impl Worker {
         }
     }
 
-    fn say_warnings(&self, answer: &Value) {
-        let one = answer["warning"].as_str().into_iter();
-        let many = answer["warnings"].as_array().into_iter().flatten().filter_map(Value::as_str);
-        for warning in one.chain(many) {
+    fn say_warnings(&self, answer: &Answer) {
+        for warning in answer.warnings() {
             self.report(Report::Message(Gravity::Warning, readout::sentence(warning)));
         }
     }
@@ -338,7 +343,7 @@ impl Worker {
         // The first alone, to see whether there is time for the rest.
         for steps in [1, MOST_STEPS - 1] {
             let step = Command::Explosion(ExplosionCommand::Step { steps });
-            self.studio.note(&step);
+            self.note(&step.effects());
             match self.document.apply(step) {
                 Ok(_) => self.moving = self.document.must_move(),
                 Err(error) => {
@@ -356,8 +361,11 @@ impl Worker {
         let Some((view, px, size)) = self.probe.take() else { return };
         let at = Place::Pixel { view, px: px.to_array(), size: Some(size) };
         // Nothing under the pointer is an answer too.
-        let answer = self.document.apply(Command::Ask(Question::Voxel { at })).unwrap_or(Value::Null);
-        self.report(Report::Probe(answer));
+        let voxel = match self.document.apply(Command::Ask(Question::Voxel { at })).map(|answer| answer.said) {
+            Ok(Said::Voxel(voxel)) => Some(*voxel),
+            Ok(_) | Err(_) => None,
+        };
+        self.report(Report::Probe(voxel));
     }
 
     /// Sends a snapshot if anything is new.
@@ -406,5 +414,17 @@ impl Worker {
         let _gone = self.far.reports.send(report);
         // What changes no layout is all there after one frame; egui makes two of a request without delay.
         self.wake.request_repaint_after(if changes_layout { Duration::ZERO } else { SOON });
+    }
+}
+
+/// What is said while a command runs that may take over a tenth of a second.
+fn doing(command: &Command, lasts: Lasts) -> Option<String> {
+    match lasts {
+        Lasts::AtOnce => None,
+        Lasts::AWhile(doing) => Some(doing.into()),
+        Lasts::AWhileWith(doing) => {
+            let path = command.path().unwrap_or_default();
+            Some(format!("{doing} {}", path.file_name().unwrap_or_default().to_string_lossy()))
+        }
     }
 }

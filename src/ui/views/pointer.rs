@@ -120,7 +120,7 @@ impl App {
             pos.filter(|_| open).and_then(|p| rects.iter().find(|(_, r)| r.contains(p)).map(|&(v, r)| (v, r, p)));
         let Some((view, rect, pos)) = over else {
             if self.viewports.hovered.take().is_some() {
-                self.probe = serde_json::Value::Null;
+                self.probe = None;
             }
             return;
         };

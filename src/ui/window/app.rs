@@ -1,5 +1,6 @@
 //! The window's state, and how commands leave it and reports reach it.
 
+use crate::document::answers_ask::VoxelSaid;
 use crate::document::{Command, OpenAs, ProjectCommand, Scene, ViewCommand, ViewName, VolumeCommand};
 use crate::explode::PartId;
 use crate::interact::{Context, Event, Hit, Interaction};
@@ -12,7 +13,7 @@ use crate::ui::dialogs::picture::Wish;
 use crate::ui::panels::messages::{Message, Toast};
 use crate::ui::panels::transfer::TransferEditor;
 use crate::ui::style::theme;
-use crate::ui::thread::prediction::echo;
+use crate::ui::thread::prediction::predict;
 use crate::ui::thread::session::{Gravity, Opened, Request, Session, Snapshot};
 use crate::ui::views::hit_buffer::Pictures;
 use crate::ui::views::trail::Trail;
@@ -70,7 +71,8 @@ pub struct App {
     pub(crate) busy: Option<Busy>,
     /// Since when the document has not caught up (seconds of egui's clock).
     pub(crate) behind_since: Option<f64>,
-    pub(crate) probe: serde_json::Value,
+    /// The voxel under the pointer, as the document answered last.
+    pub(crate) probe: Option<VoxelSaid>,
     /// Whether what is under a resting pointer may be another value now.
     pub(crate) probe_again: bool,
     /// The 3D stroke that no picture shows yet.
@@ -143,7 +145,7 @@ impl App {
             context: egui::Context::default(),
             busy: None,
             behind_since: None,
-            probe: serde_json::Value::Null,
+            probe: None,
             probe_again: false,
             trail: Trail::default(),
             note: None,
@@ -198,7 +200,7 @@ impl App {
     /// Sends a command and lets the window's copy follow.
     pub(crate) fn send(&mut self, command: Command) {
         if let (Some(scene), Some(open)) = (&mut self.scene, &self.snapshot.open) {
-            echo(scene, &open.poses, &command);
+            predict(scene, &command, &open.ground());
         }
         self.request(Request::Apply(command));
     }

@@ -1,5 +1,6 @@
 //! What comes back from the document, and what the window makes of it.
 
+use crate::document::answers::{Answer, LostSaid, Said};
 use crate::document::{
     Command, ProjectCommand, RenderCommand, SegmentCommand, SelectionCommand, ViewName, VolumeCommand,
 };
@@ -8,7 +9,6 @@ use crate::ui::browse::names::shown;
 use crate::ui::dialogs::Dialog;
 use crate::ui::dialogs::questions::Lost;
 use crate::ui::panels::transfer::TransferEditor;
-use crate::ui::thread::errand::topic;
 use crate::ui::thread::session::{Gravity, Report};
 use crate::ui::window::app::{App, Busy};
 use std::path::{Path, PathBuf};
@@ -86,9 +86,9 @@ impl App {
         }
     }
 
-    fn done(&mut self, ctx: &egui::Context, command: &Command, answer: &serde_json::Value) {
-        if let Command::Project(ProjectCommand::Lost {}) = command
-            && let Some(lost) = answer["lost"].as_array().filter(|l| !l.is_empty())
+    fn done(&mut self, ctx: &egui::Context, command: &Command, answer: &Answer) {
+        if let Said::Lost(LostSaid { lost }) = &answer.said
+            && !lost.is_empty()
         {
             self.dialog = Some(Dialog::Lost(lost.iter().map(Lost::from).collect()));
         }
@@ -99,7 +99,7 @@ impl App {
         {
             self.mended(RECOVERED);
         }
-        if let Some(text) = readout::recovered(&answer["recovered"]) {
+        if let Some(text) = answer.recovered().and_then(readout::recovered) {
             self.warn_until(RECOVERED, text);
             self.messages_open = true;
         }
@@ -116,12 +116,12 @@ impl App {
         }
         // Whoever typed the path reads the reason beside it.
         if !self.file_failed(command, &reason) {
-            self.complain(&topic(command), reason);
+            self.complain(command.effects().name, reason);
         }
     }
 
     /// Notes what was opened or saved, and says where what was written lies.
-    fn tell_of_file(&mut self, command: &Command, answer: &serde_json::Value) {
+    fn tell_of_file(&mut self, command: &Command, answer: &Answer) {
         let named = |path: &Path| shown(path.file_name().unwrap_or(path.as_os_str()));
         match command {
             Command::Volume(VolumeCommand::Open { path, open_as, .. }) => {
@@ -134,7 +134,11 @@ impl App {
             }
             Command::Project(ProjectCommand::Save { path, .. }) => {
                 let known = self.snapshot.project.clone();
-                let path = answer["path"].as_str().map(PathBuf::from).or_else(|| path.clone()).or(known);
+                let said = match &answer.said {
+                    Said::Saved(saved) => saved.path.as_ref().map(PathBuf::from),
+                    _ => None,
+                };
+                let path = said.or_else(|| path.clone()).or(known);
                 self.mended("project.save");
                 if let Some(path) = path {
                     self.recent.note_project(&path);
@@ -148,7 +152,10 @@ impl App {
                 self.confirm(format!("Saved picture {}", named(path)), Some(path.clone()));
             }
             Command::Segment(SegmentCommand::Import { path, .. }) => {
-                let count = answer["segments"].as_array().map_or(0, Vec::len);
+                let count = match &answer.said {
+                    Said::ImportedSegments(said) => said.labels.segments.len(),
+                    _ => 0,
+                };
                 let segments = if count == 1 { "one segment".to_owned() } else { format!("{count} segments") };
                 self.confirm(format!("Imported {segments} from {}", named(path)), None);
             }

@@ -1,0 +1,521 @@
+//! What a command says it did: a type for every verb's answer; JSON only where a script reads it.
+//!
+//! An answer is what the verb itself says, beside the step of history it made and what went wrong on the way. Its names are those of
+//! the script's JSON and may not change: scripts read them. Owns no value that is not told; knows nothing of how it was found.
+
+#![allow(missing_docs)] // fields: what they are called is what they say
+
+use crate::document::command::answers_ask::{
+    FieldSaid, HistorySaid, PartsSaid, PickSaid, VisibilitySaid, VolumeSaid, VoxelSaid,
+};
+use crate::document::scene::past::PastOf;
+use crate::document::scene::{Layer, Look, Scene, SliceView, ViewName, Window};
+use crate::explode::{Forces, PartId, PartPose, PartRecord};
+use crate::io::Exported;
+use crate::math::Camera;
+use crate::paint::Brush;
+use crate::volume::Segment;
+use serde::ser::{Error, SerializeStruct};
+use serde::{Serialize, Serializer};
+use serde_json::Value;
+use std::path::PathBuf;
+use std::time::SystemTime;
+
+/// What a command answers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Answer {
+    /// What the verb says.
+    #[serde(flatten)]
+    pub said: Said,
+    /// Of a command that is done as a step of history: which. Strokes and groups say theirs themselves.
+    #[serde(flatten)]
+    pub step: Option<StepSaid>,
+    /// What went wrong beside what went right, in sentences.
+    #[serde(rename = "warning", skip_serializing_if = "Vec::is_empty", serialize_with = "joined")]
+    pub trouble: Vec<String>,
+}
+
+fn joined<S: Serializer>(trouble: &[String], to: S) -> Result<S::Ok, S::Error> {
+    to.serialize_str(&trouble.join("; "))
+}
+
+impl Answer {
+    /// Everything that is to be told: of the files that were read or written, and of what went wrong beside.
+    pub fn warnings(&self) -> impl Iterator<Item = &str> {
+        let of_files: &[String] = match &self.said {
+            Said::Opened(said) => &said.warnings,
+            Said::Exported(said) => &said.warnings,
+            Said::Selected(said) => said.warnings.as_deref().unwrap_or_default(),
+            Said::ImportedSegments(said) => &said.warnings,
+            _ => &[],
+        };
+        self.trouble.iter().chain(of_files).map(String::as_str)
+    }
+
+    /// What an earlier end of the program had left in what was opened.
+    pub fn recovered(&self) -> Option<&RecoveredSaid> {
+        match &self.said {
+            Said::Opened(said) => said.recovered.as_ref(),
+            _ => None,
+        }
+    }
+
+    /// Why a stroke came to nothing, in a sentence.
+    pub fn nothing(&self) -> Option<&str> {
+        match &self.said {
+            Said::Painted(said) => said.nothing.as_deref(),
+            _ => None,
+        }
+    }
+
+    /// The answer as scripts read it.
+    ///
+    /// # Errors
+    /// If it holds what JSON has no word for, such as a file's name that is not UTF-8.
+    pub fn to_json(&self) -> Result<Value, String> {
+        serde_json::to_value(self)
+            .map_err(|error| format!("the command is done, but its answer cannot be told: {error}"))
+    }
+}
+
+impl From<Said> for Answer {
+    fn from(said: Said) -> Self {
+        Self { said, ..Self::default() }
+    }
+}
+
+/// The step of history that a command made, `None` if it changed nothing that undo knows.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct StepSaid {
+    pub step: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub voxels_changed: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bricks_touched: Option<usize>,
+}
+
+/// What the verbs say.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Said {
+    /// There was nothing to say.
+    #[default]
+    Nothing,
+    Opened(Box<OpenedSaid>),
+    Saved(SavedSaid),
+    Lost(LostSaid),
+    Forgotten(ForgottenSaid),
+    Exported(ExportedSaid),
+    Transfer(TransferSaid),
+    Camera(CameraSaid),
+    View(ViewSaid),
+    Slice(SliceSaid),
+    Crosshair(CrosshairSaid),
+    Look(LookSaid),
+    Window(WindowSaid),
+    Layers(LayersSaid),
+    Past(Box<PastSaid>),
+    Brush(Box<BrushSaid>),
+    Painted(PaintedSaid),
+    Extended(ExtendedSaid),
+    Cancelled(CancelledSaid),
+    Selected(SelectedSaid),
+    Segment(SegmentSaid),
+    SegmentRemoved(SegmentRemovedSaid),
+    ImportedSegments(ImportedSegmentsSaid),
+    Split(SplitSaid),
+    Part(Box<PartSaid>),
+    Whole(WholeSaid),
+    Degree(DegreeSaid),
+    Forces(ForcesSaid),
+    Seed(SeedSaid),
+    Settled(SettledSaid),
+    Moved(MovedSaid),
+    Travelled(TravelledSaid),
+    Budget(BudgetSaid),
+    Group(GroupSaid),
+    Volume(Box<VolumeSaid>),
+    Scene(Box<SceneSaid>),
+    Parts(PartsSaid),
+    Voxel(Box<VoxelSaid>),
+    Pick(PickSaid),
+    Field(FieldSaid),
+    Visibility(VisibilitySaid),
+    History(HistorySaid),
+    Picture(PictureSaid),
+}
+
+impl Said {
+    /// Whether parts are still on their way.
+    pub fn is_moving(&self) -> bool {
+        matches!(self, Self::Moved(moved) if moved.moving)
+    }
+}
+
+/// Gives every answer its place among what can be said.
+macro_rules! said {
+    ($($variant:ident($answer:ty)),* $(,)?) => {
+        $(impl From<$answer> for Said {
+            fn from(answer: $answer) -> Self {
+                Self::$variant(answer.into())
+            }
+        })*
+    };
+}
+
+said! {
+    Opened(OpenedSaid), Saved(SavedSaid), Lost(LostSaid), Forgotten(ForgottenSaid), Exported(ExportedSaid),
+    Transfer(TransferSaid), Camera(CameraSaid), View(ViewSaid), Slice(SliceSaid), Crosshair(CrosshairSaid),
+    Look(LookSaid), Window(WindowSaid), Layers(LayersSaid), Past(PastSaid), Brush(BrushSaid), Painted(PaintedSaid),
+    Extended(ExtendedSaid), Cancelled(CancelledSaid), Selected(SelectedSaid), Segment(SegmentSaid),
+    SegmentRemoved(SegmentRemovedSaid), ImportedSegments(ImportedSegmentsSaid), Split(SplitSaid), Part(PartSaid),
+    Whole(WholeSaid), Degree(DegreeSaid), Forces(ForcesSaid), Seed(SeedSaid), Settled(SettledSaid), Moved(MovedSaid),
+    Travelled(TravelledSaid), Budget(BudgetSaid), Group(GroupSaid), Volume(VolumeSaid), Scene(SceneSaid),
+    Parts(PartsSaid), Voxel(VoxelSaid), Pick(PickSaid), Field(FieldSaid), Visibility(VisibilitySaid),
+    History(HistorySaid), Picture(PictureSaid),
+}
+
+/// `volume.open`, `project.open`, `project.recover`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OpenedSaid {
+    #[serde(flatten)]
+    pub volume: VolumeSaid,
+    /// Opened as labels.
+    #[serde(flatten)]
+    pub labels: Option<LabelsSaid>,
+    /// Opened as a selection.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub selected_voxels: Option<u64>,
+    pub warnings: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recovered: Option<RecoveredSaid>,
+}
+
+/// What an earlier end of the program had left, and what became of it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RecoveredSaid {
+    pub steps: u64,
+    /// The last command, as the journal has it.
+    pub last: Value,
+    pub stroke: StrokeFate,
+    pub torn_bytes: u64,
+}
+
+/// What became of the stroke that ran.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StrokeFate {
+    /// None ran.
+    None,
+    /// It is painted as far as it had come.
+    Painted,
+    /// It could not be.
+    Lost,
+}
+
+/// What a save did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Saved {
+    /// The generation that is now current.
+    pub generation: u64,
+    /// Bytes written, metadata included.
+    pub bytes_written: u64,
+    /// Files of the generation before that did not change.
+    pub files_linked: u64,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SavedSaid {
+    pub saved: Saved,
+    pub path: Option<String>,
+}
+
+/// A document that a crash left behind.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Lost {
+    /// Names it for `Keeper::recover` and [`discard`].
+    pub id: String,
+    /// The file that was open.
+    pub origin: PathBuf,
+    /// When it was last changed.
+    pub changed: SystemTime,
+    /// Bytes of its journal.
+    pub bytes: u64,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LostSaid {
+    pub lost: Vec<Lost>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ForgottenSaid {
+    pub forgotten: String,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ExportedSaid {
+    pub exported: Exported,
+    pub warnings: Vec<String>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TransferSaid {
+    pub colour_points: usize,
+    pub opacity_points: usize,
+    pub domain: [f64; 2],
+}
+
+/// A move of the 3D view.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CameraSaid {
+    pub camera: Camera,
+}
+
+/// The 3D view by its name.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ViewSaid {
+    pub camera: Camera,
+    pub size: [u32; 2],
+}
+
+/// A slice view by its name.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SliceSaid {
+    pub slice: SliceView,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CrosshairSaid {
+    pub crosshair_mm: [f64; 3],
+    pub index: [f64; 3],
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LookSaid {
+    pub look: Look,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WindowSaid {
+    pub window: Window,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LayersSaid {
+    pub layers: Vec<Layer>,
+}
+
+/// `view.back`, `view.forward`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PastSaid {
+    pub moved: bool,
+    pub of: Option<PastOf>,
+    pub change: Option<String>,
+    pub back: usize,
+    pub forward: usize,
+    pub camera: Camera,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BrushSaid {
+    pub brush: Brush,
+}
+
+/// A stroke that is done.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PaintedSaid {
+    /// `None` if it changed nothing.
+    pub step: Option<String>,
+    pub dabs: u64,
+    pub missed: u64,
+    pub voxels_changed: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bricks_touched: Option<usize>,
+    /// Why it changed nothing, in a sentence.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nothing: Option<String>,
+}
+
+/// A stroke that runs: what was painted by this command.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ExtendedSaid {
+    pub dabs: usize,
+    pub missed: u64,
+    pub bricks_touched: usize,
+    /// Of the whole stroke.
+    pub length_mm: f64,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CancelledSaid {
+    pub cancelled: bool,
+    /// Always `None`.
+    pub step: Option<String>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SelectedSaid {
+    /// Of a file: share of the volume that it covers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub covered: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub warnings: Option<Vec<String>>,
+    pub selected_bricks: usize,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SegmentSaid {
+    pub segment: Segment,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SegmentRemovedSaid {
+    pub removed: u16,
+}
+
+/// Labels that were brought in from a file.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LabelsSaid {
+    pub segments: Vec<BroughtSegment>,
+    pub labelled_voxels: u64,
+    pub kept_locked: u64,
+    pub covered: f64,
+    pub resampled: bool,
+}
+
+/// A segment that came with labels of a file.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BroughtSegment {
+    pub id: u16,
+    /// Its number in the file.
+    pub value: i128,
+    pub name: Option<String>,
+    pub voxels: u64,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ImportedSegmentsSaid {
+    #[serde(flatten)]
+    pub labels: LabelsSaid,
+    pub warnings: Vec<String>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SplitSaid {
+    pub halves: Vec<[PartId; 2]>,
+    pub parts: usize,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PartSaid {
+    pub part: PartRecord,
+}
+
+/// `part.reset`: how many parts there are.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WholeSaid {
+    pub parts: usize,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DegreeSaid {
+    pub degree: f64,
+    /// What is missing where nothing can move.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hint: Option<&'static str>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ForcesSaid {
+    pub forces: Forces,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SeedSaid {
+    pub seed: u64,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SettledSaid {
+    pub poses: Vec<PartPose>,
+    pub gains: Vec<f64>,
+    pub rounds: u32,
+    pub steps: u32,
+    pub at_rest: bool,
+    pub visible: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hint: Option<&'static str>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MovedSaid {
+    pub poses: Vec<PartPose>,
+    /// Whether more is to come.
+    pub moving: bool,
+    pub visible: Option<f64>,
+}
+
+/// `history.undo`, `history.redo`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TravelledSaid {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub undone: Option<Vec<String>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub redone: Option<Vec<String>>,
+    /// How many can be taken back now.
+    pub undo: usize,
+    /// How many can be done again now.
+    pub redo: usize,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BudgetSaid {
+    pub budget: u64,
+    pub memory: u64,
+    pub disk: u64,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GroupSaid {
+    pub group: GroupState,
+    /// Of a group that is closed: its step, `None` if nothing changed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub step: Option<Option<String>>,
+}
+
+/// What became of a group of steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum GroupState {
+    Open,
+    Closed,
+    Cancelled,
+}
+
+/// The scene, its parts where they stand now.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneSaid {
+    pub scene: Scene,
+    pub parts: Vec<PartRecord>,
+}
+
+impl Serialize for SceneSaid {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut scene = serde_json::to_value(&self.scene).map_err(S::Error::custom)?;
+        scene["explosion"]["parts"] = serde_json::to_value(&self.parts).map_err(S::Error::custom)?;
+        let mut said = to.serialize_struct("SceneSaid", 1)?;
+        said.serialize_field("scene", &scene)?;
+        said.end()
+    }
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PictureSaid {
+    pub path: String,
+    pub view: ViewName,
+    pub size: [u32; 2],
+    pub supersample: u32,
+    /// Share of the pixels where anything is.
+    pub covered: f64,
+}

@@ -1,0 +1,122 @@
+//! What questions are answered with; see `answers`.
+
+#![allow(missing_docs)] // fields: what they are called is what they say
+
+use crate::explode::{PartId, PartRecord};
+use crate::volume::{Number, TexelFormat, VoxelType};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// `ask.volume`, and what is told of a volume that was opened.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct VolumeSaid {
+    pub name: String,
+    pub dims: [u32; 3],
+    pub voxel_type: VoxelType,
+    /// Rows of the matrix from index to world.
+    pub world_from_index: [[f64; 4]; 3],
+    pub spacing_mm: [f64; 3],
+    /// `None` of a volume without a finite value.
+    pub min: Option<Number>,
+    pub max: Option<Number>,
+    pub sum: Number,
+    pub nan_count: u64,
+    pub texels: TexelFormat,
+    pub half_step: f64,
+    pub levels: u8,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PartsSaid {
+    pub degree: f64,
+    pub parts: Vec<PartRecord>,
+}
+
+/// `ask.voxel`: of a pixel that shows nothing only that it is not inside.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct VoxelSaid {
+    pub inside: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mm: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub index: Option<[f64; 3]>,
+    #[serde(flatten)]
+    pub values: Option<VoxelValues>,
+}
+
+/// What is in a voxel.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct VoxelValues {
+    pub voxel: [u32; 3],
+    pub density: Number,
+    /// By how much a painted density may be off.
+    pub half_step: f64,
+    pub colour: [f32; 4],
+    pub selection: f32,
+    pub label: u16,
+    pub segment: Option<String>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PickSaid {
+    pub hit: Option<HitSaid>,
+}
+
+/// The first visible surface under a pixel.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HitSaid {
+    pub mm: [f64; 3],
+    pub rest_mm: [f64; 3],
+    pub index: [f64; 3],
+    pub part: PartId,
+    pub selection: bool,
+    pub depth_mm: f64,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FieldSaid {
+    pub field: &'static str,
+    pub sum: Number,
+    pub nonzero: u64,
+    pub min: Option<Number>,
+    pub max: Option<Number>,
+    pub edited_bricks: usize,
+    /// Of labels.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub voxels_by_label: Option<BTreeMap<u16, u64>>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct VisibilitySaid {
+    pub share: f64,
+    pub selected: u64,
+    pub visible: u64,
+    pub hidden_by: Vec<HiddenBy>,
+}
+
+/// Pixels of the selection that a part alone hides.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HiddenBy {
+    pub part: u32,
+    pub pixels: u64,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HistorySaid {
+    /// Names, the newest first.
+    pub undo: Vec<String>,
+    /// Names, the next one first.
+    pub redo: Vec<String>,
+    pub memory: u64,
+    pub disk: u64,
+    pub budget: u64,
+    pub views: PastCounts,
+    pub looks: PastCounts,
+}
+
+/// Changes behind and ahead.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct PastCounts {
+    pub back: usize,
+    pub forward: usize,
+}

@@ -1,0 +1,95 @@
+//! What commands on colour and opacity, look, window, layers and the brush do to the scene; see `reduce`.
+
+use crate::document::command::answers::{BrushSaid, LayersSaid, LookSaid, TransferSaid, WindowSaid};
+use crate::document::command::brush::BrushCommand;
+use crate::document::command::views::TransferCommand;
+use crate::document::error::DocumentError;
+use crate::document::reduce::{Changed, Ground};
+use crate::document::scene::check::check_transfer;
+use crate::document::scene::{Layer, Look, Scene, Window, first_look};
+use crate::volume::{Lighting, Mode};
+
+/// What of a look is given: mode, shaded, lighting, step, background.
+type Given = (Option<Mode>, Option<bool>, Option<Lighting>, Option<f64>, Option<[f32; 3]>);
+
+impl Scene {
+    pub(crate) fn apply_transfer(
+        &mut self,
+        command: &TransferCommand,
+        ground: &Ground<'_>,
+    ) -> Result<Changed, DocumentError> {
+        let (name, function) = match command {
+            TransferCommand::Set { function } => ("Transfer function", function.clone()),
+            TransferCommand::Reset {} => {
+                ("Reset transfer function", first_look::transfer(ground.grid, ground.histogram))
+            }
+        };
+        check_transfer(&function)?;
+        self.transfer = function;
+        let (lo, hi) = self.transfer.domain();
+        let said = TransferSaid {
+            colour_points: self.transfer.colour.len(),
+            opacity_points: self.transfer.opacity.len(),
+            domain: [lo, hi],
+        };
+        Ok(Changed::new(name, said))
+    }
+
+    pub(crate) fn set_look(&mut self, given: Given) -> Result<Changed, DocumentError> {
+        let (mode, shaded, lighting, step_voxels, background) = given;
+        let name = match (&mode, shaded, background) {
+            (Some(Mode::Dvr), ..) => "Look: volume",
+            (Some(Mode::Iso(_)), ..) => "Look: surface",
+            (Some(Mode::Mip), ..) => "Look: maximum",
+            (None, Some(true), _) => "Headlight on",
+            (None, Some(false), _) => "Headlight off",
+            (None, None, Some(_)) => "Background",
+            _ => "Look",
+        };
+        if shaded == Some(false) && lighting.is_some() {
+            return Err(DocumentError::invalid("lighting", "given with shaded: false", "one of the two"));
+        }
+        let now = self.look;
+        let lit = lighting.or(now.lighting);
+        let look = Look {
+            mode: mode.unwrap_or(now.mode),
+            lighting: match shaded {
+                Some(false) => None,
+                Some(true) => lit.or_else(|| Some(Lighting::default())),
+                None => lit,
+            },
+            step_voxels: step_voxels.unwrap_or(now.step_voxels),
+            background: background.unwrap_or(now.background),
+        };
+        look.check()?;
+        self.look = look;
+        Ok(Changed::new(name, LookSaid { look }))
+    }
+
+    pub(crate) fn set_window(&mut self, level: f64, width: f64) -> Result<Changed, DocumentError> {
+        let window = Window { level, width };
+        window.check()?;
+        self.window = window;
+        Ok(Changed::new("Window", WindowSaid { window }))
+    }
+
+    pub(crate) fn set_layer(&mut self, layer: Layer) -> Result<Changed, DocumentError> {
+        layer.check()?;
+        match self.layers.iter_mut().find(|l| l.field == layer.field) {
+            Some(known) => *known = layer,
+            None => self.layers.push(layer),
+        }
+        Ok(Changed::new(format!("Layer {}", layer.field.name()), LayersSaid { layers: self.layers.clone() }))
+    }
+
+    pub(crate) fn apply_brush(&mut self, command: &BrushCommand) -> Result<Changed, DocumentError> {
+        let BrushCommand::Set { range, any_value, .. } = command;
+        if *any_value && range.is_some() {
+            return Err(DocumentError::invalid("any_value", "true beside a range", "either one or the other"));
+        }
+        let brush = command.applied_to(&self.brush);
+        brush.check()?;
+        self.brush = brush;
+        Ok(Changed::new("Brush", BrushSaid { brush }))
+    }
+}

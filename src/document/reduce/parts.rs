@@ -1,0 +1,164 @@
+//! What commands on segments, parts and forces do to the scene; see `reduce`.
+
+use crate::document::command::SegmentCommand;
+use crate::document::command::answers::{
+    DegreeSaid, ForcesSaid, PartSaid, SeedSaid, SegmentRemovedSaid, SegmentSaid, SplitSaid, WholeSaid,
+};
+use crate::document::command::parts::{ExplosionCommand, PartCommand, Splitter};
+use crate::document::error::DocumentError;
+use crate::document::reduce::{Changed, Ground};
+use crate::document::scene::Scene;
+use crate::document::scene::check::check_segment;
+use crate::explode::{Cut, Explosion, Part, PartId, PartRecord};
+use crate::math::{DVec3, Plane};
+use crate::volume::{Grid, Segment};
+
+impl Scene {
+    pub(crate) fn apply_segment(&mut self, command: &SegmentCommand) -> Result<Changed, DocumentError> {
+        match command {
+            SegmentCommand::Set { id, name, colour, visible, locked } => {
+                let id = *id;
+                let wanted = Segment::new(id);
+                check_segment(&Segment { colour: colour.unwrap_or(wanted.colour), ..wanted })?;
+                let known = self.segments.get(id).cloned();
+                let step = match (&known, name) {
+                    (None, _) => format!("Add segment {id}"),
+                    (Some(old), Some(new)) if old.name != *new => format!("Rename segment {}", old.name),
+                    (Some(old), _) => format!("Change segment {}", old.name),
+                };
+                self.segments.ensure(id);
+                let segment =
+                    self.segments.get_mut(id).ok_or_else(|| DocumentError::invalid("id", id, "a segment's id"))?;
+                if let Some(name) = name {
+                    segment.name.clone_from(name);
+                }
+                segment.colour = colour.unwrap_or(segment.colour);
+                segment.visible = visible.unwrap_or(segment.visible);
+                segment.locked = locked.unwrap_or(segment.locked);
+                Ok(Changed::new(step, SegmentSaid { segment: segment.clone() }))
+            }
+            SegmentCommand::Remove { id } => {
+                let Some(segment) = self.segments.get(*id) else {
+                    return Err(DocumentError::no_segment("id", *id, &self.segments));
+                };
+                let step = format!("Remove segment {}", segment.name);
+                self.segments.0.retain(|s| s.id != *id);
+                Ok(Changed::new(step, SegmentRemovedSaid { removed: *id }))
+            }
+            // Which segments those are is in the file.
+            SegmentCommand::Import { .. } => Ok(Changed::named("Import segments")),
+        }
+    }
+
+    pub(crate) fn apply_part(&mut self, command: &PartCommand, ground: &Ground<'_>) -> Result<Changed, DocumentError> {
+        match command {
+            PartCommand::Split { by, .. } => {
+                let halves = self.split(by)?;
+                let parts = self.explosion.parts.len();
+                Ok(Changed::new(by.step_name(), SplitSaid { halves, parts }))
+            }
+            PartCommand::Set { id, name, colour, own_colour, visible, pinned, importance } => {
+                let stands = ground.poses.of(self.explosion.part(*id)?);
+                let explosion = &mut self.explosion;
+                let part = explosion.part_mut(*id)?;
+                let what = match (name, colour.is_some() || *own_colour, visible, pinned) {
+                    (Some(_), ..) => "Rename",
+                    (_, true, ..) => "Colour",
+                    (_, _, Some(true), _) => "Show",
+                    (_, _, Some(false), _) => "Hide",
+                    (_, _, _, Some(true)) => "Pin",
+                    (_, _, _, Some(false)) => "Unpin",
+                    _ => "Change",
+                };
+                let step = format!("{what} {}", part.name);
+                if *own_colour && colour.is_some() {
+                    return Err(DocumentError::invalid("own_colour", "true beside a colour", "one of the two"));
+                }
+                *part = Part {
+                    name: name.clone().unwrap_or_else(|| part.name.clone()),
+                    colour: if *own_colour { None } else { colour.or(part.colour) },
+                    visible: visible.unwrap_or(part.visible),
+                    // Who pins a part wants it where it is.
+                    held: pinned.map_or(part.held, |pinned| pinned.then_some(stands)),
+                    importance: importance.unwrap_or(part.importance),
+                    ..part.clone()
+                };
+                explosion.check()?;
+                Ok(Changed::new(step, PartSaid { part: PartRecord::of(explosion.part(*id)?, stands) }))
+            }
+            PartCommand::Move { id, pose } => {
+                let step = format!("Move {}", self.explosion.part(*id)?.name);
+                self.explosion.place(*id, *pose)?;
+                Ok(Changed::new(step, PartSaid { part: self.explosion.part(*id)?.clone().into() }))
+            }
+            PartCommand::Reset {} => {
+                self.explosion = one_part(&self.explosion, ground.grid);
+                Ok(Changed::new("One part", WholeSaid { parts: 1 }))
+            }
+        }
+    }
+
+    fn split(&mut self, by: &Splitter) -> Result<Vec<[PartId; 2]>, DocumentError> {
+        match by {
+            Splitter::Plane { point, normal, part } => {
+                let plane = Plane::through(DVec3::from_array(*point), DVec3::from_array(*normal))
+                    .filter(|p| p.normal.is_finite() && p.offset.is_finite())
+                    .ok_or_else(|| {
+                        DocumentError::invalid("normal", format!("{normal:?}"), "a finite direction other than zero")
+                    })?;
+                let ids = match part {
+                    Some(id) => vec![self.explosion.part(*id)?.id],
+                    None => self.explosion.parts.iter().map(|p| p.id).collect(),
+                };
+                let cuts: Vec<Cut> = ids.into_iter().map(|part| Cut { part, plane }).collect();
+                Ok(self.explosion.cut(&cuts)?)
+            }
+            Splitter::Cuts { cuts, .. } => {
+                for (i, Cut { plane, .. }) in cuts.iter().enumerate() {
+                    if !((plane.normal.length() - 1.0).abs() < 1e-6 && plane.offset.is_finite()) {
+                        let expected = "a normal of length 1 and a finite offset";
+                        return Err(DocumentError::invalid(format!("cuts[{i}].plane"), format!("{plane:?}"), expected));
+                    }
+                }
+                Ok(self.explosion.cut(cuts)?)
+            }
+            Splitter::Axis { .. } | Splitter::Depth { .. } | Splitter::Line { .. } => {
+                Err(DocumentError::of_picture("by"))
+            }
+        }
+    }
+
+    pub(crate) fn apply_explosion(&mut self, command: &ExplosionCommand) -> Result<Changed, DocumentError> {
+        match command {
+            ExplosionCommand::Degree { value } => {
+                self.explosion.degree = *value;
+                self.explosion.check()?;
+                Ok(Changed::new("Degree of explosion", DegreeSaid { degree: *value, hint: None }))
+            }
+            ExplosionCommand::Forces { forces } => {
+                forces.check()?;
+                self.explosion.forces = *forces;
+                Ok(Changed::new("Forces", ForcesSaid { forces: *forces }))
+            }
+            ExplosionCommand::Seed { value } => {
+                self.explosion.seed = *value;
+                Ok(Changed::new("Seed of explosion points", SeedSaid { seed: *value }))
+            }
+            // Where forces take parts is found, not said.
+            ExplosionCommand::Settle {} | ExplosionCommand::Step { .. } => Ok(Changed::default()),
+        }
+    }
+}
+
+/// The volume in one part again. Ids are never used twice, so that nobody mistakes one part for another.
+fn one_part(old: &Explosion, grid: &Grid) -> Explosion {
+    let mut whole = Explosion::whole(grid);
+    if old.parts.len() > 1 || old.next_id != whole.next_id {
+        for part in &mut whole.parts {
+            part.id = PartId(old.next_id);
+            part.name = format!("Part {}", old.next_id);
+        }
+        whole.next_id = old.next_id + 1;
+    }
+    Explosion { degree: old.degree, forces: old.forces, seed: old.seed, ..whole }
+}
