@@ -143,7 +143,7 @@ fn faults(path: &str, text: &str) -> Vec<String> {
 
 #[test]
 fn imports_go_down_only_and_libraries_stay_on_their_floor() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let root = crate::common::root().join("src");
     let mut files = Vec::new();
     sources(&root, &mut files);
     assert!(files.len() > 20, "sources not found");

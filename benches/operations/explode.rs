@@ -1,7 +1,7 @@
 //! The demo's head: settled from 26 directions, how much of the brain shows and what that costs; and its pictures.
 
 use super::cube::apply;
-use super::head::Failure;
+use super::head::{Failure, root};
 use super::measure::{Report, measure};
 use burin::document::{Document, ViewName};
 use serde_json::json;
@@ -9,8 +9,8 @@ use serde_json::json;
 /// The demo's document before it is settled.
 fn demo() -> Result<Document, Failure> {
     let mut document = Document::new();
-    let demo = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/demo.jsonl"))?;
-    std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
+    let demo = std::fs::read_to_string(root().join("assets/demo.jsonl"))?;
+    std::env::set_current_dir(root())?;
     for line in demo.lines().filter(|l| l.starts_with('{') && !l.contains("\"project\"") && !l.contains("\"settle\"")) {
         apply(&mut document, serde_json::from_str(line)?)?;
     }

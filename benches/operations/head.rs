@@ -5,6 +5,8 @@ use burin::math::{Aabb, Camera, DVec3, Plane, Pose, Projection};
 use burin::volume::{
     DensityMap, Field, FieldKind, Grid, Lighting, MemorySource, Mode, TransferFunction, Value, Voxels,
 };
+use rayon::prelude::*;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 pub type Failure = Box<dyn std::error::Error>;
@@ -46,14 +48,35 @@ impl Volume {
 
 /// Colin27 resampled to 256×256×166 with its first and last voxels kept in place, scaled to 0..254.
 pub fn head() -> Result<Volume, Failure> {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/ch2.nii.gz");
-    let source = burin::io::open(path)?.source(0, 0, &|_| true)?;
+    let voxels = resampled(HEAD, 254.0, |value| value as u8)?;
+    Volume::new(HEAD, u8::wrap(voxels), 254.0)
+}
+
+/// The dims of the head as the other programs draw it.
+const HEAD: [u32; 3] = [256, 256, 166];
+
+/// The same in 512³ voxels of 16 bits: what a card is measured by.
+pub fn large() -> Result<Volume, Failure> {
+    let voxels = resampled([512; 3], 65_024.0, |value| value as u16)?;
+    Volume::new([512; 3], u16::wrap(voxels), 65_024.0)
+}
+
+/// The folder with the assets: the repository, or what `BURIN_ROOT` says where the benches were carried elsewhere.
+pub fn root() -> PathBuf {
+    std::env::var_os("BURIN_ROOT").map_or_else(|| env!("CARGO_MANIFEST_DIR").into(), PathBuf::from)
+}
+
+/// The two voxels along an axis that a place lies between, and how near to the second.
+type Tap = (usize, usize, f64);
+
+/// Colin27 between its voxels, its first and last ones kept in place, scaled to 0..`most`, x fastest.
+fn resampled<T: Send>(to: [u32; 3], most: f64, code: impl Fn(f64) -> T + Sync) -> Result<Vec<T>, Failure> {
+    let source = burin::io::open(root().join("assets/ch2.nii.gz"))?.source(0, 0, &|_| true)?;
     let from = source.grid().dims;
     let all = source.read([0; 3], from)?;
     let values: Vec<f64> = (0..all.len()).map(|i| all.get(i)).collect();
     let max = values.iter().copied().fold(1.0, f64::max);
-    let to = [256_u32, 256, 166];
-    let taps = |a: usize| -> Vec<(usize, usize, f64)> {
+    let taps = |a: usize| -> Vec<Tap> {
         (0..to[a])
             .map(|i| {
                 let p = f64::from(i) * f64::from(from[a] - 1) / f64::from(to[a] - 1);
@@ -64,19 +87,15 @@ pub fn head() -> Result<Volume, Failure> {
     };
     let (xs, ys, zs) = (taps(0), taps(1), taps(2));
     let at = |x: usize, y: usize, z: usize| values[x + from[0] as usize * (y + from[1] as usize * z)];
-    let mut voxels = Vec::with_capacity((to[0] * to[1] * to[2]) as usize);
-    for &(z0, z1, fz) in &zs {
-        for &(y0, y1, fy) in &ys {
-            for &(x0, x1, fx) in &xs {
-                let row = |y, z| at(x0, y, z) * (1.0 - fx) + at(x1, y, z) * fx;
-                let low = row(y0, z0) * (1.0 - fy) + row(y1, z0) * fy;
-                let high = row(y0, z1) * (1.0 - fy) + row(y1, z1) * fy;
-                let value = (low * (1.0 - fz) + high * fz) * (254.0 / max);
-                voxels.push(value.clamp(0.0, 254.0) as u8);
-            }
-        }
-    }
-    Volume::new(to, u8::wrap(voxels), 254.0)
+    let value = |(x0, x1, fx): Tap, (y0, y1, fy): Tap, (z0, z1, fz): Tap| {
+        let row = |y: usize, z: usize| at(x0, y, z) * (1.0 - fx) + at(x1, y, z) * fx;
+        let low = row(y0, z0) * (1.0 - fy) + row(y1, z0) * fy;
+        let high = row(y0, z1) * (1.0 - fy) + row(y1, z1) * fy;
+        code(((low * (1.0 - fz) + high * fz) * (most / max)).clamp(0.0, most))
+    };
+    let (xs, ys, value) = (&xs, &ys, &value);
+    let slice = |&z: &Tap| ys.iter().flat_map(move |&y| xs.iter().map(move |&x| value(x, y, z)));
+    Ok(zs.par_iter().flat_map_iter(slice).collect())
 }
 
 /// The transfer function of the other programs' benchmarks.

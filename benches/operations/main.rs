@@ -1,15 +1,20 @@
-//! Benchmarks: one an operation. `cargo bench` runs all, `cargo bench -- draw` those whose name has "draw".
+//! Benchmarks: one an operation. `cargo bench` runs all, `cargo bench -- draw` those whose name has "draw";
+//! `cargo bench -- --beside PROGRAM [draw]` runs them by turns with another build of this program, five rounds or `--rounds N`;
+//! `--check` is what `tools/gpu` runs.
 //!
 //! `BURIN_PEERS=DIR` names a folder of other programs' results (JSON lines); a ratio to the matching row is then printed.
 //! Every timed picture is compared with one that was drawn untimed.
 #![allow(missing_docs)]
 
+mod beside;
+mod check;
 mod cube;
 mod dense;
 mod draw;
 mod explode;
 mod export;
 mod head;
+mod marks;
 mod measure;
 mod open;
 mod paint;
@@ -40,6 +45,7 @@ const BENCHES: &[Bench] = &[
     ("keep/export", export::export),
     ("open/memory", open::memory),
     ("window/frame", window::frame),
+    ("card/marks", marks::marks),
 ];
 
 fn main() {
@@ -48,15 +54,48 @@ fn main() {
         return open::child(&arguments[child + 1..]);
     }
     // `cargo test --all-targets` starts benches too, without this flag.
-    if !arguments.iter().any(|a| a == "--bench") {
+    let has = |flag: &str| arguments.iter().any(|a| a == flag);
+    if has("--check") || has("--find") {
+        std::process::exit(checked(&arguments));
+    }
+    if !has("--bench") {
         return;
     }
-    let filter = arguments.iter().find(|a| !a.starts_with('-')).cloned().unwrap_or_default();
+    let [beside, rounds] = ["--beside", "--rounds"].map(|option| arguments.iter().position(|a| a == option));
+    let value = |option: Option<usize>| option.and_then(|at| arguments.get(at + 1));
+    let is_value = |i: usize| [beside, rounds].iter().flatten().any(|at| at + 1 == i);
+    let filter = arguments.iter().enumerate().find(|(i, a)| !a.starts_with('-') && !is_value(*i));
+    let filter = filter.map(|(_, a)| a.clone()).unwrap_or_default();
+    if beside.is_some() {
+        let names: Vec<&str> = BENCHES.iter().map(|(name, _)| *name).filter(|name| name.contains(&filter)).collect();
+        let count = value(rounds).and_then(|n| n.parse().ok()).unwrap_or(5);
+        let other = value(beside).map(std::path::Path::new).ok_or("--beside: a bench program expected after it");
+        if let Err(error) = other.map_err(Into::into).and_then(|other| beside::run(other, &names, count)) {
+            println!("{error}");
+            std::process::exit(1);
+        }
+        return;
+    }
     let mut report = Report::new();
     for (name, bench) in BENCHES.iter().filter(|(name, _)| name.contains(&filter)) {
         if let Err(error) = bench(&mut report) {
             println!("{name}: {error}");
             std::process::exit(1);
         }
+    }
+}
+
+/// `--check`: the exit code.
+fn checked(arguments: &[String]) -> i32 {
+    let benches: Vec<&str> = BENCHES.iter().map(|(name, _)| *name).collect();
+    match check::Options::parse(arguments) {
+        Err(words) => {
+            println!("{words}");
+            check::USAGE
+        }
+        Ok(options) => check::check(&options, &benches).unwrap_or_else(|error| {
+            println!("{error}");
+            check::FAILED
+        }),
     }
 }

@@ -8,7 +8,8 @@ use burin::paint::{Brush, Falloff, Reach, Sample, StrokePath, Target};
 use burin::volume::{Mode, Segments, TransferFunction, Value};
 use serde_json::json;
 
-struct Easel {
+/// A volume that can be clicked on.
+pub struct Easel {
     gpu: Gpu,
     volume: Volume,
     pools: FieldPools,
@@ -18,7 +19,6 @@ struct Easel {
 impl Easel {
     /// A cube of 1 in the middle of n³ zeros, as the other programs paint into.
     fn new(n: u32) -> Result<Self, Failure> {
-        let gpu = Gpu::headless()?;
         let mut voxels = vec![0_u8; (n as usize).pow(3)];
         let (from, to) = (n as usize / 4, 3 * n as usize / 4);
         for z in from..to {
@@ -27,14 +27,22 @@ impl Easel {
                 voxels[row + from..row + to].fill(1);
             }
         }
-        let volume = Volume::new([n; 3], u8::wrap(voxels), 2.0)?;
-        let pools = FieldPools::new(&gpu, &volume.grid, &volume.density, 512 << 20)?;
+        Self::on(Gpu::headless()?, Volume::new([n; 3], u8::wrap(voxels), 2.0)?, 512 << 20)
+    }
+
+    /// Any volume on a device, with a budget in bytes.
+    pub fn on(gpu: Gpu, volume: Volume, budget: u64) -> Result<Self, Failure> {
+        let pools = FieldPools::new(&gpu, &volume.grid, &volume.density, budget)?;
         let painter = Painter::new(&gpu)?;
         Ok(Self { gpu, volume, pools, painter })
     }
 
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
     /// One click: a stroke of one dab, kept. Answers how many bricks changed.
-    fn click(&mut self, brush: &Brush, at: DVec3) -> Result<usize, Failure> {
+    pub fn click(&mut self, brush: &Brush, at: DVec3) -> Result<usize, Failure> {
         let volume = &mut self.volume;
         self.painter.begin(&volume.grid, &volume.fields(), brush, &Segments::default(), Reach([0.0; 2]))?;
         let mut path = StrokePath::new(brush, &volume.grid)?;

@@ -16,6 +16,7 @@ pub use brush::painter::Painter;
 pub use cast::caster::Caster;
 pub use cast::probe::Hit;
 pub use cast::visibility::Visibility;
+pub use device::adapter::AdapterChoice;
 pub use device::error::GpuError;
 pub use device::gpu::Gpu;
 pub use fields::bindings::FieldInfo;

@@ -98,7 +98,7 @@ fn expected<'a>(clicks: impl Iterator<Item = &'a Click> + Clone, at: [u32; 3]) -
 }
 
 fn fixtures() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/before_many_volumes")
+    crate::common::root().join("tests/fixtures/before_many_volumes")
 }
 
 /// A copy of everything, since opening writes locks and journals.

@@ -11,7 +11,7 @@ use std::process::{Command, Stdio};
 
 /// What it said on stdout and stderr, and its exit code.
 fn burin(folder: &Path, arguments: &[&dyn AsRef<OsStr>], script: &str) -> (String, String, Option<i32>) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_burin"));
+    let mut command = Command::new(crate::common::program());
     command.current_dir(folder).env("HOME", folder).args(arguments.iter().map(|a| a.as_ref()));
     let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let _ = child.stdin.take().unwrap().write_all(script.as_bytes());
@@ -302,7 +302,7 @@ fn home_is_meant_in_every_path_of_a_script_unless_something_is_named_so() {
     ];
     let script = script.map(|line| line.to_string()).join("\n");
     let elsewhere = tempfile::tempdir().unwrap();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_burin"));
+    let mut command = Command::new(crate::common::program());
     command.current_dir(elsewhere.path()).env("HOME", folder.path()).args(["run", "-"]);
     let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     child.stdin.take().unwrap().write_all(script.as_bytes()).unwrap();

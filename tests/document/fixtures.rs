@@ -15,7 +15,7 @@ fn fixture(name: &str, to: &Path) -> PathBuf {
         }
     }
     let copied = to.join(name);
-    copy(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures").join(name), &copied);
+    copy(&crate::common::root().join("tests/fixtures").join(name), &copied);
     copied
 }
 

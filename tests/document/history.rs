@@ -201,7 +201,7 @@ fn history_on_disk_is_private_and_goes_when_its_process_was_killed() {
     let temporary = folder.path().join("tmp");
     std::fs::create_dir(&temporary).unwrap();
     let burin = || {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_burin"));
+        let mut command = Command::new(crate::common::program());
         command.args(["run", "-"]).current_dir(folder.path()).env("TMPDIR", &temporary);
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
         command

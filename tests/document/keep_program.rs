@@ -94,7 +94,7 @@ fn a_killed_script_loses_at_most_the_command_in_progress() {
         let (project, mirror) = (dir.path().join(format!("p{round}")), dir.path().join(format!("m{round}")));
         copy(&base, &project);
         let script: Vec<String> = (0..40).map(|_| line(&mut rng, &volume, adapter.is_some())).collect();
-        let mut child = Process::new(env!("CARGO_BIN_EXE_burin"))
+        let mut child = Process::new(crate::common::program())
             .args(["run", "-", "--keep-going", "--project"])
             .arg(&project)
             .stdin(Stdio::piped())

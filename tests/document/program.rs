@@ -9,7 +9,7 @@ use std::process::{Command, Output};
 fn burin(folder: &Path, arguments: &[&str]) -> Output {
     let grid = Grid::aligned([12, 10, 8], DVec3::ONE, DVec3::ZERO);
     write_nrrd(&folder.join("v.nrrd"), &grid, |v| (v[0] + v[1]) as f32);
-    Command::new(env!("CARGO_BIN_EXE_burin")).current_dir(folder).args(arguments).output().unwrap()
+    Command::new(crate::common::program()).current_dir(folder).args(arguments).output().unwrap()
 }
 
 #[test]

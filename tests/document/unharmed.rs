@@ -150,7 +150,8 @@ fn a_project_on_a_full_disk_opens_to_look_and_stays_as_it_is() {
     // No file may have a byte: a full disk; SIGXFSZ ignored, so that write answers with an error.
     let run = || {
         std::process::Command::new("sh")
-            .args(["-c", "trap '' XFSZ; ulimit -f 0; exec \"$0\" run - --project p", env!("CARGO_BIN_EXE_burin")])
+            .args(["-c", "trap '' XFSZ; ulimit -f 0; exec \"$0\" run - --project p"])
+            .arg(crate::common::program())
             .current_dir(dir.path())
             .stdin(std::process::Stdio::null())
             .output()

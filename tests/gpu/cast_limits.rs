@@ -1,7 +1,7 @@
 //! The caster at its edges: closed forms, NaN, opacity, long rays, small pools, edits, picks, counts and the window.
 
 use super::cast_modes::{Stage, lumps, oblique_grid, tissue};
-use super::reference::{Dense, difference, picture};
+use super::reference::{Dense, apart, difference, picture};
 use crate::common::gpu::{gpu, sample};
 use crate::common::volumes::*;
 use burin::gpu::{Body, Caster, FieldPools, Frame, Mask};
@@ -209,7 +209,7 @@ fn a_small_pool_draws_coarser_and_misses_nothing() {
     let d = difference(&coarse, &reference, view.step_mm);
     assert!(d.covered > 0.15 && d.largest <= 1.0 && d.misplaced < 0.002, "{d:?}");
     let fine = picture(&Dense::of(&stage.fields(), &grid), &view);
-    assert!(difference(&coarse, &fine, view.step_mm).largest > 2.0, "it is coarser");
+    assert!(apart(&coarse, &fine, view.step_mm).largest > 2.0, "it is coarser");
     assert_eq!(stage.image(&view), coarse, "the picture at rest is stable");
 }
 

@@ -131,7 +131,7 @@ fn shaders_take_shared_numbers_from_rust() {
 
 #[test]
 fn no_shader_that_draws_repeats_a_shared_number() {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+    let folder = crate::common::root().join("shaders");
     for file in [folder.join("lib"), folder].iter().flat_map(|f| std::fs::read_dir(f).unwrap()) {
         let path = file.unwrap().path();
         if path.is_dir() || path.file_name().unwrap().to_str().unwrap().starts_with("brush") {

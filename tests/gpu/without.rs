@@ -43,10 +43,27 @@ fn files(dir: &Path, into: &mut Vec<PathBuf>) {
     }
 }
 
+/// Carried to another machine, tests and benches read what lies beside them there.
+#[test]
+fn what_tests_and_benches_read_is_found_from_one_place() {
+    let root = crate::common::root();
+    let mut sources = Vec::new();
+    files(&root.join("tests"), &mut sources);
+    files(&root.join("benches"), &mut sources);
+    let allowed = ["tests/common/mod.rs", "benches/operations/head.rs", "tests/gpu/without.rs"];
+    for path in sources.iter().filter(|p| p.extension().is_some_and(|e| e == "rs")) {
+        if allowed.iter().all(|own| !path.ends_with(own)) {
+            let text = std::fs::read_to_string(path).unwrap();
+            let found = ["CARGO_MANIFEST_DIR", "CARGO_BIN_EXE"].into_iter().find(|name| text.contains(name));
+            assert_eq!(found, None, "{}: use common::root() and common::program()", path.display());
+        }
+    }
+}
+
 /// A test that asks in its own way whether there is a device is one that passes where there is none.
 #[test]
 fn one_place_decides_what_a_test_does_without_a_gpu_and_ci_never_says_that_it_is_known() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = crate::common::root();
     let mut tests = Vec::new();
     files(&root.join("tests"), &mut tests);
     let own = |path: &PathBuf| path.ends_with("common/gpu.rs") || path.ends_with("gpu/without.rs");

@@ -61,7 +61,9 @@ fn a_header_alone_makes_nobody_allocate() {
     assert!(io::open(&path).is_ok());
     // With room for the program and little else; KiB in sh.
     let out = std::process::Command::new("sh")
-        .args(["-c", "ulimit -v 1500000; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_burin"), "render"])
+        .args(["-c", "ulimit -v 1500000; exec \"$0\" \"$@\""])
+        .arg(crate::common::program())
+        .arg("render")
         .args([&path, std::path::Path::new("-o"), &folder.path().join("a.png")])
         .output()
         .unwrap();

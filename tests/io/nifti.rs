@@ -234,7 +234,7 @@ fn a_format_is_known_by_its_bytes_and_not_by_its_name() {
 
 #[test]
 fn the_head_that_the_demo_shows_is_what_it_is() {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/ch2.nii.gz");
+    let path = crate::common::root().join("assets/ch2.nii.gz");
     if !path.exists() {
         eprintln!("skipped: {} is absent", path.display());
         return;

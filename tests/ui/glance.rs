@@ -73,7 +73,7 @@ fn images_are_opened_without_a_question() {
     image("nothing outside", "uint8", &|p| vec![if inside(p, 9) { 200 } else { 10 }]);
     image("nothing at all", "uint8", &|_| vec![0]);
     image("not a number", "float", &|p| (if inside(p, 5) { f32::NAN } else { 0.0 }).to_le_bytes().to_vec());
-    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+    let assets = crate::common::root().join("assets");
     assert_eq!(glance(&assets.join("ch2bet.nii.gz"), &|| true), Glance::Image, "a brain with 0 outside");
 }
 

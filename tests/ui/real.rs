@@ -124,7 +124,7 @@ fn a_stroke_by_hand_is_in_the_saved_project() {
     let dir = tempfile::tempdir().unwrap();
     write_ball(&dir.path().join("ball.nrrd"));
     let said = dir.path().join("said");
-    let mut program = Process::new(env!("CARGO_BIN_EXE_burin"));
+    let mut program = Process::new(crate::common::program());
     program
         .arg(dir.path().join("ball.nrrd"))
         .env("DISPLAY", &desk.display)

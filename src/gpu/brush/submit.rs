@@ -86,7 +86,15 @@ impl Dispatcher {
                         cost = 0;
                     }
                     cost += dispatch.cost;
-                    encode(&mut encoder, dispatch, pipeline, groups[dispatch.buffers].as_ref(), &self.next, texture);
+                    encode(
+                        gpu,
+                        &mut encoder,
+                        dispatch,
+                        pipeline,
+                        groups[dispatch.buffers].as_ref(),
+                        &self.next,
+                        texture,
+                    );
                 }
             }
             send(&mut encoder);
@@ -119,6 +127,7 @@ impl Dispatcher {
 }
 
 fn encode(
+    gpu: &Gpu,
     encoder: &mut wgpu::CommandEncoder,
     dispatch: &Dispatch,
     pipeline: &wgpu::ComputePipeline,
@@ -127,8 +136,9 @@ fn encode(
     texture: &wgpu::Texture,
 ) {
     {
+        let timestamp_writes = gpu.compute_times("dabs");
         let mut pass =
-            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("dabs"), timestamp_writes: None });
+            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("dabs"), timestamp_writes });
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, group, &[dispatch.dabs_at, dispatch.items_at]);
         pass.dispatch_workgroups(dispatch.workgroups, 1, 1);

@@ -210,6 +210,7 @@ impl Caster {
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("cast"),
                 color_attachments: &attachments,
+                timestamp_writes: gpu.render_times("cast"),
                 ..Default::default()
             });
             pass.set_bind_group(0, group, &[]);

@@ -3,7 +3,9 @@
 //! Owns [`Gpu`]. One descriptor serves the window, headless pictures and tests. Uncaptured errors and loss of the device are
 //! recorded and never panic; [`Gpu::scoped`] turns errors of a piece of work into [`GpuError`].
 
+use crate::gpu::device::adapter::AdapterChoice;
 use crate::gpu::device::error::GpuError;
+use crate::gpu::device::stopwatch::Stopwatch;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::Features;
@@ -18,6 +20,7 @@ pub struct Gpu {
     pub(crate) queue: wgpu::Queue,
     info: Arc<wgpu::AdapterInfo>,
     health: Arc<Health>,
+    stopwatch: Option<Arc<Stopwatch>>,
 }
 
 #[derive(Debug, Default)]
@@ -33,7 +36,7 @@ impl Health {
 }
 
 impl Gpu {
-    /// A device of the best adapter, without a window.
+    /// A device without a window, of the adapter that `BURIN_ADAPTER` names, else of the best.
     ///
     /// # Errors
     /// [`GpuError::NoAdapter`] and [`GpuError::NoDevice`].
@@ -41,23 +44,56 @@ impl Gpu {
         Self::headless_with(WANTED)
     }
 
+    /// The same, which tells [`pass_times`](Self::pass_times) where the adapter has them.
+    ///
+    /// # Errors
+    /// As [`headless`](Self::headless).
+    pub fn headless_timed() -> Result<Self, GpuError> {
+        let gpu = Self::headless_on(&AdapterChoice::from_env(), WANTED, Features::TIMESTAMP_QUERY)?;
+        let timed = gpu.device.features().contains(Features::TIMESTAMP_QUERY);
+        let stopwatch = timed.then(|| Arc::new(Stopwatch::new(&gpu.device)));
+        Ok(Self { stopwatch, ..gpu })
+    }
+
+    /// A device of the adapter that is wanted.
+    ///
+    /// # Errors
+    /// As [`headless`](Self::headless).
+    pub fn headless_of(wanted: &AdapterChoice) -> Result<Self, GpuError> {
+        Self::headless_on(wanted, WANTED, Features::empty())
+    }
+
     /// The same, without using features beyond `allowed`: to try what a lesser adapter would do.
     ///
     /// # Errors
     /// As [`headless`](Self::headless).
     pub fn headless_with(allowed: Features) -> Result<Self, GpuError> {
+        Self::headless_on(&AdapterChoice::from_env(), allowed, Features::empty())
+    }
+
+    /// `allowed`: of the features that are wanted anyway; `more`: others, where the adapter has them.
+    fn headless_on(wanted: &AdapterChoice, allowed: Features, more: Features) -> Result<Self, GpuError> {
         let mut instance = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
         // OpenGL lacks what the kernels need, and asks for a display.
         instance.backends = wgpu::Backends::PRIMARY.with_env();
+        let backends = instance.backends;
         let instance = wgpu::Instance::new(instance);
-        let options = wgpu::RequestAdapterOptions {
-            power_preference: wgpu::PowerPreference::HighPerformance,
-            ..Default::default()
+        let adapter = if *wanted == AdapterChoice::Best {
+            let options = wgpu::RequestAdapterOptions {
+                power_preference: wgpu::PowerPreference::HighPerformance,
+                ..Default::default()
+            };
+            pollster::block_on(instance.request_adapter(&options))
+                .map_err(|e| GpuError::NoAdapter { reason: e.to_string() })?
+        } else {
+            let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
+            let infos: Vec<_> = adapters.iter().map(wgpu::Adapter::get_info).collect();
+            let at = wanted.among(&infos).map_err(|reason| GpuError::NoAdapter { reason })?;
+            adapters.swap_remove(at)
         };
-        let adapter = pollster::block_on(instance.request_adapter(&options))
-            .map_err(|e| GpuError::NoAdapter { reason: e.to_string() })?;
         let mut descriptor = Self::device_descriptor(&adapter);
         descriptor.required_features &= allowed;
+        descriptor.required_features |= adapter.features() & more;
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
             .map_err(|e| GpuError::NoDevice { adapter: adapter.get_info().name, reason: e.to_string() })?;
         Self::from_wgpu(&adapter, device, queue)
@@ -89,7 +125,7 @@ impl Gpu {
             on_loss.say(format!("{reason:?}: {words}"));
             on_loss.lost.store(true, Ordering::Release);
         });
-        Ok(Self { device, queue, info: Arc::new(info), health })
+        Ok(Self { device, queue, info: Arc::new(info), health, stopwatch: None })
     }
 
     /// What every device of this program is asked for: the features it uses, the adapter's own limits.
@@ -105,6 +141,20 @@ impl Gpu {
     /// The device and its queue, for the window and for tests' own kernels.
     pub fn raw(&self) -> (&wgpu::Device, &wgpu::Queue) {
         (&self.device, &self.queue)
+    }
+
+    pub(crate) fn stopwatch(&self) -> Option<&Stopwatch> {
+        self.stopwatch.as_deref()
+    }
+
+    /// Whether the adapter is a program on the processor. Its clock runs beside its work and says little of a pass.
+    pub fn is_software(&self) -> bool {
+        self.info.device_type == wgpu::DeviceType::Cpu
+    }
+
+    /// The adapter's name.
+    pub fn name(&self) -> &str {
+        &self.info.name
     }
 
     /// Adapter, driver and what is missing, for `burin info` and reports.

@@ -2,9 +2,11 @@
 //!
 //! The lowest folder of the floor; knows no fields and no pictures.
 
+pub(crate) mod adapter;
 pub mod constants;
 pub(crate) mod error;
 pub(crate) mod gpu;
 pub(crate) mod kernel;
 pub mod shader;
 pub mod shared;
+pub(crate) mod stopwatch;
