@@ -8,6 +8,7 @@ pub mod volume;
 
 pub mod explode;
 pub mod io;
+pub mod mesh;
 pub mod paint;
 
 pub mod gpu;

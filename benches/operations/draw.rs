@@ -3,7 +3,7 @@
 use super::dense::Dense;
 use super::head::{Failure, Volume, blocks, camera, frame, head};
 use super::measure::{Report, Time, measure, measure_by_turns};
-use burin::gpu::{Body, Caster, FieldPools, Frame, Gpu};
+use burin::gpu::{Body, Caster, FieldPools, Form, Frame, Gpu};
 use burin::math::DVec3;
 use burin::volume::Mode;
 use serde_json::json;
@@ -94,6 +94,42 @@ pub fn unexploded(report: &mut Report) -> Result<(), Failure> {
     let [one, many] = stage.time_by_turns([&parts(1), &parts(64)])?;
     report.row("head in 1 part, unexploded", one, "");
     report.row("head in 64 parts, unexploded", many, &format!("{:.2} of 1 part (CPU)", many.cpu / one.cpu));
+    Ok(())
+}
+
+/// The caster's two forms by turns: workgroups beside fragments.
+pub fn forms(report: &mut Report) -> Result<(), Failure> {
+    let mut stages = [Form::Fragments, Form::Workgroups].map(|form| {
+        let mut stage = Stage::new(ALL)?;
+        stage.caster.set_form(form);
+        Ok::<_, Failure>(stage)
+    });
+    let [Ok(fragments), Ok(workgroups)] = &mut stages else { return Err("a stage could not be made".into()) };
+    let far = |i| camera(DVec3::new(127.5, 127.5, 82.5), 480.0 * 1.25, i);
+    let apart = |n| move |i| frame(far(i), Mode::Dvr, false, blocks(n, 0.35, 6.0));
+    let together = |i| frame(camera(CENTRE, 480.0, i), Mode::Dvr, false, blocks(8, -0.1, 6.0));
+    let cases: [(&str, &dyn Fn(usize) -> Frame); 7] = [
+        ("unshaded", &turning(Mode::Dvr, false)),
+        ("shaded", &turning(Mode::Dvr, true)),
+        ("MIP", &turning(Mode::Mip, false)),
+        ("iso-surface at 60", &turning(Mode::Iso(60.0), true)),
+        ("exploded into 8", &apart(8)),
+        ("exploded into 64", &apart(64)),
+        ("8 parts pushed together", &together),
+    ];
+    for (name, make) in cases {
+        let mut last = [const { None }; 2];
+        let [a, b] = measure_by_turns(2, 11, |which, i| -> Result<(), Failure> {
+            let stage = if which == 0 { &mut *fragments } else { &mut *workgroups };
+            last[which] = Some(stage.caster.image(&stage.gpu, &mut stage.pools, &stage.volume.fields(), &make(i))?);
+            Ok(())
+        })?;
+        if last[0] != last[1] {
+            return Err(format!("{name}: the forms draw different pictures").into());
+        }
+        report.row(&format!("head, {name}, fragments"), a, "");
+        report.row(&format!("head, {name}, workgroups"), b, &format!("{:.2} of fragments (CPU)", b.cpu / a.cpu));
+    }
     Ok(())
 }
 

@@ -139,6 +139,7 @@ pub fn frame(camera: Camera, mode: Mode, shaded: bool, bodies: Vec<Body>) -> Fra
         transfer: transfer(),
         bodies,
         overlay: Overlay::default(),
+        layers: Default::default(),
     }
 }
 

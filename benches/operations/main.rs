@@ -32,6 +32,7 @@ const BENCHES: &[Bench] = &[
     ("draw/modes", draw::modes),
     ("draw/exploded", draw::exploded),
     ("draw/unexploded", draw::unexploded),
+    ("draw/forms", draw::forms),
     ("draw/plain", draw::plain),
     ("draw/pool", draw::pool),
     ("paint/dab", paint::dab),

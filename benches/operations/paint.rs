@@ -112,6 +112,7 @@ pub fn stamp(report: &mut Report) -> Result<(), Failure> {
         },
         bodies: vec![Body::whole(0)],
         overlay: Overlay::default(),
+        layers: Default::default(),
     };
     let brush = Brush { radius_mm: 16.0, falloff: Falloff::Hard, target: Target::Density(2.0), ..Brush::default() };
     let mut picture = None;

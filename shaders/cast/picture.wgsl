@@ -1,6 +1,7 @@
 // Pictures of bodies, in any mode: bodies in order of sight one after another, or (MERGE) any number of overlapping ones at once.
 
-#import burin::body::{body_ray, interval, listed_at, body_at, ray_through}
+#import burin::body::{Ray, BodyRay, body_ray, interval, listed_at, body_at, ray_through}
+#import burin::layers
 #import burin::picture::{Picture, before_at}
 #import burin::march::march
 #ifdef MERGE
@@ -16,8 +17,16 @@
 #endif
 #endif
 
+// An interval of a body's ray.
+fn pass_through(r: BodyRay, ray: Ray, within: vec2<f32>) {
+    let span = mode::enter(r, ray, within);
+    march(r, span.x, span.y);
+    mode::leave(r, within);
+}
+
 // The picture at a pixel's centre.
 fn picture_of(px: vec2<f32>) -> Picture {
+    layers::look_at(px);
     let before = before_at(px);
     if (!mode::begin(before)) {
         return before;
@@ -29,18 +38,57 @@ fn picture_of(px: vec2<f32>) -> Picture {
 #else
     for (var i = 0u; i < listed.count; i += 1u) {
         let r = body_ray(body_at(listed.first + i), ray);
-        let within = interval(r, ray);
-        let span = mode::enter(r, ray, within);
-        march(r, span.x, span.y);
-        mode::leave(r, within);
+        let within = layers::in_front(interval(r, ray));
+#ifdef CUTS
+        var piece = layers::next_piece(within.x, within.y);
+        while (piece.x < piece.y && !mode::over(listed.merge)) {
+            pass_through(r, ray, piece);
+            piece = layers::next_piece(piece.y, within.y);
+        }
+#else
+        pass_through(r, ray, within);
+#endif
         if (mode::over(listed.merge)) {
             break;
         }
     }
 #endif
-    return mode::end(before, ray);
+    return layers::backed(mode::end(before, ray));
 }
 
+#ifdef TILED
+// By tiles: a workgroup draws one of a list, so that nothing has to be rasterised.
+
+#import burin::constants::TILE
+
+@group(2) @binding(0) var<storage, read> tiles: array<u32>;     // column | row << 16
+@group(2) @binding(1) var colours: texture_storage_2d<rgba32float, write>;
+@group(2) @binding(2) var depths: texture_storage_2d<r32float, write>;
+@group(2) @binding(3) var objects: texture_storage_2d<r32uint, write>;
+
+@compute @workgroup_size(64)
+fn march_tile(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) i: u32,
+) {
+    let place = group.x + group.y * groups.x;
+    if (place >= arrayLength(&tiles)) {
+        return;
+    }
+    let tile = tiles[place];
+    // Lanes that run together are a block of pixels: 8 are 4 × 2, 32 are 8 × 4.
+    let inside = vec2<u32>((i & 3u) | ((i >> 3u & 1u) << 2u), (i >> 2u & 1u) | (i >> 4u << 1u));
+    let px = vec2<u32>(tile & 0xffffu, tile >> 16u) * TILE + inside;
+    if (any(px >= textureDimensions(colours))) {
+        return;
+    }
+    let picture = picture_of(vec2<f32>(px) + 0.5);
+    textureStore(colours, px, picture.colour);
+    textureStore(depths, px, vec4<f32>(picture.depth, 0.0, 0.0, 0.0));
+    textureStore(objects, px, vec4<u32>(picture.object, 0u, 0u, 0u));
+}
+#else
 @vertex
 fn cover(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
     return vec4<f32>(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
@@ -50,3 +98,4 @@ fn cover(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
 fn march_pixel(@builtin(position) at: vec4<f32>) -> Picture {
     return picture_of(at.xy);
 }
+#endif

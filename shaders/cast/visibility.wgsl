@@ -6,6 +6,7 @@
 #import burin::constants::{FAR, MASK_SELECTION}
 #import burin::body::{Ray, view, bodies, ray_through, listed_at, body_at, body_ray, interval}
 #import burin::fade
+#import burin::layers
 #import burin::march::march
 
 // Selected pixels, visible ones, then a number per body.
@@ -19,7 +20,15 @@ fn faded(body: u32, ray: Ray, most: f32, limit: f32) -> vec2<f32> {
     let r = body_ray(body, ray);
     let within = interval(r, ray);
     fade::begin(limit);
+#ifdef CUTS
+    var piece = layers::next_piece(within.x, within.y);
+    while (piece.x < piece.y && !fade::done()) {
+        march(r, ceil(piece.x), min(ceil(piece.y), most));
+        piece = layers::next_piece(piece.y, within.y);
+    }
+#else
     march(r, ceil(within.x), min(ceil(within.y), most));
+#endif
     return fade::end();
 }
 
@@ -29,6 +38,7 @@ fn count(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let px = vec2<f32>(id.xy) + 0.5;
+    layers::look_at(px);
     let listed = listed_at(px);
     let ray = ray_through(px);
     var reached = FAR;
@@ -42,6 +52,9 @@ fn count(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     atomicAdd(&counts[0], 1u);
+    if (layers::is_hidden(reached)) {
+        return;
+    }
     var clear = 1.0;
     for (var i = 0u; i < listed.count; i += 1u) {
         let body = body_at(listed.first + i);

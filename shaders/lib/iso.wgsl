@@ -7,6 +7,9 @@
 #import burin::constants::{FAR, MASK_SELECTION}
 #import burin::field::{brick_of, density_page, density_texel, address, selection_page, selected}
 #import burin::body::{Ray, BodyRay, view, bodies, planes, body_ray}
+#ifdef CUTS
+#import burin::layers::cut_cosine
+#endif
 #import burin::look::{reaches, surface_colour, painted}
 #import burin::light::{gradient, selection_gradient, lit, facing}
 #import burin::picture::{Picture, object_of}
@@ -50,7 +53,7 @@ fn enter(r: BodyRay, ray: Ray, within: vec2<f32>) -> vec2<f32> {
     hit = FAR;
     hit_caps = false;
     let follows = ceil(within.x);
-    let enters = within.x < min(within.y, nearest) && follows >= view.k_from && follows < view.k_to;
+    let enters = within.x < within.y && within.x <= nearest && follows >= view.k_from && follows < view.k_to;
     if (enters && inside(r, within.x)) {
         hit = within.x;
         hit_caps = true;
@@ -89,7 +92,8 @@ fn leave(r: BodyRay, within: vec2<f32>) {
             }
         }
     }
-    if (hit < nearest) {
+    // Of surfaces in one place, as the faces of a cut are, that of the body which was named first.
+    if (hit < nearest || (hit < FAR && hit == nearest && r.body < nearest_body)) {
         nearest = hit;
         nearest_caps = hit_caps;
         nearest_body = r.body;
@@ -102,6 +106,12 @@ fn over(merge: bool) -> bool {
 
 // Cosine between the ray and the outward normal of the face by which it enters the body.
 fn entry_cosine(r: BodyRay, ray: Ray, entry: f32) -> f32 {
+#ifdef CUTS
+    let cut = cut_cosine(entry);
+    if (cut >= 0.0) {
+        return cut;
+    }
+#endif
     let a = (bodies[r.body].lo - r.o) / r.d;
     let b = (bodies[r.body].hi - r.o) / r.d;
     let near = min(a, b);

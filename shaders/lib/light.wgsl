@@ -39,8 +39,13 @@ fn selection_gradient(page: Page, p: vec3<f32>) -> vec3<f32> {
 
 // Blinn-Phong with a headlight, lit on both sides; `cosine` between normal and ray, either sign.
 fn lit(rgb: vec3<f32>, cosine: f32) -> vec3<f32> {
+    return shine(view.lighting, rgb, cosine);
+}
+
+// The same by a light's ambient, diffuse, specular share and power.
+fn shine(light: vec4<f32>, rgb: vec3<f32>, cosine: f32) -> vec3<f32> {
     let c = min(abs(cosine), 1.0);
-    return rgb * (view.lighting.x + view.lighting.y * c) + view.lighting.z * pow(c, view.lighting.w);
+    return rgb * (light.x + light.y * c) + light.z * pow(c, light.w);
 }
 
 // Cosine between the ray and the normal of a gradient in index space. A gradient of no more than the noise of arithmetic on

@@ -6,6 +6,7 @@
 
 #import burin::constants::{FAR, MOST_BODIES}
 #import burin::body::{Ray, BodyRay, Listed, body_ray, body_at, interval}
+#import burin::layers
 #import burin::dvr::{evaluate, compose, turn_to, done}
 #import burin::span::{next_sample, run_from, samples_in}
 #import burin::march::{march, seek}
@@ -75,13 +76,24 @@ fn march_merged(listed: Listed, ray: Ray) {
     for (var i = 0u; i < listed.count; i += 1u) {
         let body = body_at(listed.first + i);
         let r = body_ray(body, ray);
-        let span = samples_in(interval(r, ray));
-        if (span.x < span.y && n < CAPACITY) {
-            ahead[n] = next_sample(r, span.x, span.y);
-            k1[n] = span.y;
-            who[n] = body;
-            n += 1u;
+        let within = layers::in_front(interval(r, ray));
+#ifdef CUTS
+        var piece = layers::next_piece(within.x, within.y);
+        while (piece.x < piece.y) {
+            let span = samples_in(piece);
+            piece = layers::next_piece(piece.y, within.y);
+#else
+            let span = samples_in(within);
+#endif
+            if (span.x < span.y && n < CAPACITY) {
+                ahead[n] = next_sample(r, span.x, span.y);
+                k1[n] = span.y;
+                who[n] = body;
+                n += 1u;
+            }
+#ifdef CUTS
         }
+#endif
     }
     loop {
         var first = FAR;

@@ -45,6 +45,7 @@ impl State {
             transfer: self.scene.transfer.clone(),
             bodies,
             overlay: self.overlay(),
+            layers: Default::default(),
         }
     }
 

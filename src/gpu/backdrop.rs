@@ -4,10 +4,11 @@
 //! whatever covers much of a window belongs here. Owns the pictures' textures on the window's device, and draws within a pass of
 //! the window's. Knows nothing of views or panels.
 
-use crate::gpu::cast::pass::{data, write};
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::device::kernel::{Binding, Draw, Kernel};
+use crate::gpu::device::shader::shader;
+use crate::gpu::device::textures::{data, write};
 use std::collections::BTreeMap;
 use wgpu::util::DeviceExt;
 
@@ -29,7 +30,7 @@ pub struct Shown {
     pub picture: u32,
 }
 
-const FILE: &str = "backdrop.wgsl";
+const FILE: &str = shader!("backdrop.wgsl");
 
 /// See the module's head.
 #[derive(Debug)]
@@ -203,5 +204,6 @@ fn draw(fragment: &'static str, format: wgpu::TextureFormat) -> Draw {
             blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
             write_mask: wgpu::ColorWrites::ALL,
         }],
+        depth: None,
     }
 }

@@ -8,35 +8,24 @@ pub(crate) mod brush;
 pub mod cast;
 pub mod device;
 pub(crate) mod fields;
+mod layers;
 pub(crate) mod picture;
 mod slice;
 
 pub use backdrop::{Fill, Sheet, Shown, Underlay};
 pub use brush::painter::Painter;
 pub use cast::caster::Caster;
+pub use cast::forms::Form;
 pub use cast::probe::Hit;
 pub use cast::visibility::Visibility;
 pub use device::adapter::AdapterChoice;
 pub use device::error::GpuError;
 pub use device::gpu::Gpu;
+pub use device::shared::all as shared_structs;
 pub use fields::bindings::FieldInfo;
 pub use fields::pools::{FieldPools, Fields};
 pub use fields::skip_maps::{Shows, distances};
 pub use picture::frame::{Body, Frame, Mask, Overlay};
 pub use picture::image::{Image, ImageError};
+pub use picture::layer::{CutMesh, Layers, OpaqueMesh};
 pub use slice::{SliceCaster, SliceFrame};
-
-/// Every struct that a shader's buffers hold. A shader with another one fails a test.
-pub fn shared_structs() -> Vec<device::shared::Declared> {
-    use device::shared::declared;
-    vec![
-        declared::<fields::bindings::FieldInfo>(),
-        declared::<brush::live_cells::CellsJob>(),
-        declared::<brush::kernel::BrushDab>(),
-        declared::<brush::kernel::BrushItem>(),
-        declared::<brush::kernel::BrushStroke>(),
-        declared::<cast::uniforms::CastBody>(),
-        declared::<cast::uniforms::View>(),
-        declared::<slice::Slice>(),
-    ]
-}

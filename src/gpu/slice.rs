@@ -3,10 +3,11 @@
 //! Owns [`SliceFrame`] (what is drawn) and [`SliceCaster`] (its kernel). Where a slice's pixels lie in the world is the
 //! caller's: a frame takes any affine map from pixels to the slice. Knows no window.
 
-use crate::gpu::cast::pass::{COLOUR, data, draw_over, texture, write};
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::device::kernel::{Binding, Draw, Kernel};
+use crate::gpu::device::shader::shader;
+use crate::gpu::device::textures::{COLOUR, data, draw_over, texture, write};
 use crate::gpu::fields::pools::{FieldPools, Fields};
 use crate::gpu::picture::frame::Overlay;
 use crate::math::{DVec2, DVec3};
@@ -114,7 +115,7 @@ impl SliceCaster {
     pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
         gpu.scoped("slices", || {
             let bindings = [Binding::Uniform(size_of::<Slice>()), Binding::FLOAT_2D];
-            let kernel = Kernel::new(gpu, "slice.wgsl", Draw::cover("draw", &[COLOUR]), &bindings);
+            let kernel = Kernel::new(gpu, shader!("slice.wgsl"), Draw::cover("draw", &[COLOUR]), &bindings);
             let uniform = gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("slice"),
                 size: size_of::<Slice>() as u64,

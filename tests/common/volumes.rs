@@ -68,6 +68,7 @@ pub fn frame(grid: &Grid, transfer: TransferFunction, direction: DVec3, size: [u
         transfer,
         bodies: vec![Body::whole(0)],
         overlay: Overlay::default(),
+        layers: Default::default(),
     }
 }
 

@@ -2,7 +2,9 @@
 
 mod brush;
 mod cast_bodies;
+mod cast_forms;
 mod cast_image;
+mod cast_layers;
 mod cast_limits;
 mod cast_modes;
 mod cast_near;
@@ -15,6 +17,7 @@ mod pools;
 mod pools_work;
 mod probe;
 mod reference;
+mod reference_boxes;
 mod residency;
 mod shader;
 mod slice;

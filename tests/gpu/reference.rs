@@ -3,6 +3,7 @@
 //! Written from the conventions of the picture: samples at t = k·step along the unit ray, half-open intervals, box faces at
 //! −½ and n−½, opacity 1 − (1−α)^(step/unit), rays end under a transmittance of 1/256, overlapping bodies add extinctions.
 
+use super::reference_boxes::Boxes;
 use burin::gpu::{Body, Fields, Frame, Image, Mask};
 use burin::math::{DMat3, DVec2, DVec3, Plane, Ray};
 use burin::volume::*;
@@ -123,15 +124,21 @@ struct Met<'a> {
     entry: f64,
     exit: f64,
     entry_normal: DVec3,
+    /// What layers leave of the interval: from, to, and the outward normal of the face by which the ray comes in.
+    pieces: Vec<(f64, f64, DVec3)>,
 }
 
 impl Met<'_> {
     fn at(&self, t: f64) -> DVec3 {
         self.index.at(t)
     }
+
+    fn holds(&self, t: f64) -> bool {
+        self.pieces.iter().any(|p| p.0 <= t && t < p.1)
+    }
 }
 
-fn meet<'a>(dense: &Dense, body: &'a Body, ray: &Ray) -> Option<Met<'a>> {
+fn meet<'a>(dense: &Dense, frame: &Frame, layers: &Boxes, body: &'a Body, ray: &Ray) -> Option<Met<'a>> {
     let rest = body.pose.unapply_ray(ray);
     let map = dense.grid.index_from_world();
     let index = Ray { origin: map.transform_point3(rest.origin), dir: map.transform_vector3(rest.dir) };
@@ -147,8 +154,19 @@ fn meet<'a>(dense: &Dense, body: &'a Body, ray: &Ray) -> Option<Met<'a>> {
     for Plane { normal, offset } in &body.region {
         faces.push((normal.dot(rest.origin) - offset, normal.dot(rest.dir), *normal));
     }
-    let mut met =
-        Met { body, index, index_from_world: map.matrix3, entry: 0.0, exit: f64::INFINITY, entry_normal: -rest.dir };
+    for Plane { normal, offset } in &frame.layers.clips {
+        let at_rest = body.pose.rotation.inverse() * *normal;
+        faces.push((normal.dot(ray.origin) - offset, normal.dot(ray.dir), at_rest));
+    }
+    let mut met = Met {
+        body,
+        index,
+        index_from_world: map.matrix3,
+        entry: 0.0,
+        exit: f64::INFINITY,
+        entry_normal: -rest.dir,
+        pieces: Vec::new(),
+    };
     for (distance, slope, normal) in faces {
         if slope < 0.0 && -distance / slope > met.entry {
             met.entry = -distance / slope;
@@ -160,7 +178,9 @@ fn meet<'a>(dense: &Dense, body: &'a Body, ray: &Ray) -> Option<Met<'a>> {
         }
     }
     met.entry_normal = body.pose.rotation * met.entry_normal;
-    (met.entry < met.exit).then_some(met)
+    let far = layers.nearest(ray).map_or(f64::INFINITY, |s| s.depth_mm);
+    met.pieces = layers.pieces(ray, (met.entry, met.exit.min(far)), met.entry_normal);
+    (!met.pieces.is_empty()).then_some(met)
 }
 
 /// The share of a body in matter of selection s.
@@ -212,7 +232,7 @@ fn dvr(dense: &Dense, frame: &Frame, met: &[Met<'_>], ray: &Ray) -> Pixel {
         let t = k * step;
         let (mut extinction, mut light) = (0.0, [0.0; 3]);
         let mut strongest = (0.0, 0);
-        for m in met.iter().filter(|m| m.entry <= t && t < m.exit) {
+        for m in met.iter().filter(|m| m.holds(t)) {
             let p = m.at(t);
             let value = dense.density(p);
             if value.is_nan() {
@@ -263,15 +283,20 @@ fn iso(dense: &Dense, frame: &Frame, met: &[Met<'_>], ray: &Ray, iso: f64) -> Pi
         };
         let inside = |t: f64| dense_at(t) && owned_at(t);
         let mut hit = None;
-        if inside(m.entry) {
-            hit = Some((m.entry, m.entry_normal.dot(ray.dir)));
-        } else {
-            let mut k = (m.entry / step).ceil();
-            while k * step < m.exit && !inside(k * step) {
+        for &(entry, exit, normal) in &m.pieces {
+            if hit.is_some() {
+                break;
+            }
+            if inside(entry) {
+                hit = Some((entry, normal.dot(ray.dir)));
+                break;
+            }
+            let mut k = (entry / step).ceil();
+            while k * step < exit && !inside(k * step) {
                 k += 1.0;
             }
-            if k * step < m.exit {
-                let (mut outer, mut inner) = (((k - 1.0) * step).max(m.entry), k * step);
+            if k * step < exit {
+                let (mut outer, mut inner) = (((k - 1.0) * step).max(entry), k * step);
                 for _ in 0..40 {
                     let middle = 0.5 * (outer + inner);
                     if inside(middle) { inner = middle } else { outer = middle }
@@ -302,7 +327,8 @@ fn mip(dense: &Dense, frame: &Frame, met: &[Met<'_>]) -> Pixel {
         while k * frame.step_mm < m.exit {
             let p = m.at(k * frame.step_mm);
             let value = dense.density(p);
-            if weight(m.body.mask, if dense.selection(p) >= 0.5 { 1.0 } else { 0.0 }) > 0.0
+            if m.holds(k * frame.step_mm)
+                && weight(m.body.mask, if dense.selection(p) >= 0.5 { 1.0 } else { 0.0 }) > 0.0
                 && !value.is_nan()
                 && best.is_none_or(|b| value > b.0 || (value == b.0 && k * frame.step_mm < b.1))
             {
@@ -322,22 +348,34 @@ fn mip(dense: &Dense, frame: &Frame, met: &[Met<'_>]) -> Pixel {
 
 /// The pixel whose centre is at `px`.
 pub fn pixel(dense: &Dense, frame: &Frame, px: DVec2) -> Pixel {
-    let ray = frame.camera.ray(px, frame.size);
-    let met: Vec<_> = frame.bodies.iter().filter_map(|b| meet(dense, b, &ray)).collect();
-    match frame.mode {
-        Mode::Dvr => dvr(dense, frame, &met, &ray),
-        Mode::Iso(value) => iso(dense, frame, &met, &ray, value),
-        Mode::Mip => mip(dense, frame, &met),
-    }
+    pixel_among(dense, frame, &Boxes::default(), px)
 }
 
 /// All pixels, row by row.
 pub fn picture(dense: &Dense, frame: &Frame) -> Vec<Pixel> {
+    picture_among(dense, frame, &Boxes::default())
+}
+
+/// The same among the boxes that the frame's meshes are.
+pub fn picture_among(dense: &Dense, frame: &Frame, layers: &Boxes) -> Vec<Pixel> {
     let [w, h] = frame.size;
-    (0..w * h)
-        .into_par_iter()
-        .map(|i| pixel(dense, frame, DVec2::new(f64::from(i % w) + 0.5, f64::from(i / w) + 0.5)))
-        .collect()
+    let centre = |i: u32| DVec2::new(f64::from(i % w) + 0.5, f64::from(i / w) + 0.5);
+    (0..w * h).into_par_iter().map(|i| pixel_among(dense, frame, layers, centre(i))).collect()
+}
+
+fn pixel_among(dense: &Dense, frame: &Frame, layers: &Boxes, px: DVec2) -> Pixel {
+    let ray = frame.camera.ray(px, frame.size);
+    let met: Vec<_> = frame.bodies.iter().filter_map(|b| meet(dense, frame, layers, b, &ray)).collect();
+    let front = match frame.mode {
+        Mode::Dvr => dvr(dense, frame, &met, &ray),
+        Mode::Iso(value) => iso(dense, frame, &met, &ray, value),
+        Mode::Mip => mip(dense, frame, &met),
+    };
+    let Some(back) = layers.nearest(&ray) else { return front };
+    let clear = 1.0 - front.colour[3];
+    let colour = std::array::from_fn(|i| front.colour[i] + clear * back.colour[i]);
+    // A pixel is where its opacity reaches ½.
+    if clear > 0.5 { Pixel { colour, ..back } } else { Pixel { colour, ..front } }
 }
 
 /// How far an image is from the reference, in 8-bit steps of colour and alpha.

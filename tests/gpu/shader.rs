@@ -104,6 +104,25 @@ fn every_shader_composes_validates_and_shares_its_structs_with_rust() {
 }
 
 #[test]
+fn every_file_with_entry_points_is_known() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+    let mut folders = vec![root.clone()];
+    let mut found = std::collections::BTreeSet::new();
+    while let Some(folder) = folders.pop() {
+        for path in std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()) {
+            let name = path.strip_prefix(&root).unwrap().to_string_lossy().replace('\\', "/");
+            if path.is_dir() && name != "lib" {
+                folders.push(path);
+            } else if name.ends_with(".wgsl") {
+                found.insert(name);
+            }
+        }
+    }
+    assert!(found.len() > 6);
+    assert_eq!(kernels().map(str::to_string).collect::<std::collections::BTreeSet<_>>(), found);
+}
+
+#[test]
 fn shaders_take_shared_numbers_from_rust() {
     use burin::gpu::device::constants as shared;
     let source = "#import burin::constants::{MOST_BODIES, TILE, LIST_WIDTH, MERGE_MARK, FAR, TABLE_LAST, SLOT}

@@ -6,6 +6,7 @@
 use crate::gpu::device::constants::{MOST_DABS, MOST_ITEMS, ROW_PITCH_BYTES};
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::device::kernel::{Binding, Compute, Kernel};
+use crate::gpu::device::shader::shader;
 use crate::math::DMat3;
 use crate::paint::{Brush, EDGE, Falloff, Footprint, Operation, Reach, Target, Tip};
 use crate::shared_struct;
@@ -19,6 +20,11 @@ pub(crate) const DABS_BYTES: u64 = MOST_DABS as u64 * size_of::<BrushDab>() as u
 pub(crate) const ITEMS_BYTES: u64 = MOST_ITEMS as u64 * size_of::<BrushItem>() as u64;
 /// Bytes of a slot's rows at that pitch, and of those of the slots beside it.
 pub(crate) const SLOT_PITCH_BYTES: u64 = (SLOT * SLOT * ROW_PITCH_BYTES) as u64;
+
+const FILE: &str = shader!(
+    "brush/brush.wgsl",
+    one of "CODES", "CODES_IN_FLOATS", "COLOUR", "FLOATS", "LABELS", "SELECTION"
+);
 
 shared_struct! {
     /// A stroke's constants.
@@ -158,7 +164,7 @@ pub(crate) fn brush(gpu: &Gpu) -> Kernel<Compute> {
         of_words(false),
         of_words(false),
     ];
-    Kernel::new(gpu, "brush/brush.wgsl", Compute("brush"), &bindings)
+    Kernel::new(gpu, FILE, Compute("brush"), &bindings)
 }
 
 impl BrushStroke {

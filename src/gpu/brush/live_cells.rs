@@ -7,6 +7,7 @@ use crate::gpu::brush::kernel::Variant;
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::device::kernel::{Binding, Compute, Kernel};
+use crate::gpu::device::shader::shader;
 use crate::gpu::fields::pools::FieldPools;
 use crate::paint::IndexBox;
 use crate::shared_struct;
@@ -88,7 +89,7 @@ impl CellReader {
             Binding::Elements { bytes: 4, written: true },
         ];
         Self {
-            kernel: Kernel::new(gpu, "brush/live_cells.wgsl", Compute("cells_of_block"), &bindings),
+            kernel: Kernel::new(gpu, shader!("brush/live_cells.wgsl"), Compute("cells_of_block"), &bindings),
             jobs: buffer(gpu, 1 << 12, Use::STORAGE | Use::COPY_DST),
             answers: buffer(gpu, 1 << 16, Use::STORAGE | Use::COPY_SRC),
             idle: Vec::new(),

@@ -1,17 +1,19 @@
 //! The ray caster: pictures of bodies through the field pools.
 //!
-//! Owns the kernels, specialised by mode, light, painted fields and merging instead of branching, and group 0. Frames become
-//! numbers in `scene`; what a pixel costs is in `shaders/cast/picture.wgsl` (after Bruckner and Gröller 2006, section 4).
+//! Owns group 0 and what the kernel is compiled for: mode, light, painted fields and merging, instead of branching. Frames become
+//! numbers in `uniforms`; what a pixel costs is in `shaders/cast/picture.wgsl` (after Bruckner and Gröller 2006, section 4).
 
+use crate::gpu::cast::forms::{Begins, Form, Forms, Groups, Share, Work};
 use crate::gpu::cast::merging::{Drawn, drawn, resolve};
-use crate::gpu::cast::pass::{COLOUR, DEPTH, OBJECT, Targets, data, layout, write};
 use crate::gpu::cast::tiles::{Tiles, Window};
 use crate::gpu::cast::uniforms::{Scene, View, table};
-use crate::gpu::device::constants::{FAR, LIST_WIDTH, MOST_BODIES, MOST_PLANES};
+use crate::gpu::device::constants::{LIST_WIDTH, MOST_BODIES, MOST_PLANES};
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
-use crate::gpu::device::kernel::{Draw, Kernel, group};
+use crate::gpu::device::kernel::{Binding, group, group_layout};
+use crate::gpu::device::textures::{COLOUR, OBJECT, Targets, data, write};
 use crate::gpu::fields::pools::{FieldPools, Fields};
+use crate::gpu::layers::{DrawnLayers, LayerRaster, Rays};
 use crate::gpu::picture::frame::{Frame, Mask};
 use crate::gpu::picture::image::Image;
 use crate::math::DVec2;
@@ -27,7 +29,9 @@ pub struct Caster {
     table: (Vec<[f32; 4]>, wgpu::Texture),
     segments: (Option<Segments>, wgpu::Texture),
     pub(crate) nothing: Targets,
-    kernel: Kernel<Draw>,
+    forms: Forms,
+    /// Made when a picture first holds a mesh.
+    pub(crate) layers: Option<LayerRaster>,
     pub(crate) visibility: Option<crate::gpu::cast::visibility::Counter>,
     /// Whether empty space is skipped and equal bodies are united; tests turn both off to compare pictures.
     pub shortcuts: bool,
@@ -59,16 +63,22 @@ impl Caster {
                 table: (Vec::new(), data(gpu, "transfer table", [TABLE_ENTRIES as u32, 1], COLOUR)),
                 segments: (None, data(gpu, "segment colours", [256, 1], wgpu::TextureFormat::Rgba8Unorm)),
                 nothing: Targets::new(gpu, [1; 2]),
-                kernel: Kernel::new(
-                    gpu,
-                    "cast/picture.wgsl",
-                    Draw::cover("march_pixel", &[COLOUR, DEPTH, OBJECT]),
-                    &[],
-                ),
+                forms: Forms::new(gpu),
+                layers: None,
                 visibility: None,
                 shortcuts: true,
             })
         })
+    }
+
+    /// How pixels are marched. Pictures are the same.
+    pub fn form(&self) -> Form {
+        self.forms.form
+    }
+
+    /// Chooses it; what is best for the adapter is chosen already.
+    pub fn set_form(&mut self, form: Form) {
+        self.forms.form = form;
     }
 
     /// The picture on the host.
@@ -142,7 +152,7 @@ impl Caster {
 
     pub(crate) fn drawn(&self, pools: &FieldPools, fields: &Fields<'_>, frame: &Frame) -> Vec<Drawn> {
         let running = pools.pinned(FieldKind::Selection);
-        drawn(&frame.bodies, pools.grid(), fields, &running, self.shortcuts)
+        drawn(frame, pools.grid(), fields, &running, self.shortcuts)
     }
 
     /// Submits a window of the picture.
@@ -158,9 +168,12 @@ impl Caster {
         let mut scene = Scene::new(frame, pools.grid(), window, drawn, pools.value_of_texel())?;
         self.set_table(gpu, frame);
         let lists = self.upload(gpu, &scene);
+        let layers = self.draw_layers(gpu, frame, &scene, &lists, targets.size)?;
         let other = (scene.passes.len() > 1).then(|| Targets::new(gpu, targets.size));
         let count = scene.passes.len();
-        let areas = areas(frame.mode, &scene.tiles, targets.size);
+        let opaque = layers.as_ref().and_then(|l| l.opaque.as_ref());
+        let most = layers.as_ref().map_or(1, |l| l.pieces);
+        let shares = shares(frame.mode, &scene.tiles, most);
         for (i, [k_from, k_to]) in scene.passes.clone().into_iter().enumerate() {
             // Passes take turns between two sets of targets; the last one ends in the caller's.
             let (to, from) = match &other {
@@ -172,58 +185,41 @@ impl Caster {
             scene.view.k_to = k_to;
             gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&scene.view));
             let group = self.group(gpu, &lists, if i == 0 { &self.nothing } else { from });
-            let draws = areas
-                .iter()
-                .map(|(capacity, areas)| {
-                    let conditions = self.conditions(gpu, pools, frame, drawn, *capacity, i > 0, i + 1 < count);
-                    let groups = [&self.layout, pools.layout()];
-                    Ok((self.kernel.pipeline(gpu, &conditions, &groups, &[])?, areas.as_slice()))
-                })
-                .collect::<Result<Vec<_>, GpuError>>()?;
+            let continues = i + 1 < count && (frame.mode == Mode::Mip || opaque.is_some());
+            let work = |&(share, capacity): &(Share, u32)| {
+                let mut conditions = self.conditions(gpu, pools, frame, drawn, capacity, i > 0, continues);
+                conditions.extend(layers.iter().flat_map(DrawnLayers::conditions));
+                Work { share, conditions }
+            };
+            let work: Vec<Work> = shares.iter().map(work).collect();
+            let groups = Groups {
+                caster: (&self.layout, &group),
+                fields: (pools.layout(), pools.group()),
+                layers: self.layers.as_ref().zip(layers.as_ref()).map(|(raster, drawn)| (&raster.layout, &drawn.group)),
+            };
             // The second pass is the first into its targets.
-            self.submit(gpu, pools, &draws, &group, to, i < 2);
+            let begins = if i < 2 { Begins::With(opaque) } else { Begins::AsItIs };
+            self.forms.submit(gpu, &scene.tiles, &work, groups, to, begins)?;
         }
         Ok(())
     }
 
-    fn submit(
-        &self,
+    /// Draws the meshes among a frame's bodies, as rays meet them.
+    pub(crate) fn draw_layers(
+        &mut self,
         gpu: &Gpu,
-        pools: &FieldPools,
-        draws: &[(wgpu::RenderPipeline, &[[u32; 4]])],
-        group: &wgpu::BindGroup,
-        targets: &Targets,
-        clear: bool,
-    ) {
-        let view = |t: &wgpu::Texture| t.create_view(&wgpu::TextureViewDescriptor::default());
-        let views = [view(&targets.colour), view(&targets.depth), view(&targets.object)];
-        let attachment = |view, nothing: f64| {
-            let empty = wgpu::Color { r: nothing, ..wgpu::Color::TRANSPARENT };
-            let load = if clear { wgpu::LoadOp::Clear(empty) } else { wgpu::LoadOp::Load };
-            let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
-            Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
-        };
-        let [colour, depth, object] = &views;
-        let attachments = [attachment(colour, 0.0), attachment(depth, f64::from(FAR)), attachment(object, 0.0)];
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("cast") });
-        {
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("cast"),
-                color_attachments: &attachments,
-                timestamp_writes: gpu.render_times("cast"),
-                ..Default::default()
-            });
-            pass.set_bind_group(0, group, &[]);
-            pass.set_bind_group(1, pools.group(), &[]);
-            for (pipeline, areas) in draws {
-                pass.set_pipeline(pipeline);
-                for &[left, top, right, bottom] in *areas {
-                    pass.set_scissor_rect(left, top, right - left, bottom - top);
-                    pass.draw(0..3, 0..1);
-                }
-            }
+        frame: &Frame,
+        scene: &Scene,
+        lists: &[wgpu::Texture; 2],
+        size: [u32; 2],
+    ) -> Result<Option<DrawnLayers>, GpuError> {
+        if frame.layers.opaque.is_empty() && frame.layers.cuts.is_empty() {
+            return Ok(None);
         }
-        gpu.queue.submit([encoder.finish()]);
+        gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&scene.view));
+        let group = self.group(gpu, lists, &self.nothing);
+        let rays = Rays { layout: &self.layout, group: &group, eye: frame.camera.eye, size };
+        self.layers.get_or_insert_with(|| LayerRaster::new(gpu)).draw(gpu, &frame.layers, &rays)
     }
 
     /// What the kernel of a frame is compiled for. `capacity`: intervals that are merged per ray; 0: bodies follow one another.
@@ -261,7 +257,7 @@ impl Caster {
             ("UP_TO_64", capacity == 64),
             ("UP_TO_ALL", capacity == MOST_BODIES),
             ("RESUME", resume),
-            ("CONTINUES", continues && frame.mode == Mode::Mip),
+            ("CONTINUES", continues),
             ("PLAIN", !self.shortcuts),
         ];
         let own = own.into_iter().filter(|c| c.1).map(|c| c.0);
@@ -312,19 +308,26 @@ impl Caster {
     }
 }
 
-/// What is drawn where: the intervals that a ray must hold (0: bodies follow one another), and rectangles of pixels. A pixel that
-/// no body can be met in costs nothing.
-fn areas(mode: Mode, tiles: &Tiles, size: [u32; 2]) -> Vec<(u32, Vec<[u32; 4]>)> {
+/// Group 0 of everything that marches, as shaders/lib/body.wgsl, shaders/lib/look.wgsl and resumed pictures number it.
+fn layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
+    use Binding::Uniform;
+    let stages = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
+    let lists = [Binding::UINT_2D; 2];
+    let colours = [Binding::FLOAT_2D; 2];
+    let before = [Binding::FLOAT_2D, Binding::FLOAT_2D, Binding::UINT_2D];
+    let bindings: Vec<_> = [Uniform(0); 3].into_iter().chain(lists).chain(colours).chain(before).collect();
+    group_layout(gpu, "caster", stages, &bindings)
+}
+
+/// Which tiles are drawn by which pipeline: by the intervals that a ray must hold there (0: bodies follow one another). A pixel that
+/// no body can be met in costs nothing. `pieces`: into how many an interval may be cut.
+fn shares(mode: Mode, tiles: &Tiles, pieces: usize) -> Vec<(Share, u32)> {
     if mode != Mode::Dvr || tiles.longest_merged == 0 {
-        // One pipeline serves all: a box around what it draws costs it less than many small ones.
-        let around = |a: [u32; 4], b: [u32; 4]| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])];
-        let all = tiles.areas(size, |_| true).into_iter().reduce(around);
-        return vec![(0, all.into_iter().collect())];
+        return vec![(Share::All, 0)];
     }
     // Few capacities, so that few pipelines are made.
-    let capacity = [4, 16, 64].into_iter().find(|&c| c as usize >= tiles.longest_merged).unwrap_or(MOST_BODIES);
-    let merged = tiles.areas(size, |merges| merges);
-    let mut areas = vec![(0, tiles.areas(size, |merges| !merges)), (capacity, merged)];
-    areas.retain(|(_, areas)| !areas.is_empty());
-    areas
+    let most = tiles.longest_merged * pieces;
+    let capacity = [4, 16, 64].into_iter().find(|&c| c as usize >= most).unwrap_or(MOST_BODIES);
+    let ordered = (tiles.longest_ordered > 0).then_some((Share::Ordered, 0));
+    ordered.into_iter().chain([(Share::Merged, capacity)]).collect()
 }

@@ -7,6 +7,7 @@
 use crate::gpu::cast::solid::Solid;
 use crate::gpu::cast::tiles::Window;
 use crate::gpu::fields::pools::Fields;
+use crate::gpu::layers::MESH_CODE;
 use crate::gpu::picture::frame::{Body, Frame, Mask};
 use crate::gpu::picture::image::Image;
 use crate::math::{Aabb, DVec2, DVec3, Plane, Pose, nearest_region, outside_by};
@@ -23,6 +24,8 @@ pub(crate) struct Drawn {
     pub planes: Vec<Plane>,
     pub mask: Mask,
     pub tint: Option<[f32; 3]>,
+    /// In world mm: what clips this body too.
+    pub clips: Vec<Plane>,
     /// Bounds in index space.
     pub bounds: Aabb,
     /// Id and region at rest of the bodies that this one stands for.
@@ -49,9 +52,9 @@ impl Drawn {
     }
 }
 
-/// The marched bodies of a list. `running` are bricks of the selection that a stroke is changing right now.
+/// The marched bodies of a frame. `running` are bricks of the selection that a stroke is changing right now.
 pub(crate) fn drawn(
-    bodies: &[Body],
+    frame: &Frame,
     grid: &Grid,
     fields: &Fields<'_>,
     running: &[BrickIndex],
@@ -61,7 +64,7 @@ pub(crate) fn drawn(
     let selection = selected_bounds(fields.selection, grid, running);
     let block = Solid::hexahedron(&grid.world_corners());
     // In the order of their names: sums of what overlaps, and so the picture's last bits, depend on no other order.
-    let mut bodies: Vec<&Body> = bodies.iter().collect();
+    let mut bodies: Vec<&Body> = frame.bodies.iter().collect();
     bodies.sort_by_key(|body| body.id);
     let single = bodies.into_iter().filter_map(|body| {
         // Nothing selected: there is no selected matter, and all of it is background.
@@ -85,10 +88,30 @@ pub(crate) fn drawn(
         }
         let members = vec![(body.id, planes.clone().into())];
         let (pose, tint) = (body.pose, body.tint);
-        Some(Drawn { solid: solid.posed(&pose), pose, planes, mask, tint, bounds, members, selected: None })
+        Some(Drawn {
+            solid: solid.posed(&pose),
+            pose,
+            planes,
+            mask,
+            tint,
+            clips: Vec::new(),
+            bounds,
+            members,
+            selected: None,
+        })
     });
     let single: Vec<Drawn> = single.collect();
-    if unite_bodies { unite_matter(unite_regions(single, &block)) } else { single }
+    let list = if unite_bodies { unite_matter(unite_regions(single, &block)) } else { single };
+    list.into_iter().filter_map(|d| clipped(d, &frame.layers.clips)).collect()
+}
+
+/// What planes of the world leave of a posed body.
+fn clipped(mut body: Drawn, clips: &[Plane]) -> Option<Drawn> {
+    for clip in clips.iter().filter(|c| !body.solid.is_inside(c)).collect::<Vec<_>>() {
+        body.solid = body.solid.cut(clip)?;
+        body.clips.push(*clip);
+    }
+    Some(body)
 }
 
 /// Unites bodies of one pose, look and mask that lie apart and together fill the box.
@@ -188,6 +211,10 @@ pub(crate) fn resolve(image: &mut Image, drawn: &[Drawn], frame: &Frame, window:
             continue;
         }
         let depth = image.depth_mm[i];
+        if *object & MESH_CODE != 0 {
+            *object = frame.layers.opaque.get((*object & !MESH_CODE) as usize).map_or(0, |m| m.id + 1);
+            continue;
+        }
         let Some(d) = drawn.get((*object / 2) as usize - 1) else { continue };
         if let ([(id, _)], None) = (d.members.as_slice(), d.selected) {
             *object = id + 1;

@@ -3,9 +3,9 @@
 //! Stands on `fields` and `picture`; knows no strokes.
 
 pub(crate) mod caster;
+pub(crate) mod forms;
 pub(crate) mod merging;
 pub mod order;
-pub(crate) mod pass;
 pub(crate) mod probe;
 pub(crate) mod readback;
 pub mod solid;

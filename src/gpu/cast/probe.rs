@@ -22,9 +22,9 @@ const TURNED: [u32; 2] = [2; 2];
 pub struct Hit {
     /// World mm.
     pub world: DVec3,
-    /// World mm with the body at rest.
+    /// World mm with the body at rest; of a mesh, in its own space.
     pub rest: DVec3,
-    /// Id of the body.
+    /// Id of the body or opaque mesh.
     pub body: u32,
     /// Millimetres along the ray.
     pub depth_mm: f64,
@@ -90,7 +90,9 @@ fn hit(frame: &Frame, image: &Image, i: usize, px: DVec2, size: [u32; 2]) -> Opt
     let depth_mm = f64::from(image.depth_mm[i]);
     let id = image.object[i].checked_sub(1).filter(|_| depth_mm.is_finite())?;
     let world = frame.camera.ray(px, size).at(depth_mm);
-    let rest = frame.bodies.iter().find(|b| b.id == id).map_or(world, |b| b.pose.unapply(world));
+    let body = frame.bodies.iter().find(|b| b.id == id).map(|b| &b.pose);
+    let mesh = || frame.layers.opaque.iter().find(|m| m.id == id).map(|m| &m.pose);
+    let rest = body.or_else(mesh).map_or(world, |pose| pose.unapply(world));
     Some(Hit { world, rest, body: id, depth_mm })
 }
 

@@ -1,9 +1,9 @@
 //! Pictures from the GPU to the host.
 
-use crate::gpu::cast::pass::Targets;
 use crate::gpu::device::constants::FAR;
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
+use crate::gpu::device::textures::Targets;
 use crate::gpu::picture::image::Image;
 
 /// Waits for the targets and takes them over; objects are still the shaders' codes.

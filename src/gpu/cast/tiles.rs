@@ -70,6 +70,13 @@ impl Tiles {
         tiles
     }
 
+    /// Columns, and rows in the upper 16 bits, of the tiles that hold bodies and whose mark `wanted` asks for.
+    pub fn places(&self, wanted: impl Fn(bool) -> bool) -> Vec<u32> {
+        let heads = (0_u32..).zip(&self.heads);
+        let held = heads.filter(|(_, [_, count])| count & !MERGE_MARK > 0 && wanted(count & MERGE_MARK != 0));
+        held.map(|(i, _)| i % self.dims[0] | i / self.dims[0] << 16).collect()
+    }
+
     /// Rectangles of pixels, left, top, right and bottom, that together are the tiles that hold bodies and whose mark `wanted`
     /// asks for, within a target's size.
     pub fn areas(&self, [width, height]: [u32; 2], wanted: impl Fn(bool) -> bool) -> Vec<[u32; 4]> {

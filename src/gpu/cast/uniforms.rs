@@ -116,7 +116,7 @@ impl Scene {
         drawn: &[Drawn],
         (lo, span): (f64, f64),
     ) -> Result<Self, GpuError> {
-        let plane_count = drawn.iter().map(|d| d.planes.len()).sum();
+        let plane_count = drawn.iter().map(|d| d.planes.len() + d.clips.len()).sum();
         if drawn.len() > MOST_BODIES as usize || plane_count > MOST_PLANES as usize {
             return Err(GpuError::TooManyBodies { bodies: drawn.len(), planes: plane_count });
         }
@@ -134,7 +134,7 @@ impl Scene {
                 column_x: narrow(m.x_axis),
                 first_plane: planes.len() as u32,
                 column_y: narrow(m.y_axis),
-                plane_count: d.planes.len() as u32,
+                plane_count: (d.planes.len() + d.clips.len()) as u32,
                 column_z: narrow(m.z_axis),
                 mask: match d.mask {
                     Mask::None => 0,
@@ -150,7 +150,7 @@ impl Scene {
                 tint: d.tint.unwrap_or([1.0; 3]),
                 unused_b: 0,
             });
-            for plane in d.planes.iter().map(|p| d.pose.apply_plane(p)) {
+            for plane in d.planes.iter().map(|p| d.pose.apply_plane(p)).chain(d.clips.iter().copied()) {
                 let [x, y, z] = narrow(plane.normal);
                 planes.push([x, y, z, plane.distance(eye) as f32]);
             }

@@ -10,7 +10,9 @@ use crate::gpu::device::constants::{MOST_BODIES, TILE};
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::device::kernel::{Binding, Compute, Kernel};
+use crate::gpu::device::shader::shader;
 use crate::gpu::fields::pools::{FieldPools, Fields};
+use crate::gpu::layers::DrawnLayers;
 use crate::gpu::picture::frame::{Frame, Mask};
 use crate::volume::{FieldKind, Mode};
 
@@ -56,7 +58,7 @@ impl Counter {
         };
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
         Self {
-            kernel: Kernel::new(gpu, "cast/visibility.wgsl", Compute("count"), &[Binding::Storage]),
+            kernel: Kernel::new(gpu, shader!("cast/visibility.wgsl"), Compute("count"), &[Binding::Storage]),
             counts: buffer("visibility counts", usage),
             answer: buffer("visibility answer", wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST),
         }
@@ -79,7 +81,7 @@ impl Caster {
         let hiders = frame.bodies.iter().filter(|b| b.mask != Mask::Selection);
         let mut answer = Visibility { hidden_by: hiders.map(|b| (b.id, 0)).collect(), ..Default::default() };
         let running = pools.pinned(FieldKind::Selection);
-        let list = drawn(&frame.bodies, pools.grid(), fields, &running, false);
+        let list = drawn(frame, pools.grid(), fields, &running, false);
         if frame.size.contains(&0) || !list.iter().any(|d| d.mask == Mask::Selection) {
             return Ok(answer);
         }
@@ -90,9 +92,10 @@ impl Caster {
             let scene = Scene::new(&frame, pools.grid(), &Window::whole(frame.size), &list, pools.value_of_texel())?;
             self.set_table(gpu, &frame);
             let lists = self.upload(gpu, &scene);
+            let layers = self.draw_layers(gpu, &frame, &scene, &lists, frame.size)?;
             gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&scene.view));
             let group = self.group(gpu, &lists, &self.nothing);
-            self.count(gpu, pools, &group, frame.size)
+            self.count(gpu, pools, &group, layers.as_ref(), frame.size)
         })?;
         answer.selected = u64::from(counts[0]);
         answer.visible = u64::from(counts[1]);
@@ -111,12 +114,16 @@ impl Caster {
         gpu: &Gpu,
         pools: &FieldPools,
         group: &wgpu::BindGroup,
+        layers: Option<&DrawnLayers>,
         size: [u32; 2],
     ) -> Result<Vec<u32>, GpuError> {
         let counter = self.visibility.get_or_insert_with(|| Counter::new(gpu));
         let mut names: Vec<&'static str> = pools.defs(gpu).into_iter().map(|d| d.0).collect();
         names.extend(["SELECTION", "COUNTS"]);
-        let pipeline = counter.kernel.pipeline(gpu, &names, &[&self.layout, pools.layout()], &[])?;
+        names.extend(layers.into_iter().flat_map(DrawnLayers::conditions));
+        let after = self.layers.as_ref().filter(|_| layers.is_some()).map(|l| &l.layout);
+        let before = [Some(&self.layout), Some(pools.layout())];
+        let pipeline = counter.kernel.pipeline(gpu, &names, &before, after.as_slice())?;
         let counts = counter.kernel.group(gpu, [counter.counts.as_entire_binding()]);
         let mut encoder =
             gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("visibility") });
@@ -127,6 +134,7 @@ impl Caster {
             pass.set_bind_group(0, group, &[]);
             pass.set_bind_group(1, pools.group(), &[]);
             pass.set_bind_group(2, counts.as_ref(), &[]);
+            pass.set_bind_group(3, layers.map(|l| &l.group), &[]);
             pass.dispatch_workgroups(size[0].div_ceil(TILE), size[1].div_ceil(TILE), 1);
         }
         encoder.copy_buffer_to_buffer(&counter.counts, 0, &counter.answer, 0, counter.counts.size());

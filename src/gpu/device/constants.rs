@@ -35,6 +35,8 @@ shared! {
     BRICK: u32 = crate::volume::BRICK;
     /// Texels along an edge of a slot: a brick and one voxel of apron on each side.
     SLOT: u32 = crate::volume::BRICK + 2;
+    /// Meshes of a kind (opaque, cutting) that fit into one picture.
+    MOST_MESHES: u32 = 64;
     /// A body takes the selected share of the matter in its region.
     MASK_SELECTION: u32 = 1;
     /// A body takes the share that is not selected.

@@ -107,6 +107,25 @@ pub enum GpuError {
         /// Planes of all of them.
         planes: usize,
     },
+    /// More meshes than a picture takes.
+    #[error(
+        "a picture of {meshes} meshes of one kind with {triangles} triangles asked for, at most 64 and 268,435,456 fit; hide some or \
+         join them"
+    )]
+    TooManyMeshes {
+        /// Meshes.
+        meshes: usize,
+        /// Triangles of all of them.
+        triangles: usize,
+    },
+    /// More faces one behind another than a ray can be cut by.
+    #[error(
+        "cutting meshes with more than {most} faces one behind another in a pixel found; simplify them or hide some"
+    )]
+    TooManyFaces {
+        /// As many fit.
+        most: u32,
+    },
     /// A step that is no length.
     #[error("step_mm: {step_mm} found, a positive length expected")]
     BadStep {

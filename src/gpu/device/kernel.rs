@@ -27,6 +27,8 @@ pub(crate) enum Binding {
     },
     /// A texture that is loaded from, or sampled where the sample type says so.
     Texture(wgpu::TextureViewDimension, wgpu::TextureSampleType),
+    /// A texture that is only written.
+    Written(wgpu::TextureViewDimension, wgpu::TextureFormat),
     /// A filtering sampler.
     Sampler,
 }
@@ -52,6 +54,10 @@ impl Binding {
             }
             Self::Texture(view_dimension, sample_type) => {
                 wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false }
+            }
+            Self::Written(view_dimension, format) => {
+                let access = wgpu::StorageTextureAccess::WriteOnly;
+                wgpu::BindingType::StorageTexture { access, format, view_dimension }
             }
             Self::Sampler => wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
         };
@@ -137,6 +143,8 @@ pub(crate) struct Draw {
     pub topology: wgpu::PrimitiveTopology,
     /// Formats and blending.
     pub targets: Vec<wgpu::ColorTargetState>,
+    /// Where the nearest of what is drawn is kept by its depth: the depths' format.
+    pub depth: Option<wgpu::TextureFormat>,
 }
 
 impl Draw {
@@ -148,6 +156,7 @@ impl Draw {
             buffers: Vec::new(),
             topology: wgpu::PrimitiveTopology::TriangleList,
             targets: targets.iter().map(|&format| format.into()).collect(),
+            depth: None,
         }
     }
 }
@@ -165,6 +174,13 @@ impl Entry for Draw {
     ) -> Self::Pipeline {
         let buffers: Vec<_> = self.buffers.iter().cloned().map(Some).collect();
         let targets: Vec<_> = self.targets.iter().cloned().map(Some).collect();
+        let depth = self.depth.map(|format| wgpu::DepthStencilState {
+            format,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(wgpu::CompareFunction::Less),
+            stencil: Default::default(),
+            bias: Default::default(),
+        });
         gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(label),
             layout: Some(layout),
@@ -175,7 +191,7 @@ impl Entry for Draw {
                 buffers: &buffers,
             },
             primitive: wgpu::PrimitiveState { topology: self.topology, ..Default::default() },
-            depth_stencil: None,
+            depth_stencil: depth,
             multisample: wgpu::MultisampleState::default(),
             fragment: Some(wgpu::FragmentState {
                 module,
@@ -216,7 +232,7 @@ impl<E: Entry> Kernel<E> {
     }
 
     /// The pipeline under these conditions (`#ifdef`), in an order that is always the same. Its groups are those of `before`, the
-    /// kernel's own, and those of `after`; groups under one condition must always be the same.
+    /// kernel's own, and those of `after`; under the same conditions they must always be the same.
     ///
     /// # Errors
     /// A shader that does not compile; what the device refuses.
@@ -224,7 +240,7 @@ impl<E: Entry> Kernel<E> {
         &mut self,
         gpu: &Gpu,
         conditions: &[&'static str],
-        before: &[&wgpu::BindGroupLayout],
+        before: &[Option<&wgpu::BindGroupLayout>],
         after: &[&wgpu::BindGroupLayout],
     ) -> Result<E::Pipeline, GpuError> {
         if let Some(pipeline) = self.pipelines.get(conditions) {
@@ -233,7 +249,7 @@ impl<E: Entry> Kernel<E> {
         let defs: Vec<_> = conditions.iter().map(|&name| (name, Def::Bool(true))).collect();
         let module = shader::compile(gpu, self.file, &defs)?;
         let own = self.layout.as_ref();
-        let mut groups: Vec<_> = before.iter().copied().map(Some).collect();
+        let mut groups = before.to_vec();
         if own.is_some() || !after.is_empty() {
             groups.push(own);
         }

@@ -10,3 +10,4 @@ pub(crate) mod kernel;
 pub mod shader;
 pub mod shared;
 pub(crate) mod stopwatch;
+pub(crate) mod textures;

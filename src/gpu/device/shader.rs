@@ -1,6 +1,7 @@
 //! The one way from files under `shaders/` to a module: imports resolved, conditions decided, validated.
 //!
-//! Owns the list of shader files (embedded, so that the program needs none on disk) and the composer (naga_oil). Program and
+//! Owns the list of the library's files (embedded, so that the program needs none on disk; files with entry points make themselves
+//! known) and the composer (naga_oil). Program and
 //! tests call the same [`compose`]; a pipeline is specialised by `defs` instead of branching on the GPU. Two rules of the
 //! composer: names of a library module do not end in a digit, and an imported name must not also be a member's name.
 
@@ -22,8 +23,10 @@ const LIBRARY: &[(&str, &str)] = files![
     "lib/field.wgsl",
     "lib/body.wgsl",
     "lib/picture.wgsl",
+    "lib/layers.wgsl",
     "lib/look.wgsl",
     "lib/light.wgsl",
+    "lib/mesh.wgsl",
     "lib/span.wgsl",
     "lib/dvr.wgsl",
     "lib/iso.wgsl",
@@ -38,35 +41,54 @@ const LIBRARY: &[(&str, &str)] = files![
     "lib/equation_colour.wgsl",
 ];
 
-/// Files with entry points.
-const KERNELS: &[(&str, &str)] = files![
-    "brush/brush.wgsl",
-    "brush/live_cells.wgsl",
-    "cast/picture.wgsl",
-    "cast/visibility.wgsl",
-    "slice.wgsl",
-    "backdrop.wgsl",
-];
+/// A file with entry points, made known by [`shader!`] where its kernel is.
+#[derive(Debug)]
+pub struct Source {
+    /// Name under `shaders/`.
+    pub file: &'static str,
+    /// Its text.
+    pub text: &'static str,
+    /// Conditions of which exactly one is set; none for most.
+    pub one_of: &'static [&'static str],
+}
+inventory::collect!(Source);
 
-/// Kernels of which exactly one of these conditions is set.
-const ONE_OF: &[(&str, &[&str])] =
-    &[("brush/brush.wgsl", &["CODES", "CODES_IN_FLOATS", "COLOUR", "FLOATS", "LABELS", "SELECTION"])];
+/// The name of a shader file with entry points, which this embeds and makes known. `one of` names conditions of which exactly one is
+/// set.
+macro_rules! shader {
+    ($file:literal $(, one of $($condition:literal),+)?) => {{
+        inventory::submit! {
+            $crate::gpu::device::shader::Source {
+                file: $file,
+                text: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/", $file)),
+                one_of: &[$($($condition),+)?],
+            }
+        }
+        $file
+    }};
+}
+pub(crate) use shader;
+
+fn source(file: &str) -> Option<&'static Source> {
+    inventory::iter::<Source>.into_iter().find(|s| s.file == file)
+}
 
 static COMPOSER: Mutex<Option<Composer>> = Mutex::new(None);
 
-/// The files with entry points, by name under `shaders/`.
+/// The files with entry points, by name under `shaders/`, in order.
 pub fn kernels() -> impl Iterator<Item = &'static str> {
-    KERNELS.iter().map(|k| k.0)
+    let files: std::collections::BTreeSet<_> = inventory::iter::<Source>.into_iter().map(|s| s.file).collect();
+    files.into_iter()
 }
 
 /// Conditions of a kernel of which exactly one is set; none for most kernels.
 pub fn one_of(file: &str) -> &'static [&'static str] {
-    ONE_OF.iter().find(|o| o.0 == file).map_or(&[], |o| o.1)
+    source(file).map_or(&[], |s| s.one_of)
 }
 
 /// The conditions (`#ifdef`) that a kernel and what it imports ask for, in order.
 pub fn conditions(file: &str) -> Vec<&'static str> {
-    let mut sources: Vec<&'static str> = KERNELS.iter().filter(|k| k.0 == file).map(|k| k.1).collect();
+    let mut sources: Vec<&'static str> = source(file).map(|s| s.text).into_iter().collect();
     let mut found = std::collections::BTreeSet::new();
     let mut seen = std::collections::BTreeSet::new();
     while let Some(source) = sources.pop() {
@@ -91,11 +113,11 @@ pub fn conditions(file: &str) -> Vec<&'static str> {
 /// # Errors
 /// [`GpuError::Shader`] with the compiler's report.
 pub fn compose(file: &str, defs: &[(&str, Def)]) -> Result<wgpu::naga::Module, GpuError> {
-    let source = KERNELS.iter().find(|k| k.0 == file).map(|k| k.1).ok_or_else(|| GpuError::Shader {
+    let source = source(file).ok_or_else(|| GpuError::Shader {
         file: file.to_string(),
-        reason: "not in the program's list of kernels".to_string(),
+        reason: "no kernel of the program names it".to_string(),
     })?;
-    compose_source(file, source, defs)
+    compose_source(file, source.text, defs)
 }
 
 /// The same for a source that is not in the list, as tests have.

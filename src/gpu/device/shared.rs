@@ -48,8 +48,23 @@ pub struct Declared {
 }
 
 /// Describes a shared struct.
-pub(crate) fn declared<T: Shared>() -> Declared {
+pub fn declared<T: Shared>() -> Declared {
     Declared { name: T::NAME, size: size_of::<T>(), members: T::members() }
+}
+
+/// A shared struct that `shared_struct!` makes known.
+#[derive(Debug)]
+pub struct Known(pub fn() -> Declared);
+
+#[doc(hidden)]
+pub use inventory;
+inventory::collect!(Known);
+
+/// Every struct that a shader's buffers hold, by name. A shader with another one fails a test.
+pub fn all() -> Vec<Declared> {
+    let mut all: Vec<Declared> = inventory::iter::<Known>.into_iter().map(|known| (known.0)()).collect();
+    all.sort_by_key(|declared| declared.name);
+    all
 }
 
 /// The kind of a type's scalars.
@@ -70,7 +85,7 @@ impl<T: Scalars, const N: usize> Scalars for [T; N] {
     const KIND: Kind = T::KIND;
 }
 
-/// Declares a struct that is shared with WGSL: `shared_struct! { /// doc  pub struct Name { pub member: type, … } }`.
+/// Declares a struct that is shared with WGSL, and makes it known: `shared_struct! { /// doc  pub struct Name { pub member: type, … } }`.
 #[macro_export]
 macro_rules! shared_struct {
     ($(#[$meta:meta])* $vis:vis struct $name:ident { $($(#[$m:meta])* $mvis:vis $member:ident : $ty:ty,)* }) => {
@@ -78,6 +93,10 @@ macro_rules! shared_struct {
         #[repr(C)]
         #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
         $vis struct $name { $($(#[$m])* $mvis $member: $ty,)* }
+
+        $crate::gpu::device::shared::inventory::submit! {
+            $crate::gpu::device::shared::Known($crate::gpu::device::shared::declared::<$name>)
+        }
 
         impl $crate::gpu::device::shared::Scalars for $name {
             const KIND: $crate::gpu::device::shared::Kind = $crate::gpu::device::shared::Kind::Struct;

@@ -3,6 +3,7 @@
 //! A body is a space (its pose), a convex region of the volume, an optional mask and a look. Parts, the posed selection and
 //! the plain volume are all bodies. Nothing here knows how they are marched.
 
+use crate::gpu::picture::layer::Layers;
 use crate::math::{Camera, Plane, Pose};
 use crate::volume::{Lighting, Mode, Segments, TransferFunction};
 
@@ -74,4 +75,6 @@ pub struct Frame {
     pub bodies: Vec<Body>,
     /// Painted fields.
     pub overlay: Overlay,
+    /// Meshes among the bodies, what cuts and what clips them.
+    pub layers: Layers,
 }

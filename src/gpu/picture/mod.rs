@@ -4,3 +4,4 @@
 
 pub(crate) mod frame;
 pub(crate) mod image;
+pub(crate) mod layer;

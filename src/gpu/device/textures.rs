@@ -1,9 +1,9 @@
-//! What the caster draws into and with: targets, small data textures, the layout of group 0.
+//! 2D textures: what pictures are drawn into, small data for shaders, one triangle over all of a target.
 //!
-//! Knows the formats and labels, nothing of bodies or frames.
+//! Knows formats and labels, nothing of what is drawn.
 
+use crate::gpu::device::constants::FAR;
 use crate::gpu::device::gpu::Gpu;
-use crate::gpu::device::kernel::{Binding, group_layout};
 
 /// Colour, depth and object of a picture on the GPU.
 #[derive(Debug)]
@@ -22,13 +22,45 @@ impl Targets {
     pub(crate) fn new(gpu: &Gpu, size: [u32; 2]) -> Self {
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT
             | wgpu::TextureUsages::TEXTURE_BINDING
-            | wgpu::TextureUsages::COPY_SRC;
+            | wgpu::TextureUsages::STORAGE_BINDING
+            | wgpu::TextureUsages::COPY_SRC
+            | wgpu::TextureUsages::COPY_DST;
         let texture = |label, format| texture(gpu, label, size, format, usage);
         Self {
             size,
             colour: texture("picture colour", COLOUR),
             depth: texture("picture depth", DEPTH),
             object: texture("picture objects", OBJECT),
+        }
+    }
+
+    fn all(&self) -> [&wgpu::Texture; 3] {
+        [&self.colour, &self.depth, &self.object]
+    }
+
+    /// Views of colour, depth and object.
+    pub(crate) fn views(&self) -> [wgpu::TextureView; 3] {
+        self.all().map(|t| t.create_view(&wgpu::TextureViewDescriptor::default()))
+    }
+
+    /// What a pass draws into, by [`views`](Self::views); it begins with nothing if `clear`.
+    pub(crate) fn attachments(
+        views: &[wgpu::TextureView; 3],
+        clear: bool,
+    ) -> [Option<wgpu::RenderPassColorAttachment<'_>>; 3] {
+        let nothing = [0.0, f64::from(FAR), 0.0];
+        std::array::from_fn(|i| {
+            let empty = wgpu::Color { r: nothing[i], ..wgpu::Color::TRANSPARENT };
+            let load = if clear { wgpu::LoadOp::Clear(empty) } else { wgpu::LoadOp::Load };
+            let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
+            Some(wgpu::RenderPassColorAttachment { view: &views[i], depth_slice: None, resolve_target: None, ops })
+        })
+    }
+
+    /// Takes over all of another picture of the same size.
+    pub(crate) fn take_over(&self, encoder: &mut wgpu::CommandEncoder, other: &Self) {
+        for (to, from) in self.all().into_iter().zip(other.all()) {
+            encoder.copy_texture_to_texture(from.as_image_copy(), to.as_image_copy(), to.size());
         }
     }
 }
@@ -61,17 +93,6 @@ pub(crate) fn draw_over(
         pass.draw(0..3, 0..1);
     }
     gpu.queue.submit([encoder.finish()]);
-}
-
-/// Group 0 of everything that marches, as shaders/lib/body.wgsl, shaders/lib/look.wgsl and resumed pictures number it.
-pub(crate) fn layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
-    use Binding::Uniform;
-    let stages = wgpu::ShaderStages::FRAGMENT | wgpu::ShaderStages::COMPUTE;
-    let lists = [Binding::UINT_2D; 2];
-    let colours = [Binding::FLOAT_2D; 2];
-    let before = [Binding::FLOAT_2D, Binding::FLOAT_2D, Binding::UINT_2D];
-    let bindings: Vec<_> = [Uniform(0); 3].into_iter().chain(lists).chain(colours).chain(before).collect();
-    group_layout(gpu, "caster", stages, &bindings)
 }
 
 /// A plain 2D texture.

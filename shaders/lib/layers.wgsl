@@ -1,0 +1,103 @@
+#define_import_path burin::layers
+// What was drawn before the rays: opaque meshes end them, closed meshes that cut take spans of them away.
+//
+// Compiled in where a picture has any (OPAQUE, CUTS); without, its functions leave everything as it is.
+
+#import burin::body::view
+#import burin::picture::Picture
+
+#ifdef OPAQUE
+@group(3) @binding(0) var opaque_colour: texture_2d<f32>;
+@group(3) @binding(1) var opaque_depth: texture_2d<f32>;
+@group(3) @binding(2) var opaque_object: texture_2d<u32>;
+#endif
+#ifdef CUTS
+// By layer, nearest first: steps to entry and exit, cosine between ray and normal at the exit; FAR after the last one.
+@group(3) @binding(3) var cut_spans: texture_2d_array<f32>;
+#endif
+
+var<private> pixel: vec2<i32>;
+// Steps to something opaque.
+var<private> far_end: f32;
+
+// A pixel begins.
+fn look_at(px: vec2<f32>) {
+#ifdef OPAQUE
+    pixel = vec2<i32>(px);
+    far_end = textureLoad(opaque_depth, pixel, 0).r / view.step_mm;
+#else
+#ifdef CUTS
+    pixel = vec2<i32>(px);
+#endif
+#endif
+}
+
+// What of an interval lies before everything opaque.
+fn in_front(within: vec2<f32>) -> vec2<f32> {
+#ifdef OPAQUE
+    return vec2<f32>(within.x, min(within.y, far_end));
+#else
+    return within;
+#endif
+}
+
+// Whether something opaque lies before sample k.
+fn is_hidden(k: f32) -> bool {
+#ifdef OPAQUE
+    return far_end <= k;
+#else
+    return false;
+#endif
+}
+
+#ifdef CUTS
+// The first piece of the ray after `start` and before `most` that nothing cuts away; x ≥ y if there is none.
+fn next_piece(start: f32, most: f32) -> vec2<f32> {
+    var piece = vec2<f32>(start, most);
+    for (var i = 0; i < i32(textureNumLayers(cut_spans)); i += 1) {
+        let cut = textureLoad(cut_spans, pixel, i, 0);
+        if (cut.x >= piece.y) {
+            break;
+        }
+        if (cut.x > piece.x) {
+            piece.y = cut.x;
+            break;
+        }
+        piece.x = max(piece.x, cut.y);
+    }
+    return piece;
+}
+
+// Cosine between the ray and the face by which it leaves a cut; −1 where it leaves none.
+fn cut_cosine(at: f32) -> f32 {
+    for (var i = 0; i < i32(textureNumLayers(cut_spans)); i += 1) {
+        let cut = textureLoad(cut_spans, pixel, i, 0);
+        if (cut.x > at) {
+            break;
+        }
+        if (cut.y == at) {
+            return cut.z;
+        }
+    }
+    return -1.0;
+}
+#endif
+
+// What is opaque behind what a ray gathered. It is what the pixel shows where the ray's opacity is below ½ there.
+fn backed(picture: Picture) -> Picture {
+    var out = picture;
+#ifdef OPAQUE
+#ifndef CONTINUES
+    let object = textureLoad(opaque_object, pixel, 0).r;
+    if (object != 0u) {
+        let clear = 1.0 - picture.colour.a;
+        out.colour = vec4<f32>(picture.colour.rgb + clear * textureLoad(opaque_colour, pixel, 0).rgb, 1.0);
+        if (clear > 0.5) {
+            out.depth = textureLoad(opaque_depth, pixel, 0).r;
+            out.object = object;
+        }
+    }
+#endif
+#endif
+    return out;
+}

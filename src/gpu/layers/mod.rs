@@ -1,0 +1,123 @@
+//! Layers of a picture: meshes that are drawn before its rays.
+//!
+//! Owns the kernels under `shaders/mesh` and group 3 of what marches. Opaque meshes become a picture of their own, behind which no ray
+//! goes; closed meshes that cut become, per pixel, the sorted spans of the ray that lie inside. Knows no body and no voxel.
+
+mod cuts;
+pub(crate) mod meshes;
+mod opaque;
+
+use crate::gpu::device::error::GpuError;
+use crate::gpu::device::gpu::Gpu;
+use crate::gpu::device::kernel::{Binding, group, group_layout};
+use crate::gpu::device::textures::{COLOUR, Targets};
+use crate::gpu::layers::cuts::Cuts;
+use crate::gpu::layers::opaque::Opaque;
+use crate::gpu::picture::layer::Layers;
+use crate::math::DVec3;
+
+/// Set in the code of an object that is a mesh: the rest is its place in the frame's list.
+pub(crate) const MESH_CODE: u32 = 1 << 31;
+
+/// What is drawn of a frame's layers.
+#[derive(Debug)]
+pub(crate) struct DrawnLayers {
+    /// Opaque meshes: their picture, nothing elsewhere.
+    pub opaque: Option<Targets>,
+    /// Into how many pieces an interval may be cut; 1: nothing is cut away.
+    pub pieces: usize,
+    /// Group 3.
+    pub group: wgpu::BindGroup,
+}
+
+impl DrawnLayers {
+    /// What kernels that march are compiled for.
+    pub(crate) fn conditions(&self) -> impl Iterator<Item = &'static str> {
+        let own = [("OPAQUE", self.opaque.is_some()), ("CUTS", self.pieces > 1)];
+        own.into_iter().filter(|c| c.1).map(|c| c.0)
+    }
+}
+
+/// From where a picture's rays come.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rays<'a> {
+    /// Layout of group 0.
+    pub layout: &'a wgpu::BindGroupLayout,
+    /// Group 0, of which `view` is read.
+    pub group: &'a wgpu::BindGroup,
+    /// World mm.
+    pub eye: DVec3,
+    /// Pixels.
+    pub size: [u32; 2],
+}
+
+/// See the module's head.
+#[derive(Debug)]
+pub(crate) struct LayerRaster {
+    /// Of group 3.
+    pub layout: wgpu::BindGroupLayout,
+    opaque: Opaque,
+    cuts: Cuts,
+    nothing: (Targets, wgpu::Texture),
+}
+
+impl LayerRaster {
+    pub(crate) fn new(gpu: &Gpu) -> Self {
+        let float = wgpu::TextureSampleType::Float { filterable: false };
+        let spans = Binding::Texture(wgpu::TextureViewDimension::D2Array, float);
+        let bindings = [Binding::FLOAT_2D, Binding::FLOAT_2D, Binding::UINT_2D, spans];
+        let stages = wgpu::ShaderStages::FRAGMENT | wgpu::ShaderStages::COMPUTE;
+        let no_spans = layers(gpu, "no cuts", [1; 2], 1, COLOUR, wgpu::TextureUsages::empty());
+        Self {
+            layout: group_layout(gpu, "layers", stages, &bindings),
+            opaque: Opaque::new(gpu),
+            cuts: Cuts::new(gpu),
+            nothing: (Targets::new(gpu, [1; 2]), no_spans),
+        }
+    }
+
+    /// Draws the meshes of a frame; `None` where none shows.
+    ///
+    /// # Errors
+    /// Too many meshes or faces, out of memory, or a lost device.
+    pub(crate) fn draw(&mut self, gpu: &Gpu, frame: &Layers, rays: &Rays<'_>) -> Result<Option<DrawnLayers>, GpuError> {
+        let opaque = self.opaque.draw(gpu, &frame.opaque, rays)?;
+        let spans = self.cuts.draw(gpu, &frame.cuts, rays)?;
+        if opaque.is_none() && spans.is_none() {
+            return Ok(None);
+        }
+        let targets = opaque.as_ref().unwrap_or(&self.nothing.0).views();
+        let spans_view = array_view(spans.as_ref().unwrap_or(&self.nothing.1));
+        let views = targets.iter().chain([&spans_view]).map(wgpu::BindingResource::TextureView);
+        let group = group(gpu, "layers", &self.layout, views);
+        // The last of the spans only ends them.
+        let pieces = spans.map_or(1, |s| s.depth_or_array_layers() as usize);
+        Ok(Some(DrawnLayers { opaque, pieces, group }))
+    }
+}
+
+/// A 2D array that shaders load from.
+fn layers(
+    gpu: &Gpu,
+    label: &str,
+    [width, height]: [u32; 2],
+    count: u32,
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: count },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: usage | wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    })
+}
+
+fn array_view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    let dimension = Some(wgpu::TextureViewDimension::D2Array);
+    texture.create_view(&wgpu::TextureViewDescriptor { dimension, ..Default::default() })
+}
