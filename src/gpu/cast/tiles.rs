@@ -74,7 +74,7 @@ impl Tiles {
     pub fn places(&self, wanted: impl Fn(bool) -> bool) -> Vec<u32> {
         let heads = (0_u32..).zip(&self.heads);
         let held = heads.filter(|(_, [_, count])| count & !MERGE_MARK > 0 && wanted(count & MERGE_MARK != 0));
-        held.map(|(i, _)| i % self.dims[0] | i / self.dims[0] << 16).collect()
+        held.map(|(i, _)| (i % self.dims[0]) | ((i / self.dims[0]) << 16)).collect()
     }
 
     /// Rectangles of pixels, left, top, right and bottom, that together are the tiles that hold bodies and whose mark `wanted`

@@ -164,11 +164,6 @@ impl Gpu {
         format!("{} ({:?}, {:?}, {} {}), {density}", i.name, i.backend, i.device_type, i.driver, i.driver_info)
     }
 
-    /// Whether the adapter is a program that runs on the processor.
-    pub fn is_software(&self) -> bool {
-        self.info.device_type == wgpu::DeviceType::Cpu
-    }
-
     /// Whether `r16unorm` textures exist.
     pub fn has_unorm16(&self) -> bool {
         self.device.features().contains(Features::TEXTURE_FORMAT_16BIT_NORM)
