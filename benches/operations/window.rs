@@ -85,14 +85,14 @@ impl Stage {
 
 /// What the document tells first.
 fn snapshot(document: &Document) -> Result<Snapshot, Failure> {
-    let state = document.state().ok_or("nothing is open")?;
+    let volume = document.state().ok_or("nothing is open")?.at(None)?;
     let open = Opened {
-        scene: Arc::new(state.scene.clone()),
+        scene: Arc::new(volume.scene.clone()),
         poses: Arc::new(document.poses().clone()),
-        grid: *state.grid(),
-        voxel_type: state.source.voxel_type(),
-        statistics: state.statistics,
-        histogram: Arc::new(state.histogram.clone()),
+        grid: *volume.grid(),
+        voxel_type: volume.source.voxel_type(),
+        statistics: volume.statistics,
+        histogram: Arc::new(volume.histogram.clone()),
     };
     Ok(Snapshot { serial: u64::MAX, open: Some(open), ..Snapshot::default() })
 }

@@ -4,6 +4,7 @@ use crate::document::error::DocumentError;
 use crate::document::scene::ViewName;
 use crate::document::scene::slice_plane::SlicePlane;
 use crate::document::state::State;
+use crate::document::subject::Subject;
 use crate::explode::{PartId, Poses};
 use crate::gpu::{Body, Frame, Mask, Overlay, SliceFrame};
 use crate::math::{Camera, DVec3};
@@ -18,7 +19,7 @@ pub const SELECTION_COLOUR: [f32; 3] = [1.0, 0.6, 0.15];
 /// Level and width of a grey window in which every value is black, as numbers of 32 bits.
 const ALL_BLACK: (f64, f64) = (2e38, 2e38);
 
-impl State {
+impl Subject<'_> {
     /// What the 3D view shows with the parts in these poses.
     pub(super) fn frame(&self, poses: &Poses, camera: &Camera, size: [u32; 2]) -> Frame {
         let parts = &self.scene.explosion.parts;
@@ -40,9 +41,9 @@ impl State {
             camera: *camera,
             size,
             step_mm: look.step_voxels * self.grid().voxel_mm(),
-            mode: look.mode,
-            lighting: look.lighting,
-            transfer: self.scene.transfer.clone(),
+            mode: self.mode(),
+            lighting: self.scene.lighting_of(self.id),
+            transfer: self.transfer().clone(),
             bodies,
             overlay: self.overlay(),
             layers: Default::default(),
@@ -69,7 +70,7 @@ impl State {
         let mut views = self.scene.views.clone();
         views.slices[view.slice()?].size = size;
         let plane = SlicePlane::new(self.grid(), &views, view)?;
-        let window = self.scene.window;
+        let window = self.scene.window_of(self.id);
         let at = (plane.axis, plane.index);
         let shown = self.scene.layer(FieldKind::Density).visible;
         let grey = if shown { (window.level, window.width) } else { ALL_BLACK };
@@ -86,10 +87,12 @@ impl State {
             labels: strength(FieldKind::Labels),
             selection: strength(FieldKind::Selection),
             selection_colour: SELECTION_COLOUR,
-            segments: self.scene.segments.clone(),
+            segments: self.segments().clone(),
         }
     }
+}
 
+impl State {
     /// The part that a picked body is, or that holds the point of a body that is none.
     pub(super) fn part_at(&self, body: u32, rest: DVec3) -> Result<PartId, DocumentError> {
         self.scene.explosion.of_body(body, rest).ok_or(DocumentError::NothingOpen)

@@ -19,6 +19,7 @@ pub mod project;
 mod reduce;
 mod scene;
 mod state;
+mod subject;
 mod watch;
 
 pub use apply::open::Opened;
@@ -37,7 +38,7 @@ pub use frame::SELECTION_COLOUR;
 pub use history::spill::remove_dead_history;
 pub use history::{DEFAULT_BUDGET_BYTES, History};
 pub use journal::autosave::Keeper;
-pub use journal::loaded::{KeptDocument, Recovered};
+pub use journal::loaded::{KeptDocument, KeptVolume, Recovered};
 pub use journal::recovery;
 pub use project::read::{LoadedDensity, Wanted};
 pub use project::source::ZarrSource;
@@ -45,8 +46,10 @@ pub use reduce::{Changed, Ground};
 pub use scene::kept_poses::KeptPoses;
 pub use scene::past::{Past, PastOf};
 pub use scene::slice_plane::{SlicePlane, side_letter};
+pub use scene::volumes::*;
 pub use scene::*;
 pub use state::State;
+pub use subject::Subject;
 pub use watch::Watch;
 
 use crate::document::apply::stroke::Running;
@@ -168,7 +171,9 @@ impl Document {
         let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
         let mut edit = Edit::new(Some(state));
         let (views, looks) = (state.scene.views.clone(), state.scene.looks());
-        let ground = Ground { grid: state.source.grid(), histogram: &state.histogram, poses: self.motion.poses() };
+        let (subject, bounds) = (state.at(None)?, state.bounds());
+        let (grid, histogram) = (*subject.grid(), subject.histogram.clone());
+        let ground = Ground { grid: &grid, bounds, histogram: &histogram, poses: self.motion.poses() };
         let said = state.scene.apply(command, &ground).and_then(|changed| {
             edit.name(changed.name);
             beyond(self, changed.said, &mut edit)

@@ -8,23 +8,24 @@ use crate::document::error::DocumentError;
 use crate::document::reduce::place::{normal_in, place_in};
 use crate::document::scene::ViewName;
 use crate::document::scene::check::check_size;
-use crate::document::state::State;
+use crate::document::subject::Subject;
 use crate::gpu::Hit;
 use crate::math::{DVec2, DVec3};
 use crate::paint::Sample;
+use crate::volume::VolumeId;
 
 impl Document {
-    /// A place as a sample of pressure 1; `None` if it is a pixel of the 3D view that shows nothing. The normal is that of the slice
-    /// under a pixel, otherwise of the axial slice.
+    /// A place as a sample of pressure 1, indices and slices those of a volume, the active one if none is named; `None` if it is a
+    /// pixel of the 3D view that shows nothing. The normal is that of the slice under a pixel, otherwise of the axial slice.
     ///
     /// # Errors
     /// If numbers are not finite, or there is no GPU to look at the 3D view with.
-    pub(crate) fn resolve(&mut self, place: Place) -> Result<Option<Sample>, DocumentError> {
-        let state = self.open()?;
-        if let Some(sample) = place_in(place, &state.scene, state.grid())? {
+    pub(crate) fn resolve(&mut self, place: Place, volume: Option<VolumeId>) -> Result<Option<Sample>, DocumentError> {
+        let subject = self.open()?.at(volume)?;
+        if let Some(sample) = place_in(place, subject.scene, subject.grid())? {
             return Ok(Some(sample));
         }
-        let normal = normal_of(state, ViewName::Axial);
+        let normal = normal_of(&subject, ViewName::Axial);
         let Place::Pixel { px, size, .. } = place else { return Ok(None) };
         let hit = self.pick(DVec2::from_array(px), size)?;
         Ok(hit.map(|hit| Sample { position: hit.rest, normal, pressure: 1.0, breaks: false }))
@@ -37,7 +38,7 @@ impl Document {
     pub(crate) fn in_numbers(&mut self, command: Command) -> Result<Command, DocumentError> {
         match command {
             Command::View(ViewCommand::Crosshair { at }) => {
-                let world = self.resolve(at)?.ok_or_else(|| nothing_there("at", at))?.position;
+                let world = self.resolve(at, None)?.ok_or_else(|| nothing_there("at", at))?.position;
                 Ok(Command::View(ViewCommand::Crosshair { at: Place::Mm(world.to_array()) }))
             }
             Command::Part(PartCommand::Split { by, size }) => {
@@ -58,14 +59,14 @@ impl Document {
         if !px.is_finite() {
             return Err(DocumentError::invalid("px", px, "two finite numbers"));
         }
-        let frame = state.looking(self.motion.poses(), &state.scene.views.camera, size);
+        let frame = state.at(None)?.looking(self.motion.poses(), &state.scene.views.camera, size);
         self.graphics.pick(state, &frame, px)
     }
 }
 
 /// The normal of a slice view.
-pub(crate) fn normal_of(state: &State, view: ViewName) -> DVec3 {
-    normal_in(state.grid(), &state.scene.views, view)
+pub(crate) fn normal_of(subject: &Subject<'_>, view: ViewName) -> DVec3 {
+    normal_in(subject.grid(), &subject.scene.views, view)
 }
 
 /// What a command says that needs a surface where there is none.

@@ -1,4 +1,4 @@
-//! What is open: the scene with its past, the four fields and the source behind the density.
+//! What is open: the scene with its past, the volumes and the files behind them.
 //!
 //! This is all that a save writes and all that undo brings back. Knows neither history nor the GPU, and can be built on a
 //! thread of its own, since reading a volume takes seconds.
@@ -7,14 +7,11 @@ use crate::document::disk::source_files::SourceFiles;
 use crate::document::error::DocumentError;
 use crate::document::scene::Scene;
 use crate::document::scene::past::Past;
+use crate::document::scene::volumes::VolumeSettings;
 use crate::io::FileMark;
-use crate::paint::Reach;
-use crate::volume::{BrickSource, DensityMap, Field, FieldKind, Grid, Histogram, Statistics, TexelFormat, unit};
+use crate::volume::{BrickSource, DensityMap, FieldKey, Histogram, Statistics, TexelFormat, Volume, VolumeId, unit};
+use std::collections::BTreeMap;
 use std::sync::Arc;
-
-/// Of a stroke in floats: of what was there, what is painted, their difference, its share and the sum, each half a unit in the last
-/// place of up to twice the largest number.
-const ROUNDINGS: f64 = 4.0;
 
 /// See the module's head. Cheap to clone: bricks are shared.
 #[derive(Clone, Debug)]
@@ -23,24 +20,10 @@ pub struct State {
     pub scene: Scene,
     /// Earlier views and looks.
     pub past: Past,
-    /// The volume's values with their edits.
-    pub density: Field,
-    /// Painted colour.
-    pub colour: Field,
-    /// Degree of interest.
-    pub selection: Field,
-    /// Labels.
-    pub labels: Field,
-    /// Where unedited density comes from.
-    pub source: Arc<dyn BrickSource>,
-    /// Of the source's values.
-    pub statistics: Statistics,
-    /// Of the source's values.
-    pub histogram: Histogram,
-    /// Between which values density was painted, once it was.
-    pub reach: Option<Reach>,
-    /// The files that unedited density is read from; `None` if it is in the project.
-    pub files: Option<Arc<SourceFiles>>,
+    /// The voxels of the scene's volumes.
+    pub volumes: BTreeMap<VolumeId, Volume>,
+    /// The files that unedited density is read from; none where it is in the project.
+    pub files: BTreeMap<VolumeId, Arc<SourceFiles>>,
 }
 
 impl State {
@@ -58,98 +41,39 @@ impl State {
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> Result<Self, DocumentError> {
         let files = FileMark::of(&origin.path).map_or_else(|_| Vec::new(), |file| vec![file]);
-        Self::over(source, origin, files, statistics, histogram, range, progress)
+        let volume = over(source, statistics, histogram, range, progress)?;
+        Ok(Self::of_one(volume, origin, files))
     }
 
-    /// The same with all files that the source reads, as they were when they were opened.
-    pub(super) fn over(
-        source: Arc<dyn BrickSource>,
-        origin: crate::document::scene::Origin,
-        files: Vec<FileMark>,
-        statistics: Statistics,
-        histogram: Histogram,
-        range: Option<[f64; 2]>,
-        progress: &(dyn Fn(f32) -> bool + Sync),
-    ) -> Result<Self, DocumentError> {
-        let map = density_map(source.as_ref(), &statistics, &histogram, range)?;
-        let density = Field::from_source(source.clone(), map, progress)?.ok_or(DocumentError::Stopped)?;
-        let grid = *source.grid();
-        let files = if files.is_empty() { None } else { Some(SourceFiles::opened(files)) };
-        Ok(Self {
-            scene: Scene::new(&grid, &histogram, origin),
+    /// A document of one volume with all files that its source reads, as they were when they were opened.
+    pub(super) fn of_one(volume: Volume, origin: crate::document::scene::Origin, files: Vec<FileMark>) -> Self {
+        let first = VolumeId::FIRST;
+        let settings = VolumeSettings::new(volume.source.name(), origin);
+        let files = (!files.is_empty()).then(|| (first, SourceFiles::opened(files)));
+        Self {
+            scene: Scene::new(volume.grid(), &volume.histogram, settings),
             past: Past::default(),
-            density,
-            colour: Field::blank(FieldKind::Colour, &grid),
-            selection: Field::blank(FieldKind::Selection, &grid),
-            labels: Field::blank(FieldKind::Labels, &grid),
-            source,
-            statistics,
-            histogram,
-            reach: None,
-            files,
-        })
-    }
-
-    /// The lattice that all fields share.
-    pub fn grid(&self) -> &Grid {
-        self.source.grid()
-    }
-
-    /// The most by which a painted value may differ from what comes back of it, anywhere in the volume as it is now. What was not
-    /// painted comes back as the source has it.
-    pub fn half_step(&self) -> f64 {
-        let map = self.density.map();
-        // Extremes are known to 32 bits; codes end where their map does.
-        let painted = match map.format {
-            TexelFormat::R32Float => self.density.extremes().map(f64::from),
-            _ => [map.lo, map.hi()],
-        };
-        let largest = [self.statistics.min, self.statistics.max, painted[0], painted[1]]
-            .into_iter()
-            .map(f64::abs)
-            .filter(|v| v.is_finite())
-            .fold(self.largest_painted(), f64::max);
-        self.half_step_of(largest)
-    }
-
-    /// The same of a voxel that was painted to a value from this one of the source.
-    pub fn half_step_at(&self, value: f64, own: f64) -> f64 {
-        let mixed = value.abs().max(self.largest_painted());
-        // What is so much larger than anything painted leaves no digit of it if it is mixed with that.
-        let from = if own.abs() * f64::from(f32::EPSILON) <= 2.0 * mixed { own.abs() } else { 0.0 };
-        self.half_step_of(if self.density.format() == TexelFormat::R32Float { mixed.max(from) } else { value })
-    }
-
-    fn largest_painted(&self) -> f64 {
-        self.reach.map_or(0.0, |reach| reach.largest())
-    }
-
-    /// Of numbers of this size: rounding to the texel, and in the kernel's 32 bits to that of each number which it was made from.
-    fn half_step_of(&self, size: f64) -> f64 {
-        let map = self.density.map();
-        let roundings = if map.format == TexelFormat::R32Float { ROUNDINGS } else { 1.0 };
-        map.error_at(size, unit(self.source.as_ref()).is_some()) * roundings
-    }
-
-    /// A field by its kind.
-    pub fn field(&self, kind: FieldKind) -> &Field {
-        match kind {
-            FieldKind::Density => &self.density,
-            FieldKind::Colour => &self.colour,
-            FieldKind::Selection => &self.selection,
-            FieldKind::Labels => &self.labels,
+            volumes: BTreeMap::from([(first, volume)]),
+            files: files.into_iter().collect(),
         }
     }
 
-    /// The same, to change it; whoever does keeps the history.
-    pub fn field_mut(&mut self, kind: FieldKind) -> &mut Field {
-        match kind {
-            FieldKind::Density => &mut self.density,
-            FieldKind::Colour => &mut self.colour,
-            FieldKind::Selection => &mut self.selection,
-            FieldKind::Labels => &mut self.labels,
-        }
+    /// A field by its key; `None` if there is no such volume.
+    pub fn field(&self, key: FieldKey) -> Option<&crate::volume::Field> {
+        self.volumes.get(&key.volume).map(|volume| volume.field(key.kind))
     }
+}
+
+/// A volume over a source, read once, with nothing painted; see [`State::new`].
+pub(super) fn over(
+    source: Arc<dyn BrickSource>,
+    statistics: Statistics,
+    histogram: Histogram,
+    range: Option<[f64; 2]>,
+    progress: &(dyn Fn(f32) -> bool + Sync),
+) -> Result<Volume, DocumentError> {
+    let map = density_map(source.as_ref(), &statistics, &histogram, range)?;
+    Volume::new(source, map, statistics, histogram, progress)?.ok_or(DocumentError::Stopped)
 }
 
 /// How the density is kept: 16-bit codes where every integer stays exact, or where half a code is at most 1/2000 of what the

@@ -105,7 +105,7 @@ impl Interaction {
         match button {
             Button::Middle => return Some(pan),
             Button::Secondary if three_d => return Some(Gesture::Zoom { view: e.view, start: e.px, last: e.px }),
-            Button::Secondary => return Some(Gesture::Window { start: context.scene.window, from: e.px }),
+            Button::Secondary => return Some(Gesture::Window { start: context.scene.window(), from: e.px }),
             Button::Primary => {}
         }
         if e.modifiers.space {

@@ -23,6 +23,8 @@ mod texel;
 mod total;
 mod transfer;
 mod values;
+#[expect(clippy::module_inception, reason = "the file is named for its type")]
+mod volume;
 mod voxels;
 
 pub use blocks::Region;
@@ -43,4 +45,5 @@ pub use total::Total;
 pub use transfer::{TABLE_ENTRIES, TransferFunction};
 pub use values::Values;
 pub(crate) use values::{is_plain, unit};
+pub use volume::{FieldKey, Volume, VolumeId};
 pub use voxels::{Statistics, Value, VoxelType, Voxels};

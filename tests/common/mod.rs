@@ -1,6 +1,7 @@
 //! What the tests share: data makers and pictures, no formula under test.
 
 pub mod gpu;
+pub mod one;
 pub mod oracle;
 pub mod volumes;
 

@@ -3,6 +3,7 @@
 
 use super::maker::{bytes, run, write_nrrd};
 use super::maker_gpu::{block, labelled, made as of};
+use crate::common::one::One;
 use burin::document::Document;
 use burin::math::DVec3;
 use burin::volume::*;
@@ -46,7 +47,7 @@ fn a_thin_line_between_thick_slices_has_no_gap_and_keeps_masks_and_locks() {
     brush(&mut document, json!({"radius_mm":0.6,"falloff":"linear","target":{"selection":1.0},"strength":0.5}));
     // Halfway between two slices, then obliquely through several.
     stroke(&mut document, &[[3.0, 4.0, 5.49], [35.0, 4.0, 5.49], [36.2, 20.1, 9.3]]);
-    let field = document.state().unwrap().field(FieldKind::Selection);
+    let field = document.state().unwrap().one().field(FieldKind::Selection);
     for i in 0..=1000 {
         let t = f64::from(i) / 1000.0;
         for (a, b) in [([3.0, 4.0, 5.49], [35.0, 4.0, 5.49]), ([35.0, 4.0, 5.49], [36.2, 20.1, 9.3])] {
@@ -166,7 +167,7 @@ fn a_hundred_weak_erasures_reach_the_end_exactly() {
             }
             // Every voxel is the source's own again.
             if target["density"].is_number() {
-                let field = document.state().unwrap().field(FieldKind::Density);
+                let field = document.state().unwrap().one().field(FieldKind::Density);
                 let same = |v: [u32; 3]| {
                     let i = v[0] + 16 * (v[1] + 16 * v[2]);
                     f64::from(field.value(v).unwrap()) == f64::from(if wide { i * 16 } else { i % 256 })
@@ -191,7 +192,7 @@ fn weak_strokes_reach_the_end_in_floats_too() {
     let voxels = Voxels::F32((0..512).map(|i| if i == 0 { f32::INFINITY } else { i as f32 * 0.37 - 20.0 }).collect());
     let Some(mut document) = of(voxels, [8; 3], DVec3::ONE) else { return };
     let same = |document: &Document| {
-        let field = document.state().unwrap().field(FieldKind::Density);
+        let field = document.state().unwrap().one().field(FieldKind::Density);
         let own = |v: [u32; 3]| (v[0] + 8 * (v[1] + 8 * v[2])) as f32 * 0.37 - 20.0;
         each([8; 3]).skip(1).all(|v| field.value(v).unwrap() == own(v))
     };
@@ -325,7 +326,7 @@ fn a_locked_segment_is_left_alone_whatever_its_number() {
     }
     brush(&mut document, json!({"radius_mm":40,"target":{"label":9}}));
     stroke(&mut document, &[[16.0, 4.0, 4.0]]);
-    let label = |x: u32| document.state().unwrap().labels.value([x, 4, 4]).unwrap();
+    let label = |x: u32| document.state().unwrap().one().labels.value([x, 4, 4]).unwrap();
     for (i, id) in (0..).zip(ids) {
         assert_eq!(label(3 * i), f32::from(id));
         let beside = id ^ 1;
@@ -346,8 +347,8 @@ fn full_strength_is_the_value_itself_however_large_what_was_there() {
     let Some(mut document) = of(voxels, [4; 3], DVec3::ONE) else { return };
     brush(&mut document, json!({"radius_mm":0,"target":{"density":0.1}}));
     stroke(&mut document, &[[2.0, 2.0, 2.0]]);
-    assert_eq!(document.state().unwrap().density.value([2, 2, 2]).unwrap(), 0.1);
-    assert_eq!(document.state().unwrap().density.value([1, 2, 2]).unwrap(), 1e8);
+    assert_eq!(document.state().unwrap().one().density.value([2, 2, 2]).unwrap(), 0.1);
+    assert_eq!(document.state().unwrap().one().density.value([1, 2, 2]).unwrap(), 1e8);
 }
 
 #[test]
@@ -356,11 +357,11 @@ fn colour_too_weak_for_a_step_of_opacity_leaves_nothing() {
     brush(&mut document, json!({"radius_mm":2,"falloff":"hard","strength":0.0015,"target":{"colour":[1,0.5,0.2,1]}}));
     let answer = stroke(&mut document, &[[4.0, 4.0, 4.0]]);
     assert_eq!((&answer["step"], &answer["voxels_changed"]), (&Value::Null, &json!(0)), "0.38 of a step");
-    assert!(document.state().unwrap().colour.is_blank());
+    assert!(document.state().unwrap().one().colour.is_blank());
     brush(&mut document, json!({"strength":0.0025}));
     stroke(&mut document, &[[4.0, 4.0, 4.0]]);
     // 0.64 of a step of opacity is one, and the hue is whole.
-    assert_eq!(document.state().unwrap().colour.texel([4, 4, 4]).unwrap(), [255, 128, 51, 1]);
+    assert_eq!(document.state().unwrap().one().colour.texel([4, 4, 4]).unwrap(), [255, 128, 51, 1]);
 }
 
 #[test]
@@ -373,7 +374,7 @@ fn a_hundred_weak_removals_reach_the_value_that_was_asked_for() {
         for _ in 0..100 {
             stroke(&mut document, &[[8.0, 8.0, 8.0]]);
         }
-        let value = |v: [u32; 3]| document.state().unwrap().density.value(v).unwrap();
+        let value = |v: [u32; 3]| document.state().unwrap().one().density.value(v).unwrap();
         let inside = |v: &[u32; 3]| DVec3::from_array(v.map(f64::from)).distance(DVec3::splat(8.0)) < 4.0;
         let other: Vec<_> = each([16; 3]).filter(inside).filter(|&v| value(v) != 7.0).collect();
         assert!(other.is_empty(), "{} voxels are not 7, one is {}", other.len(), value(other[0]));

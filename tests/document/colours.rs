@@ -1,6 +1,7 @@
 //! Files of colour voxels: brightness as density, colours in the colour field, kept like paint.
 
 use super::maker::run;
+use crate::common::one::One;
 use burin::document::{Document, Opened, ViewName, recovery};
 use burin::math::{DVec2, DVec3};
 use burin::volume::FieldKind;
@@ -141,7 +142,7 @@ fn a_picture_in_three_dimensions_has_the_colours_of_the_file() {
             let size = [64, 48];
             let image = document.picture(ViewName::ThreeD, size, None).unwrap();
             let camera = document.state().unwrap().scene.views.camera;
-            let index_from_world = document.state().unwrap().grid().index_from_world();
+            let index_from_world = document.state().unwrap().one().grid().index_from_world();
             let mut seen = 0;
             for (i, colour) in image.colour.iter().enumerate().filter(|(_, c)| c[3] > 0.0) {
                 let px = DVec2::new((i % 64) as f64 + 0.5, (i / 64) as f64 + 0.5);
@@ -190,7 +191,7 @@ fn colours_are_kept_by_saves_and_recovery_and_are_no_step_of_undo() {
     let mut document = Document::new();
     document.take(Opened::lost(&unsaved, &lost[0].id, &|_| true).unwrap());
     check(&mut document, 4);
-    assert!(!document.state().unwrap().field(FieldKind::Colour).is_blank());
+    assert!(!document.state().unwrap().one().field(FieldKind::Colour).is_blank());
 }
 
 #[test]

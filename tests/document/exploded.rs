@@ -2,6 +2,7 @@
 
 use super::maker::{bytes, run};
 use super::maker_gpu::{block, cut, select};
+use crate::common::one::One;
 use burin::document::{Document, ViewName};
 use burin::math::{DVec3, Pose};
 use serde_json::{Value, json};
@@ -36,7 +37,7 @@ fn a_pixel_on_a_moved_part_is_its_voxel_at_rest() {
     run(&mut document, r#"{"brush":{"set":{"target":{"label":4},"radius_mm":2,"falloff":"hard"}}}"#).unwrap();
     let stroke = json!({"stroke":{"paint":{"points":[{"at":{"pixel":{"view":"3d","px":px.to_array()}}}]}}});
     assert_eq!(run(&mut document, &stroke.to_string()).unwrap()["missed"], 0);
-    assert_eq!(document.state().unwrap().labels.value([45, 39, 22]).unwrap(), 4.0);
+    assert_eq!(document.state().unwrap().one().labels.value([45, 39, 22]).unwrap(), 4.0);
     // Beside it there is nothing.
     let nothing = run(&mut document, r#"{"ask":{"pick":{"px":[1,1]}}}"#).unwrap();
     assert_eq!(nothing["hit"], Value::Null);

@@ -1,6 +1,7 @@
 //! What a volume looks like when it was just opened: outliers, values that stand for nothing, one value, one slice, label maps.
 
 use super::maker::run;
+use crate::common::one::One;
 use burin::document::{Document, ViewName};
 use burin::math::DVec3;
 use rand::{Rng, SeedableRng};
@@ -59,7 +60,7 @@ fn open(path: &Path) -> Document {
 
 /// Black and white of the slices' window.
 fn window(document: &Document) -> [f64; 2] {
-    let window = document.state().unwrap().scene.window;
+    let window = document.state().unwrap().scene.window();
     [window.level - window.width / 2.0, window.level + window.width / 2.0]
 }
 
@@ -126,7 +127,7 @@ fn a_few_outliers_change_neither_window_nor_transfer_function() {
         assert_eq!(document.state().unwrap().scene.transfer.colour, transfer.colour, "{what}");
         // Voxels and statistics keep them.
         assert_eq!(
-            document.state().unwrap().statistics.min,
+            document.state().unwrap().one().statistics.min,
             outliers.iter().copied().fold(-1025.0, f64::min),
             "{what}"
         );
@@ -357,7 +358,7 @@ fn a_single_slice_is_seen_from_its_face_as_the_slice_shows_it() {
         // The 3D view, brought to the slice's size.
         let camera = document.state().unwrap().scene.views.camera;
         let plane = burin::document::SlicePlane::new(
-            document.state().unwrap().grid(),
+            document.state().unwrap().one().grid(),
             &document.state().unwrap().scene.views,
             view,
         )
@@ -387,7 +388,9 @@ fn a_picture_of_two_dimensions_is_as_thick_as_its_pixels_are_wide() {
     file.extend((0..32 * 24).map(|i| (i % 200) as u8));
     std::fs::write(&path, file).unwrap();
     let document = open(&path);
-    assert!((document.state().unwrap().grid().spacing() - DVec3::new(0.002, 0.003, 0.002)).abs().max_element() < 1e-9);
+    assert!(
+        (document.state().unwrap().one().grid().spacing() - DVec3::new(0.002, 0.003, 0.002)).abs().max_element() < 1e-9
+    );
     // The same as NIfTI, whose third size is left at 0 or 1.
     for (third, depth) in [(0.0_f32, 1_i16), (1.0, 1), (1.0, 0)] {
         let mut header = vec![0_u8; 352];
@@ -407,10 +410,10 @@ fn a_picture_of_two_dimensions_is_as_thick_as_its_pixels_are_wide() {
         header.extend((0..32 * 24).map(|i| (i % 200) as u8));
         let path = folder.path().join("p.nii");
         std::fs::write(&path, header).unwrap();
-        let spacing = open(&path).state().unwrap().grid().spacing();
+        let spacing = open(&path).state().unwrap().one().grid().spacing();
         assert!((spacing - DVec3::new(0.002, 0.003, 0.002)).abs().max_element() < 1e-8, "{third} {depth}: {spacing}");
     }
-    let value: Value = json!(open(&path).state().unwrap().grid().dims);
+    let value: Value = json!(open(&path).state().unwrap().one().grid().dims);
     assert_eq!(value, json!([32, 24, 1]));
 }
 
@@ -439,7 +442,7 @@ fn an_automatic_window_has_no_more_digits_than_mean_something() {
     let folder = Folder::new();
     let bytes: Vec<u8> = mr().iter().map(|v| (v / 3.0).round() as u8).collect();
     let of = |name: &str, bytes: &[u8]| {
-        let window = open(&folder.cube(name, N, bytes)).state().unwrap().scene.window;
+        let window = open(&folder.cube(name, N, bytes)).state().unwrap().scene.window();
         [window.level, window.width]
     };
     for (name, bytes) in [("uchar", bytes), ("short", i16s(&ct())), ("ushort", u16s(&mr()))] {

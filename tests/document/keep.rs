@@ -1,6 +1,7 @@
 //! Projects on disk: what is saved comes back, and a save writes what changed.
 
 use super::keep_support::*;
+use crate::common::one::{One, segments};
 use burin::document::{DensityKeeping, KeepError, Keeper, KeptDocument, KeptPoses, LoadedDensity, Origin, State};
 use burin::math::DVec3;
 use burin::volume::*;
@@ -50,16 +51,16 @@ fn a_saved_document_opens_as_it_was() {
     let mut state = state(DIMS, dir.path());
     paint_all(&mut state);
     state.scene.views.crosshair = DVec3::new(0.1, -1.0 / 3.0, 1e-300);
-    state.scene.segments.ensure(3);
+    segments(&mut state.scene).ensure(3);
     drop(saved(dir.path(), &state));
     let (_keeper, again) = reopened(&dir.path().join("project"));
     assert_same(&state, &again, "reopened");
     // Nothing of the original is needed any more.
-    assert_eq!(again.source.name(), "test volume");
-    assert_eq!(again.statistics, state.statistics);
-    assert_eq!(again.histogram, state.histogram);
-    let dims = state.grid().dims;
-    assert_eq!(again.source.read([0; 3], dims).unwrap(), state.source.read([0; 3], dims).unwrap());
+    assert_eq!(again.one().source.name(), "test volume");
+    assert_eq!(again.one().statistics, state.one().statistics);
+    assert_eq!(again.one().histogram, state.one().histogram);
+    let dims = state.one().grid().dims;
+    assert_eq!(again.one().source.read([0; 3], dims).unwrap(), state.one().source.read([0; 3], dims).unwrap());
 }
 
 #[test]
@@ -83,9 +84,9 @@ fn every_voxel_type_comes_back_bit_for_bit() {
         let state = state_over(source(dims, voxels, (0.5, -3.0)), [-10.0, 10.0], 1, dir.path());
         drop(saved(dir.path(), &state));
         let (_keeper, again) = reopened(&dir.path().join("project"));
-        let (a, b) = (state.source.read([0; 3], dims).unwrap(), again.source.read([0; 3], dims).unwrap());
+        let (a, b) = (state.one().source.read([0; 3], dims).unwrap(), again.one().source.read([0; 3], dims).unwrap());
         assert_eq!((a.voxel_type(), a.as_bytes() == b.as_bytes()), (b.voxel_type(), true), "{ty:?}");
-        assert_eq!(again.source.scaling(), (0.5, -3.0));
+        assert_eq!(again.one().source.scaling(), (0.5, -3.0));
     }
 }
 
@@ -98,9 +99,13 @@ fn a_box_read_from_a_project_is_the_box_of_its_source() {
     for (lo, size) in
         [([0; 3], [1; 3]), ([31, 31, 31], [2, 2, 2]), ([127, 0, 60], [23, 40, 10]), ([149, 39, 69], [1; 3])]
     {
-        assert_eq!(again.source.read(lo, size).unwrap(), state.source.read(lo, size).unwrap(), "{lo:?} {size:?}");
+        assert_eq!(
+            again.one().source.read(lo, size).unwrap(),
+            state.one().source.read(lo, size).unwrap(),
+            "{lo:?} {size:?}"
+        );
     }
-    let beyond = again.source.read([149, 39, 69], [2, 1, 1]).unwrap_err();
+    let beyond = again.one().source.read([149, 39, 69], [2, 1, 1]).unwrap_err();
     assert!(matches!(beyond, SourceError::OutOfBounds { .. }));
 }
 
@@ -119,7 +124,7 @@ fn a_save_writes_the_shards_that_changed_and_links_the_others() {
     assert_eq!(first.keys().collect::<Vec<_>>(), all.keys().collect::<Vec<_>>());
     let changed: Vec<_> =
         all.iter().filter(|(name, bytes)| first[*name] != **bytes).map(|(name, _)| &name[..]).collect();
-    assert_eq!(changed, ["generation.json", "selection/0/c/0/0/0"]);
+    assert_eq!(changed, ["generation.json", "volumes/0/selection/0/c/0/0/0"]);
     // Only these two were written, every other file is the same file.
     let written: usize = changed.iter().map(|name| all[*name].len()).sum();
     assert_eq!(second.bytes_written, written as u64);
@@ -131,7 +136,7 @@ fn a_save_writes_the_shards_that_changed_and_links_the_others() {
         assert_eq!(inode("generation-000001"), inode("generation-000002"), "{name}");
     }
     // A save after an undo back to what was saved writes no shard at all.
-    let before = state.selection.edits().len();
+    let before = state.one().selection.edits().len();
     let third = save(&mut keeper, None, &state);
     assert_eq!(
         (third.bytes_written as usize, before),
@@ -157,10 +162,10 @@ fn a_brick_that_is_empty_again_takes_its_shard_away() {
     paint(&mut state, FieldKind::Labels, [4, 0, 0], 1);
     let mut keeper = saved(dir.path(), &state);
     let project = dir.path().join("project");
-    assert!(project.join("generation-000001/labels/0/c/0/0/1").exists());
-    state.labels.swap(vec![(BrickIndex([4, 0, 0]), None)]).unwrap();
+    assert!(project.join("generation-000001/volumes/0/labels/0/c/0/0/1").exists());
+    state.one_mut().labels.swap(vec![(BrickIndex([4, 0, 0]), None)]).unwrap();
     save(&mut keeper, None, &state);
-    assert!(!project.join("generation-000002/labels/0/c/0/0/1").exists());
+    assert!(!project.join("generation-000002/volumes/0/labels/0/c/0/0/1").exists());
     drop(keeper);
     assert_same(&state, &reopened(&project).1, "emptied");
 }
@@ -171,13 +176,13 @@ fn a_source_goes_on_reading_after_its_generation_is_gone() {
     let state = state(DIMS, dir.path());
     drop(saved(dir.path(), &state));
     let (mut keeper, kept) = Keeper::open(&dir.path().join("project")).unwrap();
-    let LoadedDensity::Whole(source) = kept.density else { panic!("whole") };
+    let LoadedDensity::Whole(source) = &kept.one().density else { panic!("whole") };
     for _ in 0..3 {
         save(&mut keeper, None, &state);
     }
     assert!(!dir.path().join("project/generation-000001").exists());
     // Nothing was read before, so nothing is remembered.
-    assert_eq!(source.read([0; 3], DIMS).unwrap(), state.source.read([0; 3], DIMS).unwrap());
+    assert_eq!(source.read([0; 3], DIMS).unwrap(), state.one().source.read([0; 3], DIMS).unwrap());
 }
 
 #[test]
@@ -188,17 +193,17 @@ fn density_may_stay_in_its_file_as_long_as_that_is_the_same() {
     let project = dir.path().join("project");
     let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
     keeper.save(Some(&project), &state, Some(DensityKeeping::Linked), &|_| true).unwrap();
-    assert!(!project.join("generation-000001/density").exists());
+    assert!(!project.join("generation-000001/volumes/0/density").exists());
     drop(keeper);
     let (mut keeper, kept) = Keeper::open(&project).unwrap();
-    let LoadedDensity::Linked(path) = &kept.density else { panic!("linked") };
-    assert_eq!(*path, std::fs::canonicalize(&state.scene.origin.path).unwrap());
-    let source = state.source.clone();
-    let again = kept.into_state(|_| Ok(source), &|_| true).unwrap();
+    let LoadedDensity::Linked(path) = &kept.one().density else { panic!("linked") };
+    assert_eq!(*path, std::fs::canonicalize(&state.scene.origin().unwrap().path).unwrap());
+    let source = state.one().source.clone();
+    let again = kept.into_state(|_| Ok(source.clone()), &|_| true).unwrap();
     assert_same(&state, &again, "linked");
     // It stays so until told otherwise, and may become whole.
     save(&mut keeper, None, &again);
-    assert!(!project.join("generation-000002/density").exists());
+    assert!(!project.join("generation-000002/volumes/0/density").exists());
     keeper.save(None, &again, Some(DensityKeeping::Whole), &|_| true).unwrap();
     drop(keeper);
     assert_same(&state, &reopened(&project).1, "whole");
@@ -207,15 +212,15 @@ fn density_may_stay_in_its_file_as_long_as_that_is_the_same() {
     let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
     keeper.save(Some(&other), &state, Some(DensityKeeping::Linked), &|_| true).unwrap();
     drop(keeper);
-    std::fs::write(&state.scene.origin.path, b"the file that was opeNed").unwrap();
+    std::fs::write(&state.scene.origin().unwrap().path, b"the file that was opeNed").unwrap();
     // It opens at once; what is wrong is known when the hash is, and saving waits for that.
     let (mut keeper, kept) = Keeper::open(&other).unwrap();
-    let seen = kept.into_state(|_| Ok(state.source.clone()), &|_| true).unwrap();
+    let seen = kept.into_state(|_| Ok(state.one().source.clone()), &|_| true).unwrap();
     let message = keeper.save(None, &seen, None, &|_| true).unwrap_err().to_string();
     assert!(message.contains("origin.bin: blake3: ") && message.contains(" found, "), "{message}");
-    assert_eq!(seen.files.as_ref().unwrap().trouble(), Some(message));
+    assert_eq!(seen.files[&VolumeId::FIRST].trouble(), Some(message));
     drop(keeper);
-    std::fs::write(&state.scene.origin.path, b"longer than the file that was opened").unwrap();
+    std::fs::write(&state.scene.origin().unwrap().path, b"longer than the file that was opened").unwrap();
     let message = Keeper::open(&other).unwrap_err().to_string();
     assert!(message.contains("origin.bin: bytes: 36 found, 24 expected"), "{message}");
 }
@@ -283,7 +288,7 @@ fn a_range_narrower_than_a_step_of_the_data_and_steps_near_nothing_have_codes_th
         let histogram = Histogram { min: 0.0, max: 255.0 * slope, bins: vec![3, 0, 9, 1], ..Histogram::default() };
         let origin = Origin { path: dir.path().join("byte.nrrd"), component: 0, frame: 0 };
         let state = State::new(source.clone(), origin, statistics, histogram, range, &|_| true).unwrap();
-        let map = *state.density.map();
+        let map = *state.one().density.map();
         assert!(map.codes_per_unit.is_finite() && map.hi() > map.lo, "{range:?}: {map:?}");
         for end in range.into_iter().flatten() {
             assert!((map.decode(map.encode(end)) - end).abs() <= map.half_step() * 1.001, "{range:?}: {map:?}");
@@ -291,6 +296,6 @@ fn a_range_narrower_than_a_step_of_the_data_and_steps_near_nothing_have_codes_th
         // A number that JSON has no word for would keep all of it from being saved.
         let project = dir.path().join(format!("p{n}"));
         Keeper::create(&project, &state, &KeptPoses::default(), None, &|_| true).unwrap();
-        assert_eq!(Keeper::open(&project).unwrap().1.map, map);
+        assert_eq!(Keeper::open(&project).unwrap().1.one().map, map);
     }
 }

@@ -1,6 +1,7 @@
 //! Damaged projects and refusing disks: an error that says what and where, and nothing lost.
 
 use super::keep_support::*;
+use crate::common::one::One;
 use burin::document::{Command, KeepError, Keeper, KeptDocument, State, StrokeCommand};
 use burin::volume::*;
 use std::path::{Path, PathBuf};
@@ -59,39 +60,39 @@ fn what_is_damaged_is_named_with_what_was_found_and_expected() {
             Box::new(replace("burin project", "other")),
             &["format: \"other\" found, \"burin project\" expected"],
         ),
-        ("project.json", Box::new(replace("\"version\": 1", "\"version\": 9")), &["version: 9 found, 1 expected"]),
-        (
-            "project.json",
-            Box::new(replace("\"generation\": 1", "\"generation\": 7")),
-            &["generation-000007", "cannot read"],
-        ),
+        ("project.json", Box::new(replace("\"version\": 2", "\"version\": 9")), &["version: 9 found, 2 expected"]),
+        ("project.json", Box::new(replace("\"generation\": 1", "\"generation\": 7")), &["project.json: blake3: "]),
         ("generation-000001/generation.json", Box::new(cut), &["generation.json: JSON: "]),
         (
             "generation-000001/generation.json",
-            Box::new(replace("\"version\": 1", "\"version\": 2")),
-            &["generation.json: version: 2 found, 1"],
+            Box::new(replace("\"version\": 2", "\"version\": 3")),
+            &["generation.json: version: 3 found, 2"],
         ),
         (
             "generation-000001/generation.json",
-            Box::new(replace("      70,", "      4000000000,")),
-            &["volume.dims: [4000000000, 33, 40] found"],
+            Box::new(replace("        70,", "        4000000000,")),
+            &["volumes.0.dims: [4000000000, 33, 40] found"],
         ),
         (
             "generation-000001/generation.json",
-            Box::new(replace("      70,", "      270,")),
-            &["density/0/c/0/0/1", "cannot read"],
+            Box::new(replace("        70,", "        270,")),
+            &["generation.json: blake3: "],
         ),
         (
             "generation-000001/generation.json",
             Box::new(replace("\"0/0/0\"", "\"9/0/0\"")),
-            &["shards of ", "\"9/0/0\" found"],
+            &["generation.json: blake3: "],
         ),
-        ("generation-000001/selection/0/c/0/0/0", Box::new(cut), &["selection/0/c/0/0/0: chunks: "]),
-        ("generation-000001/labels/0/c/0/0/0", Box::new(flip), &["labels/0/c/0/0/0: chunks: "]),
-        ("generation-000001/colour/0/c/0/0/0/0", Box::new(|_| Vec::new()), &["colour/0/c/0/0/0/0: chunks: 0 bytes"]),
-        ("generation-000001/density_edits/edited/c/0/0/0", Box::new(cut), &["density_edits/edited/c/0/0/0: chunks: "]),
-        ("generation-000001/density/0/c/0/0/0", Box::new(cut), &["density/0/c/0/0/0: chunks: "]),
-        ("generation-000001/density/0/c/0/0/0", Box::new(flip), &["density/0/c/0/0/0: chunks: "]),
+        ("generation-000001/volumes/0/selection/0/c/0/0/0", Box::new(cut), &["selection/0/c/0/0/0: blake3: "]),
+        ("generation-000001/volumes/0/labels/0/c/0/0/0", Box::new(flip), &["labels/0/c/0/0/0: blake3: "]),
+        ("generation-000001/volumes/0/colour/0/c/0/0/0/0", Box::new(|_| Vec::new()), &["colour/0/c/0/0/0/0: blake3: "]),
+        (
+            "generation-000001/volumes/0/density_edits/edited/c/0/0/0",
+            Box::new(cut),
+            &["density_edits/edited/c/0/0/0: blake3: "],
+        ),
+        ("generation-000001/volumes/0/density/0/c/0/0/0", Box::new(cut), &["density/0/c/0/0/0: blake3: "]),
+        ("generation-000001/volumes/0/density/0/c/0/0/0", Box::new(flip), &["density/0/c/0/0/0: blake3: "]),
     ];
     for (name, damage, expected) in cases {
         let path = project.join(name);
@@ -105,8 +106,8 @@ fn what_is_damaged_is_named_with_what_was_found_and_expected() {
         std::fs::write(&path, good).unwrap();
     }
     for name in [
-        "generation-000001/density/0/c/0/0/0",
-        "generation-000001/labels/0/c/0/0/0",
+        "generation-000001/volumes/0/density/0/c/0/0/0",
+        "generation-000001/volumes/0/labels/0/c/0/0/0",
         "generation-000001/generation.json",
     ] {
         let (path, aside) = (project.join(name), dir.path().join("aside"));
@@ -132,7 +133,7 @@ fn an_index_that_asks_for_more_than_the_shard_holds_is_damage_and_costs_nothing(
     let mut state = state(SMALL, dir.path());
     paint_all(&mut state);
     let project = saved(dir.path(), &state);
-    let path = project.join("generation-000001/density/0/c/0/0/0");
+    let path = project.join("generation-000001/volumes/0/density/0/c/0/0/0");
     let good = std::fs::read(&path).unwrap();
     // Where each of 4³ bricks begins and how long it is, 64 bits each, and the sum of that.
     let at = good.len() - 4 * 4 * 4 * 16 - 4;
@@ -150,7 +151,7 @@ fn an_index_that_asks_for_more_than_the_shard_holds_is_damage_and_costs_nothing(
         bad[end..].copy_from_slice(&sum);
         std::fs::write(&path, bad).unwrap();
         let message = refusal(&project);
-        assert!(message.contains("density/0/c/0/0/0: chunks: "), "{offset} {bytes}: {message}");
+        assert!(message.contains("density/0/c/0/0/0: blake3: "), "{offset} {bytes}: {message}");
     }
     std::fs::write(&path, good).unwrap();
     assert_kept(&state, &opened(&project), "put right again");
@@ -162,7 +163,7 @@ fn a_place_that_cannot_be_written_is_refused_and_the_document_goes_on() {
     let mut state = state(SMALL, dir.path());
     paint_all(&mut state);
     let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
-    let below_a_file = state.scene.origin.path.join("project");
+    let below_a_file = state.scene.origin().unwrap().path.join("project");
     let refused = keeper.save(Some(&below_a_file), &state, None, &|_| true).unwrap_err();
     assert!(matches!(&refused, KeepError::Io { path, .. } if *path == below_a_file), "{refused}");
     keeper.save(Some(&dir.path().join("project")), &state, None, &|_| true).unwrap();
@@ -193,12 +194,12 @@ mod full_disk {
 
     const CHILD: &str = "BURIN_TEST_FULL_PROJECT";
 
-    fn noise(state: &mut State, seed: u64) -> Vec<(FieldKind, BrickIndex)> {
-        let indices = state.colour.brick_indices(0);
+    fn noise(state: &mut State, seed: u64) -> Vec<(FieldKey, BrickIndex)> {
+        let indices = state.one().colour.brick_indices(0);
         indices
             .iter()
             .map(|i| paint(state, FieldKind::Colour, i.0, seed * 5 + 1 + u64::from(i.0[0])).1)
-            .map(|i| (FieldKind::Colour, i))
+            .map(|i| (key(FieldKind::Colour), i))
             .collect()
     }
 

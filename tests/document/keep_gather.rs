@@ -2,7 +2,7 @@
 
 use super::keep_support::*;
 use burin::document::{Command, Keeper, State, StrokeCommand};
-use burin::volume::FieldKind;
+use burin::volume::{FieldKey, FieldKind};
 use std::path::{Path, PathBuf};
 
 const SMALL: [u32; 3] = [70, 33, 34];
@@ -20,7 +20,7 @@ fn paint_colour(keeper: &mut Keeper, state: &mut State, n: u64) {
     note(keeper, state, (kind, index));
 }
 
-fn note(keeper: &mut Keeper, state: &State, touched: (FieldKind, burin::volume::BrickIndex)) {
+fn note(keeper: &mut Keeper, state: &State, touched: (FieldKey, burin::volume::BrickIndex)) {
     keeper.record(&Command::Stroke(StrokeCommand::End {}), state, &[touched], false).unwrap();
 }
 

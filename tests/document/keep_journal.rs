@@ -1,6 +1,7 @@
 //! The journal: what was done since the last save comes back, whole steps only, once.
 
 use super::keep_support::*;
+use crate::common::one::{One, segments};
 use burin::document::{BrushCommand, Command, KeepError, Keeper, KeptDocument, State, StrokeCommand, recovery};
 use burin::io::{Told, Witness};
 use burin::math::DVec3;
@@ -34,20 +35,20 @@ fn project(dir: &Path, state: &State) -> (Keeper, PathBuf) {
 }
 
 /// One step of each sort of change, deterministic; the same number gives the same step.
-fn step(state: &mut State, n: u64) -> Vec<(FieldKind, BrickIndex)> {
-    let dims = state.density.brick_dims(0);
+fn step(state: &mut State, n: u64) -> Vec<(FieldKey, BrickIndex)> {
+    let dims = state.one().density.brick_dims(0);
     let kind = FieldKind::ALL[(n % 4) as usize];
     let index =
         [(n % u64::from(dims[0])) as u32, (n / 3 % u64::from(dims[1])) as u32, (n / 5 % u64::from(dims[2])) as u32];
     state.scene.views.crosshair = DVec3::new(n as f64, 0.5, -0.25);
     if n.is_multiple_of(3) {
-        state.scene.segments.ensure(n as u16);
+        segments(&mut state.scene).ensure(n as u16);
     }
     if n % 7 == 6 {
         // As an undo does: the edit is gone.
         let index = BrickIndex(index);
-        state.field_mut(kind).swap(vec![(index, None)]).unwrap();
-        return vec![(kind, index)];
+        state.one_mut().field_mut(kind).swap(vec![(index, None)]).unwrap();
+        return vec![(key(kind), index)];
     }
     let (kind, index, _) = paint(state, kind, index, 1000 + n);
     vec![(kind, index)]
@@ -218,6 +219,7 @@ fn a_step_larger_than_a_record_is_there_whole_or_not_at_all() {
     let before = state.clone();
     // 6 MiB that do not compress.
     let touched: Vec<_> = state
+        .one()
         .colour
         .brick_indices(0)
         .into_iter()
@@ -255,7 +257,7 @@ fn a_journal_of_another_generation_is_never_replayed() {
     keeper.record(&command(), &state, &touched, true).unwrap();
     let old = std::fs::read(project.join("journal-000001")).unwrap();
     // The user takes the step back by hand and saves: replaying the old journal would bring it back.
-    state.field_mut(touched[0].0).swap(vec![(touched[0].1, None)]).unwrap();
+    state.one_mut().field_mut(touched[0].0.kind).swap(vec![(touched[0].1, None)]).unwrap();
     keeper.save(None, &state, None, &|_| true).unwrap();
     drop(keeper);
     assert!(!project.join("journal-000001").exists());
@@ -323,16 +325,16 @@ fn another_density_map_comes_back_with_all_edits_in_it() {
     let (kind, index, _) = paint(&mut state, FieldKind::Density, [1, 1, 0], 5);
     keeper.record(&command(), &state, &[(kind, index)], true).unwrap();
     // Painting beyond the range: floats from here on, and one edit less.
-    let mut wide = Field::from_source(state.source.clone(), DensityMap::FLOAT, &|_| true).unwrap().unwrap();
-    let edits: Vec<_> = state.density.edits().into_keys().skip(1).collect();
+    let mut wide = Field::from_source(state.one().source.clone(), DensityMap::FLOAT, &|_| true).unwrap().unwrap();
+    let edits: Vec<_> = state.one().density.edits().into_keys().skip(1).collect();
     let changes = edits.iter().map(|&i| (i, Some(Brick::Uniform(123_456.75_f32.to_le_bytes())))).collect();
     wide.swap(changes).unwrap();
-    state.density = wide;
-    keeper.record(&command(), &state, &[(FieldKind::Density, index)], true).unwrap();
+    state.one_mut().density = wide;
+    keeper.record(&command(), &state, &[(key(FieldKind::Density), index)], true).unwrap();
     drop(keeper);
     let (again, _) = reopened(&project);
     assert_kept(&state, &again, "widened");
-    assert_eq!(again.map.format, TexelFormat::R32Float);
+    assert_eq!(again.one().map.format, TexelFormat::R32Float);
     let again = again.into_state(|_| panic!("the density is in the project"), &|_| true).unwrap();
     assert_same(&state, &again, "widened, as a document");
     // And a save over it writes edits of the new map only.
@@ -350,7 +352,7 @@ fn a_scene_that_json_cannot_say_is_refused_and_nothing_is_lost() {
     let touched = step(&mut state, 1);
     keeper.record(&command(), &state, &touched, true).unwrap();
     let good = state.clone();
-    state.scene.window.level = f64::NAN;
+    state.scene.shown.get_mut(&VolumeId::FIRST).unwrap().window.level = f64::NAN;
     assert!(matches!(keeper.record(&command(), &state, &[], true), Err(KeepError::Scene { .. })));
     let refused = keeper.save(None, &state, None, &|_| true).unwrap_err();
     assert!(matches!(&refused, KeepError::Scene { .. }), "{refused}");
@@ -369,11 +371,11 @@ fn an_unsaved_document_is_found_at_the_next_start() {
     drop(keeper);
     let lost = recovery::list(dir.path()).unwrap();
     assert_eq!(lost.len(), 1);
-    assert_eq!(lost[0].origin, state.scene.origin.path);
+    assert_eq!(lost[0].origin, state.scene.origin().unwrap().path);
     let (mut keeper, kept) = Keeper::recover(dir.path(), &lost[0].id).unwrap();
     assert_eq!(kept.recovered.steps, 1);
-    let source = state.source.clone();
-    assert_same(&state, &kept.into_state(|_| Ok(source), &|_| true).unwrap(), "recovered");
+    let source = state.one().source.clone();
+    assert_same(&state, &kept.into_state(|_| Ok(source.clone()), &|_| true).unwrap(), "recovered");
     // Saved, it is lost no more.
     keeper.save(Some(&dir.path().join("project")), &state, None, &|_| true).unwrap();
     assert_eq!(recovery::list(dir.path()).unwrap(), []);
@@ -391,7 +393,7 @@ fn a_lost_document_whose_file_changed_says_so_and_can_be_discarded() {
     keeper.record(&command(), &state, &touched, true).unwrap();
     drop(keeper);
     let lost = recovery::list(dir.path()).unwrap();
-    std::fs::write(&state.scene.origin.path, b"another file").unwrap();
+    std::fs::write(&state.scene.origin().unwrap().path, b"another file").unwrap();
     let message = Keeper::recover(dir.path(), &lost[0].id).unwrap_err().to_string();
     assert!(message.contains("origin.bin: bytes: 12 found, 24 expected"), "{message}");
     recovery::discard(dir.path(), &lost[0].id).unwrap();
@@ -419,13 +421,13 @@ fn looking_about_is_nothing_to_recover_until_something_is_done() {
     let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
     state.scene.views.size = [77, 55];
     keeper.record(&other_command(), &state, &[], true).unwrap();
-    state.scene.segments.ensure(9);
+    segments(&mut state.scene).ensure(9);
     keeper.record(&other_command(), &state, &[], true).unwrap();
     drop(keeper);
     let lost = recovery::list(dir.path()).unwrap();
     let (_keeper, kept) = Keeper::recover(dir.path(), &lost[0].id).unwrap();
     assert_eq!(kept.scene.views.size, [77, 55], "what was looked at comes along");
-    assert!(kept.scene.segments.get(9).is_some());
+    assert!(kept.scene.segments().get(9).is_some());
 }
 
 #[test]

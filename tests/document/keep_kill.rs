@@ -6,6 +6,7 @@
 //! program itself, this test reaches what that cannot, journals that are gathered among it).
 
 use super::keep_support::*;
+use crate::common::one::{One, segments};
 use burin::document::{Command, Keeper, State, StrokeCommand};
 use burin::math::DVec3;
 use burin::paint::Sample;
@@ -21,22 +22,22 @@ const SMALL: [u32; 3] = [40, 33, 34];
 const CHILD: &str = "BURIN_TEST_KILL_PROJECT";
 
 /// Step `n`, the same whenever it is done. Sets the crosshair's x to `n`, so that a document says how far it is.
-fn step(state: &mut State, n: u64, large: bool) -> Vec<(FieldKind, BrickIndex)> {
+fn step(state: &mut State, n: u64, large: bool) -> Vec<(FieldKey, BrickIndex)> {
     let mut rng = ChaCha8Rng::seed_from_u64(n);
-    let dims = state.density.brick_dims(0);
+    let dims = state.one().density.brick_dims(0);
     state.scene.views.crosshair = DVec3::new(n as f64, 0.0, 0.0);
-    state.scene.segments.ensure(rng.random_range(1..200));
+    segments(&mut state.scene).ensure(rng.random_range(1..200));
     let mut touched = Vec::new();
     for _ in 0..if large { 5 } else { 1 + n % 3 } {
         let kind = if large { FieldKind::Colour } else { FieldKind::ALL[rng.random_range(0..4)] };
         // Few bricks, so that most of a long journal is superseded.
         let index = if large { [rng.random_range(0..2), 0, 0] } else { dims.map(|d| rng.random_range(0..d)) };
         if rng.random_range(0..8) == 0 {
-            state.field_mut(kind).swap(vec![(BrickIndex(index), None)]).unwrap();
+            state.one_mut().field_mut(kind).swap(vec![(BrickIndex(index), None)]).unwrap();
         } else {
             paint(state, kind, index, rng.random());
         }
-        touched.push((kind, BrickIndex(index)));
+        touched.push((key(kind), BrickIndex(index)));
     }
     touched
 }

@@ -1,7 +1,9 @@
 //! A project that names its source means the very bytes that were opened, header and voxels, and finds them again.
 
 use super::maker::{bytes, run};
+use crate::common::one::One;
 use burin::document::{Document, DocumentError, KeepError};
+use burin::volume::VolumeId;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -54,13 +56,13 @@ fn step(document: &mut Document) {
 
 /// The stored values of the document's source.
 fn stored(document: &Document) -> Vec<u8> {
-    let source = &document.state().unwrap().source;
+    let source = &document.state().unwrap().one().source;
     source.read([0; 3], source.grid().dims).unwrap().as_bytes().to_vec()
 }
 
 /// The hash is taken behind what is done.
 fn wait_for_hash(document: &Document) {
-    while document.state().unwrap().files.as_ref().unwrap().is_pending() {
+    while document.state().unwrap().files[&VolumeId::FIRST].is_pending() {
         std::thread::sleep(std::time::Duration::from_millis(2));
     }
 }
@@ -118,7 +120,7 @@ fn a_linked_project_shows_its_picture_at_once_and_a_save_waits_for_the_hash() {
     let mut document = opened(&volume);
     step(&mut document);
     save(&mut document, &project, "linked").unwrap();
-    assert!(!project.join("generation-000001/density").exists());
+    assert!(!project.join("generation-000001/volumes/0/density").exists());
     drop(document);
     let (mut document, answer) = open(&project).unwrap();
     assert_eq!((&answer["warnings"], document.source_trouble(true)), (&json!([]), None));

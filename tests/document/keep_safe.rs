@@ -58,11 +58,11 @@ fn nothing_in_a_project_is_followed_out_of_it() {
         "journal-000001",
         "generation-000001",
         "generation-000001/generation.json",
-        "generation-000001/density",
-        "generation-000001/density/0/c/0/0/0",
-        "generation-000001/labels/0/c/0/0/0",
-        "generation-000001/colour/0/c/0",
-        "generation-000001/density_edits/edited/c/0/0/0",
+        "generation-000001/volumes/0/density",
+        "generation-000001/volumes/0/density/0/c/0/0/0",
+        "generation-000001/volumes/0/labels/0/c/0/0/0",
+        "generation-000001/volumes/0/colour/0/c/0",
+        "generation-000001/volumes/0/density_edits/edited/c/0/0/0",
     ] {
         let path = project.join(name);
         std::fs::rename(&path, &outside).unwrap();
@@ -128,8 +128,8 @@ fn a_pipe_in_a_project_is_refused_at_once() {
         "project.json",
         "journal-000001",
         "generation-000001/generation.json",
-        "generation-000001/density/0/c/0/0/0",
-        "generation-000001/labels/0/c/0/0/0",
+        "generation-000001/volumes/0/density/0/c/0/0/0",
+        "generation-000001/volumes/0/labels/0/c/0/0/0",
     ] {
         let path = project.join(name);
         std::fs::rename(&path, dir.path().join("aside")).unwrap();
@@ -213,7 +213,7 @@ fn the_newest_whole_generation_is_taken_and_a_damaged_one_left() {
     save(&mut keeper, &state);
     step(&mut keeper, &mut state, 3);
     drop(keeper);
-    let broken = project.join("generation-000002/labels/0/c/0/0/0");
+    let broken = project.join("generation-000002/volumes/0/labels/0/c/0/0/0");
     std::fs::write(&broken, b"no shard").unwrap();
     // The project says which it is, and what could be opened instead.
     let error = Keeper::open(&project).unwrap_err();

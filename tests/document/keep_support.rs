@@ -1,5 +1,6 @@
 //! Small documents for the tests of keeping, and the comparison of all that is kept.
 
+use crate::common::one::One;
 use burin::document::{KeptDocument, LoadedDensity, Origin, State};
 use burin::math::{DAffine3, DMat3, DVec3};
 use burin::volume::*;
@@ -59,16 +60,16 @@ pub fn random_brick(kind: FieldKind, format: TexelFormat, seed: u64) -> Brick {
 }
 
 /// Paints a brick of a field.
-pub fn paint(state: &mut State, kind: FieldKind, index: [u32; 3], seed: u64) -> (FieldKind, BrickIndex, Option<Brick>) {
-    let brick = random_brick(kind, state.field(kind).format(), seed);
+pub fn paint(state: &mut State, kind: FieldKind, index: [u32; 3], seed: u64) -> (FieldKey, BrickIndex, Option<Brick>) {
+    let brick = random_brick(kind, state.one().field(kind).format(), seed);
     let index = BrickIndex(index);
-    state.field_mut(kind).swap(vec![(index, Some(brick))]).unwrap();
-    (kind, index, state.field(kind).edit(index).cloned())
+    state.one_mut().field_mut(kind).swap(vec![(index, Some(brick))]).unwrap();
+    (key(kind), index, state.one().field(kind).edit(index).cloned())
 }
 
 /// Every kind of field painted, at the volume's corners and in between.
 pub fn paint_all(state: &mut State) {
-    let last = state.density.brick_dims(0).map(|d| d - 1);
+    let last = state.one().density.brick_dims(0).map(|d| d - 1);
     for (i, kind) in FieldKind::ALL.into_iter().enumerate() {
         for (j, index) in [[0; 3], last, [last[0], 0, 0], [last[0] / 2, 0, last[2]]].into_iter().enumerate() {
             paint(state, kind, index, (10 * i + j) as u64);
@@ -77,7 +78,7 @@ pub fn paint_all(state: &mut State) {
     // An edit to 0 is an edit of density, and none of what was never painted.
     let zero = || vec![(BrickIndex([1, 0, 0]), Some(Brick::Uniform([0; 4])))];
     for kind in FieldKind::ALL {
-        state.field_mut(kind).swap(zero()).unwrap();
+        state.one_mut().field_mut(kind).swap(zero()).unwrap();
     }
 }
 
@@ -86,7 +87,7 @@ pub fn difference(a: &State, b: &State) -> Option<String> {
     if a.scene != b.scene {
         return Some(format!("scene: {:?}\n{:?}", a.scene, b.scene));
     }
-    if a.grid() != b.grid() || a.density.map() != b.density.map() {
+    if a.one().grid() != b.one().grid() || a.one().density.map() != b.one().density.map() {
         return Some("grid or density map".into());
     }
     let differs = |kind: &FieldKind| painted(a, *kind) != painted(b, *kind);
@@ -95,7 +96,7 @@ pub fn difference(a: &State, b: &State) -> Option<String> {
 
 /// The edits that count: an empty brick of a field without a source is none.
 fn painted(state: &State, kind: FieldKind) -> Vec<(BrickIndex, Brick)> {
-    let edits = state.field(kind).edits().into_iter().map(|(i, b)| (i, b.clone()));
+    let edits = state.one().field(kind).edits().into_iter().map(|(i, b)| (i, b.clone()));
     edits.filter(|(_, b)| kind == FieldKind::Density || *b != Brick::Uniform([0; 4])).collect()
 }
 
@@ -105,20 +106,36 @@ pub fn assert_same(a: &State, b: &State, what: &str) {
         panic!("{what}: {difference}");
     }
     for kind in FieldKind::ALL {
-        let dims = a.field(kind).dims(0);
-        let (x, y) = (a.field(kind).read(0, [0; 3], dims).unwrap(), b.field(kind).read(0, [0; 3], dims).unwrap());
+        let dims = a.one().field(kind).dims(0);
+        let (x, y) =
+            (a.one().field(kind).read(0, [0; 3], dims).unwrap(), b.one().field(kind).read(0, [0; 3], dims).unwrap());
         assert!(x == y, "{what}: texels of {}", kind.name());
     }
 }
 
 /// Fails if a document came back other than it was: scene, grid, map, edits. Its source is not read.
 pub fn assert_kept(state: &State, kept: &KeptDocument, what: &str) {
-    assert!(matches!(kept.density, LoadedDensity::Whole(_)), "{what}");
+    assert!(matches!(kept.one().density, LoadedDensity::Whole(_)), "{what}");
     assert_eq!(state.scene, kept.scene, "{what}");
-    assert_eq!((*state.grid(), *state.density.map()), (kept.grid, kept.map), "{what}");
+    assert_eq!((*state.one().grid(), *state.one().density.map()), (kept.one().grid, kept.one().map), "{what}");
     for kind in FieldKind::ALL {
-        let edits = kept.edits.get(&kind).into_iter().flatten().map(|(i, b)| (*i, b.clone()));
+        let edits = kept.one().edits.get(&kind).into_iter().flatten().map(|(i, b)| (*i, b.clone()));
         let found: Vec<_> = edits.filter(|(_, b)| kind == FieldKind::Density || *b != Brick::Uniform([0; 4])).collect();
         assert!(painted(state, kind) == found, "{what}: edits of {}", kind.name());
     }
+}
+
+/// Writes a description of a generation that was changed, with the hash that it then has: that of its bytes with zeros in the
+/// hash's place.
+pub fn write_sealed(path: &Path, description: &serde_json::Value) {
+    let mut description = description.clone();
+    description["blake3"] = "0".repeat(64).into();
+    let text = serde_json::to_string_pretty(&description).unwrap();
+    let hash = blake3::hash(text.as_bytes()).to_hex();
+    std::fs::write(path, text.replacen(&"0".repeat(64), &hash, 1)).unwrap();
+}
+
+/// A field of the volume that a document of one has.
+pub fn key(kind: FieldKind) -> FieldKey {
+    FieldKey::new(VolumeId::FIRST, kind)
 }

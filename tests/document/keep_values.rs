@@ -1,5 +1,6 @@
 //! What was kept is checked on opening by the rules of commands: what cannot be used is named, the rest opens, and quickly.
 
+use super::keep_support::write_sealed;
 use super::maker::{bytes, labelled, run};
 use burin::document::Document;
 use serde_json::{Value, json};
@@ -20,7 +21,7 @@ fn change(project: &Path, field: &str, value: &Value) {
     let place = manifest.pointer_mut(field).unwrap_or_else(|| panic!("{field}"));
     assert_ne!(place, value, "{field}");
     *place = value.clone();
-    std::fs::write(&path, serde_json::to_vec(&manifest).unwrap()).unwrap();
+    write_sealed(&path, &manifest);
 }
 
 fn open(project: &Path) -> Result<(Document, Value), String> {
@@ -38,19 +39,23 @@ fn a_value_that_cannot_be_used_is_told_and_the_rest_opens() {
     let whole = std::fs::read(&manifest).unwrap();
     let labels = bytes(&open(&project).unwrap().0).0;
     let first: Value = serde_json::from_slice(&whole).unwrap();
-    let segments = first["scene"]["segments"].as_array().unwrap().clone();
+    let segments = first["scene"]["volumes"]["all"]["0"]["segments"].as_array().unwrap().clone();
     let swapped = json!([segments[1], segments[0]]);
     let twice = json!([segments[0], segments[0], segments[1]]);
     let far = json!([[1e9, 0.0, 0.0], [0.0, 1e9, 0.0], [0.0, 0.0, 1e9], [0.0, 0.0, 0.0]]);
     for (field, value, words) in [
-        ("/scene/segments", swapped, &["segments: 1 after 2 found, ids that rise expected"][..]),
-        ("/scene/segments", twice, &["segments: 1 after 1 found"]),
-        ("/scene/segments/0/id", json!(0), &["segments[0].id: 0 found"]),
-        ("/scene/segments/1/colour", json!([2.0, 0.0, 0.0]), &["segments[1].colour: [2.0, 0.0, 0.0] found"]),
+        ("/scene/volumes/all/0/segments", swapped, &["segments: 1 after 2 found, ids that rise expected"][..]),
+        ("/scene/volumes/all/0/segments", twice, &["segments: 1 after 1 found"]),
+        ("/scene/volumes/all/0/segments/0/id", json!(0), &["segments[0].id: 0 found"]),
+        (
+            "/scene/volumes/all/0/segments/1/colour",
+            json!([2.0, 0.0, 0.0]),
+            &["segments[1].colour: [2.0, 0.0, 0.0] found"],
+        ),
         ("/scene/look/step_voxels", json!(1e-5), &["look.step_voxels: 0.00001 found, 0.05 to 16 voxels expected"]),
         ("/scene/look/background/1", json!(-1.0), &["look.background", "red, green and blue"]),
         ("/scene/look/lighting/power", json!(-3.0), &["look.lighting"]),
-        ("/scene/window/width", json!(0.0), &["window.width: 0 found"]),
+        ("/scene/shown/0/window/width", json!(0.0), &["window.width: 0 found"]),
         ("/scene/views/size", json!([100_000, 100_000]), &["views.size: [100000, 100000] found"]),
         ("/scene/views/slices/2/size", json!([0, 5]), &["views.size: [0, 5] found"]),
         ("/scene/views/slices/0/height_mm", json!(-1.0), &["views.slices.height_mm: -1 found"]),
@@ -79,7 +84,7 @@ fn a_value_that_cannot_be_used_is_told_and_the_rest_opens() {
         }
         // Nothing else was lost, and what came in its place can be used and saved.
         assert!(bytes(&document).0 == labels, "{field}");
-        document.state().unwrap().scene.check(document.state().unwrap().grid()).unwrap();
+        document.state().unwrap().scene.check(&document.state().unwrap().bounds()).unwrap();
         run(&mut document, r#"{"part":{"split":{"by":{"plane":{"point":[1,0,0],"normal":[0,1,0]}}}}}"#).unwrap();
         assert!(start.elapsed() < Duration::from_secs(20), "{field}");
         document.leave_as_found().unwrap();
@@ -96,12 +101,12 @@ fn numbers_of_the_volume_that_mean_nothing_are_refused_by_name() {
     let manifest = project.join("generation-000001/generation.json");
     let whole = std::fs::read(&manifest).unwrap();
     for (field, value, words) in [
-        ("/volume/scaling/0", json!(0.0), "volume.scaling: [0, 0] found"),
-        ("/volume/histogram/bins", json!([]), "volume.histogram: 0 bins"),
-        ("/volume/histogram/bins", json!([u64::MAX, 1]), "volume.histogram: 2 bins"),
-        ("/volume/map/codes_per_unit", json!(-1.0), "volume.map"),
-        ("/volume/world_from_index/0", json!([0.0, 0.0, 0.0, 0.0]), "volume.world_from_index"),
-        ("/volume/voxel_type", json!("u12"), "JSON: volume.voxel_type: unknown variant"),
+        ("/volumes/0/scaling/0", json!(0.0), "volumes.0.scaling: [0, 0] found"),
+        ("/volumes/0/histogram/bins", json!([]), "volumes.0.histogram: 0 bins"),
+        ("/volumes/0/histogram/bins", json!([u64::MAX, 1]), "volumes.0.histogram: 2 bins"),
+        ("/volumes/0/map/codes_per_unit", json!(-1.0), "volumes.0.map"),
+        ("/volumes/0/world_from_index/0", json!([0.0, 0.0, 0.0, 0.0]), "volumes.0.world_from_index"),
+        ("/volumes/0/voxel_type", json!("u12"), "JSON: volumes.0.voxel_type: unknown variant"),
         ("/scene/look/mode", json!("wet"), "JSON: scene.look.mode: unknown variant"),
     ] {
         change(&project, field, &value);

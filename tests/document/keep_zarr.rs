@@ -1,13 +1,14 @@
 //! Another Zarr reader reads a project's arrays: zarr-python 3, skipped where Python lacks it.
 
 use super::keep_support::*;
+use crate::common::one::One;
 use burin::document::Keeper;
 use burin::volume::*;
 use std::process::Command as Process;
 
 const SCRIPT: &str = r#"
 import sys, json, hashlib, zarr
-group = zarr.open_group(sys.argv[1], mode="r")
+group = zarr.open_group(sys.argv[1], mode="r")["volumes/0"]
 out = {}
 for name in ["density/0", "density_edits/0", "density_edits/edited", "colour/0", "selection/0", "labels/0"]:
     array = group[name]
@@ -60,15 +61,15 @@ fn zarr_python_reads_every_array() {
         assert_eq!(said[name]["dtype"], dtype, "{name}");
         assert_eq!(said[name]["sha256"], sha256_of(&python, bytes), "{name}");
     };
-    check("density/0", "uint16", &[z, y, x], state.source.read([0; 3], DIMS).unwrap().as_bytes());
-    check("selection/0", "uint8", &[z, y, x], &state.selection.read(0, [0; 3], DIMS).unwrap());
-    check("labels/0", "uint16", &[z, y, x], &state.labels.read(0, [0; 3], DIMS).unwrap());
-    let colour = state.colour.read(0, [0; 3], DIMS).unwrap();
+    check("density/0", "uint16", &[z, y, x], state.one().source.read([0; 3], DIMS).unwrap().as_bytes());
+    check("selection/0", "uint8", &[z, y, x], &state.one().selection.read(0, [0; 3], DIMS).unwrap());
+    check("labels/0", "uint16", &[z, y, x], &state.one().labels.read(0, [0; 3], DIMS).unwrap());
+    let colour = state.one().colour.read(0, [0; 3], DIMS).unwrap();
     let planes: Vec<u8> = (0..4).flat_map(|c| colour.iter().skip(c).step_by(4).copied()).collect();
     check("colour/0", "uint8", &[4, z, y, x], &planes);
     // Edited density: texels where a brick is edited, 0 elsewhere; and the map of these bricks.
-    let edits = state.density.edits();
-    let bricks = state.density.brick_dims(0);
+    let edits = state.one().density.edits();
+    let bricks = state.one().density.brick_dims(0);
     let mut texels = Vec::new();
     for k in 0..z {
         for j in 0..y {
@@ -80,7 +81,7 @@ fn zarr_python_reads_every_array() {
         }
     }
     check("density_edits/0", "uint16", &[z, y, x], &texels);
-    let flags: Vec<u8> = state.density.brick_indices(0).iter().map(|i| u8::from(edits.contains_key(i))).collect();
+    let flags: Vec<u8> = state.one().density.brick_indices(0).iter().map(|i| u8::from(edits.contains_key(i))).collect();
     check("density_edits/edited", "uint8", &[bricks[2], bricks[1], bricks[0]], &flags);
     assert_eq!(said["labels/0"]["chunks"], serde_json::json!([32, 32, 32]));
     assert_eq!(said["labels/0"]["shards"], serde_json::json!([128, 128, 128]));
@@ -99,7 +100,7 @@ fn zarr_python_reads_every_array() {
         assert!((found - expected).abs() < 1e-12, "{scale:?}");
     }
     assert_eq!(numbers(&transforms[1]["translation"]), [0.0, 1e-3, 17.5, -31.25]);
-    let m = state.grid().world_from_index;
+    let m = state.one().grid().world_from_index;
     for (r, row) in said["density"]["burin"]["world_from_index"].as_array().unwrap().iter().enumerate() {
         assert_eq!(numbers(row), [m.matrix3.x_axis[r], m.matrix3.y_axis[r], m.matrix3.z_axis[r], m.translation[r]]);
     }

@@ -1,6 +1,7 @@
 //! Label maps: as a new document, and brought into the open one.
 
 use super::maker::{bytes, labelled, run};
+use crate::common::one::One;
 use burin::document::{Document, recovery};
 use burin::math::{DAffine3, DMat3, DVec3};
 use burin::volume::*;
@@ -53,12 +54,12 @@ fn import(document: &mut Document, path: &Path) -> Result<Value, String> {
 }
 
 fn label(document: &Document, v: [u32; 3]) -> u16 {
-    let texel = document.state().unwrap().labels.texel(v).unwrap();
+    let texel = document.state().unwrap().one().labels.texel(v).unwrap();
     u16::from_le_bytes([texel[0], texel[1]])
 }
 
 fn grid_of(document: &Document) -> Grid {
-    *document.state().unwrap().grid()
+    *document.state().unwrap().one().grid()
 }
 
 /// A document without labels.
@@ -104,7 +105,7 @@ fn labels_lie_over_those_that_are_there_and_undo_takes_table_and_voxels_back() {
     );
     assert_eq!((&answer["covered"], &answer["resampled"]), (&json!(1.0), &json!(false)));
     assert_eq!(answer["labelled_voxels"], count(1) + count(2) + count(4));
-    let segments = &document.state().unwrap().scene.segments;
+    let segments = &document.state().unwrap().scene.segments();
     assert_eq!(segments.get(3).unwrap().source_value, Some(2));
     assert_eq!(segments.get(4).unwrap().source_value, None);
     assert_eq!(segments.get(2).unwrap().name, "Mine");
@@ -157,7 +158,7 @@ fn ids_of_any_size_become_ids_that_the_label_field_holds() {
         for v in voxels(&grid) {
             assert_eq!(label(&document, v), [0, ids[0], ids[1], ids[2]][pick(v)], "{:?} {v:?}", numbers.voxel_type());
         }
-        let segments = &document.state().unwrap().scene.segments;
+        let segments = &document.state().unwrap().scene.segments();
         for (value, id) in values.into_iter().zip(ids).filter(|(_, id)| *id != 0) {
             let segment = segments.get(id).unwrap();
             assert_eq!((segment.file_value(), &segment.name), (value, &format!("Segment {value}")));
@@ -170,7 +171,7 @@ fn ids_of_any_size_become_ids_that_the_label_field_holds() {
         // What a project and the journal keep.
         let scene = serde_json::to_string(&document.state().unwrap().scene).unwrap();
         let back: burin::document::Scene = serde_json::from_str(&scene).unwrap();
-        assert_eq!(&back.segments, segments);
+        assert_eq!(*back.segments(), **segments);
     }
 }
 
@@ -359,11 +360,11 @@ fn a_label_map_opens_as_labels_as_selection_or_as_the_image_that_it_is() {
                 other => other as u16,
             };
             assert_eq!(label(&document, v), if what == "labels" { expected } else { 0 }, "{what} {v:?}");
-            let selected = document.state().unwrap().selection.texel(v).unwrap()[0];
+            let selected = document.state().unwrap().one().selection.texel(v).unwrap()[0];
             assert_eq!(selected, if what == "selection" && map(v) > 0 { 255 } else { 0 }, "{what} {v:?}");
         }
         assert!(document.history().undo_names().len() == 0 && !document.is_unsaved());
-        let values: Vec<i128> = document.state().unwrap().scene.segments.0.iter().map(Segment::file_value).collect();
+        let values: Vec<i128> = document.state().unwrap().scene.segments().0.iter().map(Segment::file_value).collect();
         assert_eq!(values, if what == "labels" { vec![-5, 70_000, 3] } else { vec![] });
         if what != "labels" {
             assert_eq!(answer.get("segments"), None);
@@ -463,7 +464,7 @@ fn a_seg_nrrd_brings_names_and_colours_and_of_its_layers_the_first() {
     );
     let second = json!({"segment":{"import":{"path":path,"component":1}}}).to_string();
     assert_eq!(run(&mut document, &second).unwrap()["labelled_voxels"], 30);
-    let table = &document.state().unwrap().scene.segments;
+    let table = &document.state().unwrap().scene.segments();
     let told: Vec<_> = table.0.iter().map(|s| (s.id, s.name.as_str(), s.colour, s.file_value())).collect();
     assert_eq!(told, [(1, "Liver", [1.0, 0.5, 0.0], 1), (2, "Tumour", [0.0, 0.0, 1.0], 1)]);
     for v in voxels_of_x(&[2, 3, 4]) {

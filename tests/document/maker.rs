@@ -1,5 +1,6 @@
 //! Small documents without a GPU.
 
+use crate::common::one::{One, segments};
 use burin::document::{Command, Document, DocumentError, Origin, State};
 use burin::math::{DAffine3, DMat3, DVec3};
 use burin::volume::*;
@@ -43,9 +44,9 @@ pub fn labelled() -> Document {
         }
         (BrickIndex([x, 0, 0]), Some(Brick::from_texels(texels, 2)))
     });
-    state.labels.swap(changes.to_vec()).unwrap();
-    state.scene.segments.ensure(1);
-    state.scene.segments.ensure(2);
+    state.one_mut().labels.swap(changes.to_vec()).unwrap();
+    segments(&mut state.scene).ensure(1);
+    segments(&mut state.scene).ensure(2);
     let mut document = Document::new();
     document.adopt(state);
     document
@@ -62,14 +63,14 @@ pub fn bytes(document: &Document) -> (Vec<Vec<u8>>, String) {
     let state = document.state().unwrap();
     let mut all = Vec::new();
     for kind in FieldKind::ALL {
-        let field = state.field(kind);
+        let field = state.one().field(kind);
         for level in 0..field.level_count() {
             all.push(field.read(level, [0; 3], field.dims(level)).unwrap());
         }
         all.push(format!("{:?} {:?}", field.map(), field.edits().keys()).into_bytes());
     }
     let mut scene = state.scene.clone();
-    scene.views = burin::document::Views::new(state.grid());
+    scene.views = burin::document::Views::new(state.one().grid());
     scene.brush = burin::paint::Brush::default();
     (all, serde_json::to_string(&scene).unwrap())
 }
@@ -78,7 +79,7 @@ pub fn bytes(document: &Document) -> (Vec<Vec<u8>>, String) {
 pub fn undone(document: &Document) -> (Vec<Vec<u8>>, String) {
     let (fields, _) = bytes(document);
     let scene = &document.state().unwrap().scene;
-    (fields, serde_json::to_string(&(&scene.segments, &scene.explosion)).unwrap())
+    (fields, serde_json::to_string(&(&scene.segments(), &scene.explosion)).unwrap())
 }
 
 /// Writes 32-bit floats to an attached, raw NRRD.

@@ -1,6 +1,7 @@
 //! A block of matter in clear space, and a document that can paint it; nothing where there is no GPU and that is known.
 
 use super::maker::run;
+use crate::common::one::One;
 use burin::document::{Document, Origin, State};
 use burin::math::DVec3;
 use burin::volume::*;
@@ -54,7 +55,7 @@ pub fn made(voxels: Voxels, dims: [u32; 3], spacing: DVec3) -> Option<Document> 
 
 /// The voxels of a label, x fastest.
 pub fn labelled(document: &Document, label: u16) -> Vec<[u32; 3]> {
-    let field = document.state().unwrap().field(FieldKind::Labels);
+    let field = document.state().unwrap().one().field(FieldKind::Labels);
     let dims = field.dims(0);
     let texels = field.read(0, [0; 3], dims).unwrap();
     let at = |i: usize| {

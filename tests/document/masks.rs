@@ -3,6 +3,7 @@
 use super::maker::run;
 use super::values_support::{Data, ask, density, said, voxel};
 use crate::common::gpu::gpu;
+use crate::common::one::One;
 use crate::io::files::{ALL_TYPES, random};
 use burin::document::Document;
 use burin::volume::{Value as _, VoxelType, Voxels};
@@ -19,7 +20,7 @@ fn taken(document: &mut Document, range: &Value) -> Vec<bool> {
     run(document, &set.to_string()).unwrap();
     let stroke = json!({"stroke":{"paint":{"points":[{"at":{"index":[3, 1, 1]}}]}}});
     let painted = run(document, &stroke.to_string()).unwrap()["voxels_changed"].as_u64().unwrap();
-    let labels = document.state().unwrap().labels.read(0, [0; 3], DIMS).unwrap();
+    let labels = document.state().unwrap().one().labels.read(0, [0; 3], DIMS).unwrap();
     let taken: Vec<bool> = labels.chunks_exact(2).map(|t| t != [0, 0]).collect();
     assert_eq!(taken.iter().filter(|&&t| t).count() as u64, painted);
     if painted > 0 {

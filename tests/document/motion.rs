@@ -2,6 +2,7 @@
 
 use super::maker::run;
 use super::maker_gpu::{block, cut, select};
+use crate::common::one::One;
 use burin::document::{Document, Origin, State, ViewName};
 use burin::math::{DQuat, DVec3, Pose};
 use burin::volume::*;
@@ -23,8 +24,9 @@ fn a_picture_in_motion_waits_for_few_bricks_and_at_rest_none_is_missing() {
     let histogram = Histogram { min: 0.0, max: 250.0, bins: vec![1; 256], ..Histogram::default() };
     let mut state = State::new(source, origin, statistics, histogram, None, &|_| true).unwrap();
     let texels: Vec<u8> = (0..BRICK_VOXELS).flat_map(|i| [(i * 7 % 251) as u8, (i / 99) as u8, 0, 255]).collect();
-    let changes = state.colour.brick_indices(0).into_iter().map(|b| (b, Some(Brick::from_texels(texels.clone(), 4))));
-    state.colour.swap(changes.collect()).unwrap();
+    let changes =
+        state.one().colour.brick_indices(0).into_iter().map(|b| (b, Some(Brick::from_texels(texels.clone(), 4))));
+    state.one_mut().colour.swap(changes.collect()).unwrap();
     document.adopt(state);
     let opaque =
         r#"{"transfer":{"set":{"function":{"colour":[[0,[1,1,1]]],"opacity":[[90,0],[110,0.9]],"unit_mm":1}}}}"#;

@@ -1,6 +1,7 @@
 //! What each command does and says.
 
 use super::maker::{labelled, run, state};
+use crate::common::one::One;
 use burin::document::{Document, DocumentError};
 use burin::volume::FieldKind;
 
@@ -60,7 +61,7 @@ fn removing_a_segment_empties_its_voxels_and_says_how_many() {
     let after = count(&mut document);
     assert_eq!((&after["1"], &after["2"]), (&serde_json::Value::Null, &before["2"]));
     // A brick that holds nothing any more is no edit.
-    assert_eq!(document.state().unwrap().field(FieldKind::Labels).edits().len(), 1);
+    assert_eq!(document.state().unwrap().one().field(FieldKind::Labels).edits().len(), 1);
 }
 
 #[test]
@@ -85,7 +86,7 @@ fn a_voxel_answers_with_its_own_numbers() {
     let outside = run(&mut document, r#"{"ask":{"voxel":{"at":{"index":[-1,0,0]}}}}"#).unwrap();
     assert_eq!(outside["inside"], false);
     let sum = run(&mut document, r#"{"ask":{"field":{"field":"density"}}}"#).unwrap();
-    assert_eq!(sum["sum"].as_f64().unwrap(), document.state().unwrap().statistics.sum);
+    assert_eq!(sum["sum"].as_f64().unwrap(), document.state().unwrap().one().statistics.sum);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use super::maker::run;
 use super::values_support::{Data, ask};
 use crate::common::gpu::gpu;
+use crate::common::one::One;
 use burin::document::ViewName;
 use burin::math::DVec3;
 use burin::volume::{Grid, VoxelType, Voxels};
@@ -38,11 +39,11 @@ fn drawn(what: &str, data: &Data) -> [f32; 2] {
     let scene = ask(&mut document, &json!({"scene":{}}))["scene"].take();
     let state = document.state().unwrap();
     state.scene.transfer.check().unwrap_or_else(|e| panic!("{what}: {e}"));
-    state.scene.check(state.grid()).unwrap_or_else(|e| panic!("{what}: {e}"));
+    state.scene.check(&state.bounds()).unwrap_or_else(|e| panic!("{what}: {e}"));
     for name in ["level", "width"] {
         assert!(scene["window"][name].as_f64().unwrap().is_finite(), "{what} {name}");
     }
-    let counted: u64 = state.histogram.bins.iter().sum();
+    let counted: u64 = state.one().histogram.bins.iter().sum();
     let finite = (0..COUNT).filter(|&i| data.value(i).is_finite()).count() as u64;
     assert!(counted <= finite && (counted > 0 || finite == 0), "{what}: {counted} of {finite}");
     for step in 0..=10 {

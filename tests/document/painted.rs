@@ -3,6 +3,7 @@
 use super::maker::run;
 use super::values_support::{Data, ask, density, voxel};
 use crate::common::gpu::gpu;
+use crate::common::one::One;
 use crate::io::files::ALL_TYPES;
 use burin::document::Document;
 use burin::volume::{Brick, BrickIndex, Number, TexelFormat, Value as _, VoxelType, Voxels};
@@ -154,7 +155,7 @@ fn density_moves_to_floats_by_itself_and_back_by_undo_and_stays_so_in_a_project(
     let folder = tempfile::tempdir().unwrap();
     let data = Data::new(Voxels::U16((0..COUNT).map(|i| (i * 121 % 65_536) as u16).collect()), DIMS);
     let (mut document, _) = data.open(json!({}));
-    let format = |d: &Document| d.state().unwrap().density.format();
+    let format = |d: &Document| d.state().unwrap().one().density.format();
     let project = folder.path().join("p.burin");
     // The file is gone by now, so the project holds all of it.
     run(&mut document, &json!({"project":{"save":{"path":project}}}).to_string()).unwrap();
@@ -243,14 +244,14 @@ fn a_wider_map_takes_unpainted_voxels_of_edited_bricks_from_the_source_and_paint
         // Codes over a part of the values, with an edit as older projects have them.
         let (mut document, _) = data.open(json!({"range":[10, 20]}));
         let mut state = document.state().unwrap().clone();
-        assert_eq!(state.density.format(), TexelFormat::R16Unorm);
-        let (index, map) = (BrickIndex([0, 0, 0]), *state.density.map());
-        let mut texels = state.density.base_brick(index).unwrap().to_texels(2);
+        assert_eq!(state.one().density.format(), TexelFormat::R16Unorm);
+        let (index, map) = (BrickIndex([0, 0, 0]), *state.one().density.map());
+        let mut texels = state.one().density.base_brick(index).unwrap().to_texels(2);
         texels[..2].copy_from_slice(&map.encode(15.0)[..2]);
-        state.density.swap(vec![(index, Some(Brick::from_texels(texels, 2)))]).unwrap();
+        state.one_mut().density.swap(vec![(index, Some(Brick::from_texels(texels, 2)))]).unwrap();
         document.adopt(state);
         paint(&mut document, json!({"operation":"add","target":{"density":50}}));
-        assert!(*document.state().unwrap().density.map() != map);
+        assert!(*document.state().unwrap().one().density.map() != map);
         let half_step = half_step(&mut document);
         for i in 0..COUNT {
             let found = voxel(&mut document, data.place(i));
@@ -268,6 +269,6 @@ fn a_wider_map_takes_unpainted_voxels_of_edited_bricks_from_the_source_and_paint
             }
         }
         run(&mut document, r#"{"history":{"undo":{}}}"#).unwrap();
-        assert_eq!(*document.state().unwrap().density.map(), map);
+        assert_eq!(*document.state().unwrap().one().density.map(), map);
     }
 }

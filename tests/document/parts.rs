@@ -1,13 +1,14 @@
 //! Commands on parts and forces.
 
 use super::maker::{labelled, run};
+use crate::common::one::One;
 use serde_json::json;
 
 #[test]
 fn a_plane_cuts_every_part_and_undo_joins_them_again() {
     let mut document = labelled();
     let plane = |n: [f64; 3]| json!({"part":{"split":{"by":{"plane":{"point":[0,0,0],"normal":n}}}}}).to_string();
-    let centre = document.state().unwrap().grid().world_bounds().centre();
+    let centre = document.state().unwrap().one().grid().world_bounds().centre();
     let at = |n: [f64; 3]| plane(n).replace("[0,0,0]", &json!(centre.to_array()).to_string());
     for (n, parts) in [([1.0, 0.0, 0.0], 2), ([0.0, 1.0, 0.0], 4), ([0.0, 0.0, 1.0], 8)] {
         let answer = run(&mut document, &at(n)).unwrap();
@@ -54,7 +55,7 @@ fn a_part_that_is_not_there_is_named_beside_those_that_are() {
 #[test]
 fn ids_of_parts_are_never_used_twice() {
     let mut document = labelled();
-    let centre = document.state().unwrap().grid().world_bounds().centre();
+    let centre = document.state().unwrap().one().grid().world_bounds().centre();
     let split = json!({"part":{"split":{"by":{"plane":{"point":centre.to_array(),"normal":[1,0,0]}}}}}).to_string();
     let mut seen = std::collections::BTreeSet::from([1]);
     for _ in 0..3 {

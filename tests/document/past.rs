@@ -1,9 +1,10 @@
 //! Views and looks go back by a past of their own, and undo leaves them alone.
 
+use super::keep_support::write_sealed;
 use super::maker::{labelled, run, state, undone, write_nrrd};
 use burin::document::{Document, Looks, PastOf, Views};
 use burin::math::DVec3;
-use burin::volume::Grid;
+use burin::volume::{Grid, VolumeId};
 use rand::{Rng, SeedableRng, seq::IndexedRandom};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -137,7 +138,7 @@ fn a_drag_is_one_change_and_one_that_returns_or_is_taken_back_is_none() {
     assert_eq!(document.history().undo_names().len(), 0);
     assert_eq!((counts(&document, PastOf::Looks), counts(&document, PastOf::Views)), ((2, 0), (1, 0)));
     (0..2).for_each(|_| drop(run(&mut document, BACK).unwrap()));
-    assert_eq!(looks(&document).window.width, 5.0);
+    assert_eq!(looks(&document).shown[&VolumeId::FIRST].window.width, 5.0);
     // What lies ahead survives a group that did nothing.
     for end in ["end", "cancel"] {
         group(&mut document, "begin");
@@ -148,11 +149,11 @@ fn a_drag_is_one_change_and_one_that_returns_or_is_taken_back_is_none() {
             run(&mut document, r#"{"view":{"orbit":{"azimuth_deg":-10,"elevation_deg":0}}}"#).unwrap();
         }
         group(&mut document, end);
-        assert_eq!(looks(&document).window.width, 5.0, "{end}");
+        assert_eq!(looks(&document).shown[&VolumeId::FIRST].window.width, 5.0, "{end}");
         assert_eq!(counts(&document, PastOf::Looks), (1, 1), "{end}");
     }
     run(&mut document, r#"{"view":{"forward":{"of":"looks"}}}"#).unwrap();
-    assert_eq!(looks(&document).window.width, 19.0);
+    assert_eq!(looks(&document).shown[&VolumeId::FIRST].window.width, 19.0);
     // So it does of views: a slice made smaller and larger again.
     run(&mut document, BACK).unwrap();
     let before = (views(&document), counts(&document, PastOf::Views));
@@ -198,7 +199,10 @@ fn the_past_has_an_end() {
     }
     assert_eq!(counts(&document, PastOf::Looks), (128, 0));
     while run(&mut document, BACK).unwrap()["moved"] == true {}
-    assert_eq!((looks(&document).window.level, counts(&document, PastOf::Looks)), (171.0, (0, 128)));
+    assert_eq!(
+        (looks(&document).shown[&VolumeId::FIRST].window.level, counts(&document, PastOf::Looks)),
+        (171.0, (0, 128))
+    );
 }
 
 #[test]
@@ -316,7 +320,7 @@ fn a_project_of_before_has_no_past_and_a_damaged_one_loses_only_that() {
     let with = |change: &dyn Fn(&mut Value)| {
         let mut json = whole.clone();
         change(&mut json);
-        std::fs::write(&file, serde_json::to_vec(&json).unwrap()).unwrap();
+        write_sealed(&file, &json);
         let document = reopened(&project);
         (counts(&document, PastOf::Views).0, counts(&document, PastOf::Looks).0)
     };
@@ -335,7 +339,10 @@ fn a_project_of_before_has_no_past_and_a_damaged_one_loses_only_that() {
         camera["eye"] = camera["target"].clone();
     };
     assert_eq!(with(&eye), (1, 1), "a camera that looks nowhere");
-    assert_eq!(with(&|json| json["past"]["looks"]["back"][0]["other"]["window"]["width"] = json!(-1)), (2, 0));
+    assert_eq!(
+        with(&|json| json["past"]["looks"]["back"][0]["other"]["shown"]["0"]["window"]["width"] = json!(-1)),
+        (2, 0)
+    );
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Where parts stand is found and not decided: it is in no scene, no history and no journal, and yet it is there at once.
 
+use super::keep_support::write_sealed;
 use super::maker::{bytes, run, write_nrrd};
 use super::maker_gpu::{block, cut, select};
 use burin::document::{Document, State, ViewName};
@@ -338,7 +339,7 @@ fn a_cache_that_is_damaged_or_gone_costs_no_more_than_finding_poses_again() {
     let manifest = project.join("generation-000002/generation.json");
     let mut kept: Value = serde_json::from_slice(&std::fs::read(&manifest).unwrap()).unwrap();
     kept["poses"]["parts"][1]["pose"]["rotation"] = json!([0.0, 0.0, 0.0, 7.0]);
-    std::fs::write(&manifest, kept.to_string()).unwrap();
+    write_sealed(&manifest, &kept);
     let mut document = Document::new();
     let told = say(&mut document, json!({"project":{"open":{"path":project}}}))["warnings"].to_string();
     assert!(told.contains("parts[1].pose") && told.contains("a unit quaternion"), "{told}");

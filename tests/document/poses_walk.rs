@@ -4,6 +4,7 @@
 //! Without the viewing force nothing is measured in pictures, so that these walks need no GPU. `BURIN_WALKS` sets how many (4).
 
 use super::maker::{run, state, undone};
+use crate::common::one::One;
 use burin::document::Document;
 use burin::math::{DVec3, Pose};
 use burin::volume::{BRICK_VOXELS, Brick, BrickIndex};
@@ -38,7 +39,7 @@ impl Walk {
         let mut state = state();
         // Selected, as a ball about the middle of one brick would be: anything that parts can leave.
         let texels: Vec<u8> = (0..BRICK_VOXELS).map(|i| if i % 3 == 0 { 255 } else { 0 }).collect();
-        state.selection.swap(vec![(BrickIndex([0, 0, 0]), Some(Brick::from_texels(texels, 1)))]).unwrap();
+        state.one_mut().selection.swap(vec![(BrickIndex([0, 0, 0]), Some(Brick::from_texels(texels, 1)))]).unwrap();
         let mut document = Document::new();
         document.adopt(state);
         let forces = json!({ "viewing": false, "measured_gain": false });

@@ -12,7 +12,9 @@ fn command(line: &Value) -> Command {
 /// The document's scene after a command by the reducer alone; `None` if it refuses.
 fn foretold(document: &Document, line: &Value) -> Option<Scene> {
     let state = document.state().unwrap();
-    let ground = Ground { grid: state.grid(), histogram: &state.histogram, poses: document.poses() };
+    let volume = state.at(None).unwrap();
+    let bounds = state.bounds();
+    let ground = Ground { grid: volume.grid(), bounds, histogram: &volume.volume.histogram, poses: document.poses() };
     let mut scene = state.scene.clone();
     match scene.apply(&command(line), &ground) {
         Ok(_) => Some(scene),

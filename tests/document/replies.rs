@@ -2,6 +2,7 @@
 
 use super::maker::{bytes, labelled, run, write_nrrd};
 use super::maker_gpu::{block, cut, select};
+use crate::common::one::{One, segments};
 use burin::document::{Document, DocumentError};
 use burin::math::{DAffine3, DMat3, DVec3};
 use burin::volume::{Grid, Segment};
@@ -83,7 +84,7 @@ fn a_group_within_a_group_is_refused_and_the_first_goes_on() {
 #[test]
 fn one_part_again_keeps_how_far_parts_go() {
     let mut document = labelled();
-    let centre = document.state().unwrap().grid().world_bounds().centre().to_array();
+    let centre = document.state().unwrap().one().grid().world_bounds().centre().to_array();
     say(&mut document, json!({"part":{"split":{"by":{"plane":{"point":centre,"normal":[1,0,0]}}}}}));
     say(&mut document, json!({"explosion":{"degree":{"value":0.75}}}));
     say(&mut document, json!({"part":{"reset":{}}}));
@@ -96,10 +97,10 @@ fn an_export_says_which_segment_leaves_by_another_number() {
     let folder = tempfile::tempdir().unwrap();
     // Both would be 2 in a file: one by its own number, the other by the one that it came with.
     let mut state = super::maker::state();
-    state.scene.segments.ensure(2);
-    state.scene.segments.ensure(3);
-    let twin = Segment { source_value: Some(2), name: "Twin".into(), ..state.scene.segments.0[1].clone() };
-    state.scene.segments.0[1] = twin;
+    segments(&mut state.scene).ensure(2);
+    segments(&mut state.scene).ensure(3);
+    let twin = Segment { source_value: Some(2), name: "Twin".into(), ..state.scene.segments().0[1].clone() };
+    segments(&mut state.scene).0[1] = twin;
     let mut document = Document::new();
     document.adopt(state);
     let path = folder.path().join("labels.nrrd");
@@ -117,7 +118,7 @@ fn a_label_that_got_no_voxel_is_counted() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("fine.nrrd");
     let mut document = labelled();
-    let ours = *document.state().unwrap().grid();
+    let ours = *document.state().unwrap().one().grid();
     // Four times as fine along x, the first voxel on ours: one label in three of them, one in a voxel between two of ours.
     let fine = Grid {
         dims: [80, 4, 4],
@@ -147,7 +148,7 @@ fn a_selected_voxel_beside_the_volume_selects_what_it_reaches_into() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("beside.nrrd");
     let mut document = labelled();
-    let ours = *document.state().unwrap().grid();
+    let ours = *document.state().unwrap().one().grid();
     // Voxels four of ours long; one is selected, its centre 1.5 voxels before our first. The value falls off to 0 at 2.5.
     let grid = Grid {
         dims: [6, 3, 3],
@@ -160,7 +161,7 @@ fn a_selected_voxel_beside_the_volume_selects_what_it_reaches_into() {
     };
     write_nrrd(&path, &grid, |v| if v == [0, 1, 1] { 100.0 } else { 0.0 });
     let answer = say(&mut document, json!({"selection":{"import":{"path":path,"threshold":0,"soften_mm":0}}}));
-    let selection = &document.state().unwrap().selection;
+    let selection = &document.state().unwrap().one().selection;
     // 0, 1 and 2 lie before 2.5.
     let row: Vec<u8> = (0..6).map(|x| selection.texel([x, 10, 10]).unwrap()[0]).collect();
     assert_eq!(row, [255, 255, 255, 0, 0, 0], "{answer}");
@@ -225,7 +226,7 @@ fn a_selection_from_elsewhere_says_where_what_it_has_lies() {
     let said = run(&mut document, &line).unwrap_err().to_string();
     assert!(said.contains("x 999.5 to 1006.5, y 1999.0 to 2009.0, z 2998.5 to 3010.5 mm"), "{said}");
     // In its place it may be empty.
-    let grid = *document.state().unwrap().grid();
+    let grid = *document.state().unwrap().one().grid();
     write_nrrd(&path, &grid, |_| 0.0);
     assert_eq!(say(&mut document, serde_json::from_str(&line).unwrap())["step"], Value::Null);
 }

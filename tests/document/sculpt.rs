@@ -3,6 +3,7 @@
 
 use super::maker::{bytes, run};
 use super::maker_gpu::made;
+use crate::common::one::One;
 use burin::document::{Document, ViewName};
 use burin::math::DVec3;
 use burin::volume::Voxels;
@@ -88,7 +89,7 @@ fn a_stroke_that_keeps_to_the_surface_keeps_to_the_one_at_its_start() {
     // What lay under the first layer is as it was.
     let Some(mut document) = ball(&[brush(carve)]) else { return };
     live(&mut document, &to_and_fro(5));
-    let density = &document.state().unwrap().density;
+    let density = &document.state().unwrap().one().density;
     for z in 0..40 {
         for y in 0..64 {
             for x in 0..70 {

@@ -1,6 +1,7 @@
 //! Selections from other volumes.
 
 use super::maker::{labelled, run, write_nrrd};
+use crate::common::one::One;
 use burin::document::Document;
 use burin::math::{DAffine3, DMat3, DVec3};
 use burin::volume::Grid;
@@ -15,7 +16,7 @@ fn import(document: &mut Document, grid: &Grid, threshold: f64, soften_mm: f64, 
 }
 
 fn selected(document: &Document, v: [u32; 3]) -> u8 {
-    document.state().unwrap().selection.texel(v).unwrap()[0]
+    document.state().unwrap().one().selection.texel(v).unwrap()[0]
 }
 
 fn voxels(grid: &Grid) -> impl Iterator<Item = [u32; 3]> + use<> {
@@ -26,7 +27,7 @@ fn voxels(grid: &Grid) -> impl Iterator<Item = [u32; 3]> + use<> {
 #[test]
 fn on_the_same_grid_exactly_the_voxels_above_the_threshold_are_selected() {
     let mut document = labelled();
-    let grid = *document.state().unwrap().grid();
+    let grid = *document.state().unwrap().one().grid();
     let value = |v: [u32; 3]| if v == [5, 5, 5] { f32::NAN } else { (v[0] * 7 + v[1] * 13 + v[2] * 29) as f32 % 101.0 };
     import(&mut document, &grid, 50.0, 0.0, value);
     for v in voxels(&grid) {
@@ -38,7 +39,7 @@ fn on_the_same_grid_exactly_the_voxels_above_the_threshold_are_selected() {
 #[test]
 fn another_grid_is_resampled_by_world_position() {
     let mut document = labelled();
-    let ours = *document.state().unwrap().grid();
+    let ours = *document.state().unwrap().one().grid();
     // Coarser, shifted, turned otherwise; covers all of ours but for the last corner of x.
     let turn = DMat3::from_rotation_z(-0.3) * DMat3::from_diagonal(DVec3::new(2.0, 3.0, 1.25));
     let theirs = Grid {
@@ -69,7 +70,7 @@ fn another_grid_is_resampled_by_world_position() {
 #[test]
 fn a_soft_border_is_the_distance_to_the_other_side() {
     let mut document = labelled();
-    let grid = *document.state().unwrap().grid();
+    let grid = *document.state().unwrap().one().grid();
     let s = grid.spacing();
     let soften = 5.0;
     // A ball across the border of bricks and blocks, and one voxel alone in a corner of the volume.
@@ -98,7 +99,7 @@ fn a_soft_border_is_the_distance_to_the_other_side() {
 #[test]
 fn the_ramp_of_a_flat_border_is_its_closed_form() {
     let mut document = labelled();
-    let grid = *document.state().unwrap().grid();
+    let grid = *document.state().unwrap().one().grid();
     import(&mut document, &grid, 0.5, 4.0, |v| if v[0] < 40 { 1.0 } else { 0.0 });
     // Spacing 1 along x: voxel 39 lies ½ mm inside, voxel 40 ½ mm outside, and so on; ±2 mm end the ramp.
     for (x, share) in [(37, 1.0), (38, 0.875), (39, 0.625), (40, 0.375), (41, 0.125), (42, 0.0), (20, 1.0)] {

@@ -2,6 +2,7 @@
 
 use super::maker::{bytes, run};
 use super::maker_gpu::block;
+use crate::common::one::One;
 use burin::document::{Document, ViewName};
 use burin::volume::FieldKind;
 use rand::{Rng, SeedableRng};
@@ -185,7 +186,7 @@ fn a_locked_segment_and_a_range_keep_their_voxels() {
     let Some(mut document) = block() else { return };
     run(&mut document, r#"{"brush":{"set":{"falloff":"hard","range":[100,300]}}}"#).unwrap();
     paint(&mut document, json!({"label": 1}), [8.0, 20.0, 20.0]);
-    let label = |d: &Document, v: [u32; 3]| d.state().unwrap().labels.value(v).unwrap();
+    let label = |d: &Document, v: [u32; 3]| d.state().unwrap().one().labels.value(v).unwrap();
     assert_eq!((label(&document, [9, 20, 20]), label(&document, [6, 20, 20])), (1.0, 0.0));
     run(&mut document, r#"{"segment":{"set":{"id":1,"locked":true}}}"#).unwrap();
     paint(&mut document, json!({"label": 2}), [11.0, 20.0, 20.0]);
@@ -210,7 +211,7 @@ fn a_stroke_outlives_the_loss_of_its_device() {
         run(document, r#"{"stroke":{"end":{}}}"#).unwrap();
     }
     assert_eq!(bytes(&whole), bytes(&broken));
-    assert!(broken.state().unwrap().field(FieldKind::Density).edits().len() > 1);
+    assert!(broken.state().unwrap().one().field(FieldKind::Density).edits().len() > 1);
 }
 
 #[test]

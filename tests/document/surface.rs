@@ -2,6 +2,7 @@
 
 use super::maker::{bytes, run, write_nrrd};
 use super::maker_gpu::{block, labelled, made};
+use crate::common::one::One;
 use burin::document::Document;
 use burin::math::{DVec2, DVec3};
 use burin::volume::{Grid, Voxels};
@@ -58,7 +59,7 @@ fn hits(document: &mut Document, line: &[DVec2]) -> Vec<Option<DVec3>> {
 
 /// No labelled voxel lies farther than radius + 1 voxel from a point that was hit, and every point that was hit is painted.
 fn near_what_was_hit(document: &Document, label: u16, hits: &[Option<DVec3>], radius: f64, voxel: f64) {
-    let m = document.state().unwrap().grid().world_from_index;
+    let m = document.state().unwrap().one().grid().world_from_index;
     let labels = labelled(document, label);
     assert!(!labels.is_empty());
     let at = |v: &[u32; 3]| m.transform_point3(DVec3::from_array(v.map(f64::from)));
@@ -249,7 +250,7 @@ fn thick_slices_and_grazing_ways_stay_near_what_was_hit() {
         run(&mut document, &json!({"brush":{"set":{"target":{"label":label},"radius_mm":2.5}}}).to_string()).unwrap();
         paint(&mut document, &way([100.0, 110.0], [160.0, 140.0], 35.0));
         let met = hits(&mut document, &way([100.0, 110.0], [160.0, 140.0], 1.0));
-        let m = document.state().unwrap().grid().world_from_index;
+        let m = document.state().unwrap().one().grid().world_from_index;
         for v in labelled(&document, label) {
             let at = m.transform_point3(DVec3::from_array(v.map(f64::from)));
             let nearest = met.iter().flatten().map(|h| h.distance(at)).fold(f64::INFINITY, f64::min);

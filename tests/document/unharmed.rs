@@ -64,7 +64,9 @@ fn nothing_is_written_into_what_a_project_keeps() {
     let project = dir.path().join("p");
     run(&mut document, &json!({"project":{"save":{"path":project}}}).to_string()).unwrap();
     let kept = |document: &mut Document| run(document, r#"{"project":{"save":{}}}"#).unwrap();
-    for name in ["generation-000001/x.nrrd", "generation-000001/density/0/c/0/0/x.nrrd", "journal-000009.nrrd"] {
+    for name in
+        ["generation-000001/x.nrrd", "generation-000001/volumes/0/density/0/c/0/0/x.nrrd", "journal-000009.nrrd"]
+    {
         let refused = export(&mut document, &project.join(name)).unwrap_err();
         assert!(refused.contains("a place that the project") && refused.contains(name), "{refused}");
     }
@@ -198,5 +200,5 @@ fn a_project_where_nothing_can_be_written_opens_to_look_and_saves_elsewhere() {
     std::fs::set_permissions(&project, PermissionsExt::from_mode(0o755)).unwrap();
     let mut again = Document::new();
     run(&mut again, &json!({"project":{"open":{"path":dir.path().join("q")}}}).to_string()).unwrap();
-    assert_eq!(again.state().unwrap().scene.segments.get(8).unwrap().name, "tooth");
+    assert_eq!(again.state().unwrap().scene.segments().get(8).unwrap().name, "tooth");
 }

@@ -2,6 +2,7 @@
 
 use super::maker::run;
 use super::values_support::{Data, ask, density, voxel};
+use crate::common::one::One;
 use crate::io::files::{ALL_TYPES, keep, noise, random};
 use burin::document::Document;
 use burin::volume::{Brick, BrickIndex, Number, Value as _, VoxelType, Voxels};
@@ -130,10 +131,10 @@ fn boxes_that_begin_and_end_inside_bricks_have_their_painted_values() {
         let (document, _) = data.open(json!({}));
         let mut state = document.state().unwrap().clone();
         let mut rng = random(9);
-        let map = *state.density.map();
+        let map = *state.one().density.map();
         // Painted here and there to 50, which every map holds to its half step.
         let index = BrickIndex([0, 1, 1]);
-        let mut texels = state.density.base_brick(index).unwrap().to_texels(map.format.bytes());
+        let mut texels = state.one().density.base_brick(index).unwrap().to_texels(map.format.bytes());
         let mut painted = std::collections::BTreeSet::new();
         for _ in 0..200 {
             let at = [rng.random_range(0..32), rng.random_range(0..5), rng.random_range(0..3)];
@@ -142,12 +143,12 @@ fn boxes_that_begin_and_end_inside_bricks_have_their_painted_values() {
             texels[from..from + width].copy_from_slice(&map.encode(50.0)[..width]);
             painted.insert([at[0], at[1] + 32, at[2] + 32]);
         }
-        state.density.swap(vec![(index, Some(Brick::from_texels(texels, map.format.bytes())))]).unwrap();
+        state.one_mut().density.swap(vec![(index, Some(Brick::from_texels(texels, map.format.bytes())))]).unwrap();
         for (lo, size) in
             [([0; 3], dims), ([3, 33, 33], [30, 4, 2]), ([31, 36, 34], [9, 1, 1]), ([1, 0, 31], [8, 37, 3])]
         {
             let mut wrong = 0;
-            state.density.values(lo, size).unwrap().each(|i, number| {
+            state.one().density.values(lo, size).unwrap().each(|i, number| {
                 let [nx, ny, _] = size.map(|s| s as usize);
                 let at = [i % nx, i / nx % ny, i / (nx * ny)];
                 let at: [u32; 3] = std::array::from_fn(|a| lo[a] + at[a] as u32);

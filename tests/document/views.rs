@@ -2,6 +2,7 @@
 
 use super::maker::{run, state, write_nrrd};
 use super::maker_gpu::{block, select};
+use crate::common::one::One;
 use burin::document::{Document, SlicePlane, ViewName};
 use burin::math::{Camera, DVec2, DVec3, Projection};
 use burin::volume::Grid;
@@ -13,7 +14,7 @@ fn camera(document: &Document) -> Camera {
 /// Half the picture's height over the bounding sphere's radius, both as angles or both as mm: 1 where the sphere just fits.
 fn fit(document: &Document) -> f64 {
     let camera = camera(document);
-    let bounds = document.state().unwrap().grid().world_bounds();
+    let bounds = document.state().unwrap().one().grid().world_bounds();
     let radius = (bounds.max - bounds.min).length() * 0.5;
     match camera.projection {
         Projection::Perspective { fov_y_deg } => {
@@ -119,7 +120,7 @@ fn paint_on_a_volume_just_opened_is_seen_where_the_brush_was() {
 fn a_slice_is_fitted_into_its_picture_whatever_the_grid_and_the_picture() {
     let mut document = Document::new();
     document.adopt(state());
-    let grid = *document.state().unwrap().grid();
+    let grid = *document.state().unwrap().one().grid();
     for size in [[300, 200], [200, 300], [1000, 90], [64, 64]] {
         for view in ["axial", "coronal", "sagittal"] {
             for line in [

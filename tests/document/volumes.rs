@@ -1,6 +1,7 @@
 //! Opening volumes.
 
 use super::maker::{run, write_nrrd};
+use crate::common::one::One;
 use burin::document::Document;
 use burin::math::DVec3;
 use burin::volume::{Grid, TexelFormat};
@@ -27,7 +28,7 @@ fn an_opened_volume_is_framed_and_seen_from_the_front() {
     assert_eq!((answer["min"].as_f64(), answer["max"].as_f64()), (Some(0.0), Some(19.0)));
     assert_eq!(answer["sum"].as_f64(), Some(190.0 * 50.0));
     let scene = &document.state().unwrap().scene;
-    let bounds = document.state().unwrap().grid().world_bounds();
+    let bounds = document.state().unwrap().one().grid().world_bounds();
     assert_eq!(scene.views.crosshair, bounds.centre());
     assert!(scene.views.camera.forward().distance(DVec3::NEG_Y) < 1e-12);
     for corner in bounds.corners() {
@@ -35,14 +36,14 @@ fn an_opened_volume_is_framed_and_seen_from_the_front() {
         assert!(px.cmpge(burin::math::DVec2::ZERO).all() && px.cmple(burin::math::DVec2::splat(512.0)).all());
     }
     scene.transfer.check().unwrap();
-    let histogram = &document.state().unwrap().histogram;
+    let histogram = &document.state().unwrap().one().histogram;
     assert_eq!(histogram.bins.iter().sum::<u64>(), 1000);
     assert_eq!(document.history().undo_names().len(), 0);
 }
 
 #[test]
 fn a_density_keeps_codes_where_they_suffice_and_floats_where_not() {
-    let format = |d: &Document| d.state().unwrap().density.format();
+    let format = |d: &Document| d.state().unwrap().one().density.format();
     assert_eq!(format(&open(|v| v[0] as f32 * 0.37, json!({})).0), TexelFormat::R16Unorm);
     // NaN has no code.
     assert_eq!(format(&open(|v| if v[0] == 3 { f32::NAN } else { 1.0 }, json!({})).0), TexelFormat::R32Float);
@@ -51,7 +52,7 @@ fn a_density_keeps_codes_where_they_suffice_and_floats_where_not() {
     assert_eq!(format(&open(outlier, json!({})).0), TexelFormat::R32Float);
     let (document, answer) = open(outlier, json!({ "range": [0.0, 2.0] }));
     answer.unwrap();
-    assert_eq!(document.state().unwrap().density.map().lo, 0.0);
+    assert_eq!(document.state().unwrap().one().density.map().lo, 0.0);
 }
 
 #[test]
@@ -61,7 +62,7 @@ fn volumes_without_a_finite_value_or_of_one_value_open() {
         answer.unwrap();
         let scene = &document.state().unwrap().scene;
         scene.transfer.check().unwrap();
-        assert!(scene.window.width > 0.0 && scene.window.level.is_finite());
+        assert!(scene.window().width > 0.0 && scene.window().level.is_finite());
         serde_json::from_str::<burin::document::Scene>(&serde_json::to_string(scene).unwrap()).unwrap();
     }
 }

@@ -52,7 +52,9 @@ fn a_stopped_opening_leaves_open_what_was() {
                     told.push(percent);
                 }
                 Report::Message(gravity, text) => notes.push((gravity, text)),
-                Report::Snapshot(s) => name = s.open.as_ref().unwrap().scene.origin.path.display().to_string(),
+                Report::Snapshot(s) => {
+                    name = s.open.as_ref().unwrap().scene.origin().unwrap().path.display().to_string()
+                }
                 Report::Done(..) => panic!("it was done to its end"),
                 _ => {}
             }

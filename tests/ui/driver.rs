@@ -1,6 +1,7 @@
 //! A window driven by accessible names; the other end of its session is the test.
 
 use super::scene;
+use crate::common::one::segments;
 use burin::document::{Command, Scene, ViewCommand};
 use burin::explode::{Explosion, PartId};
 use burin::math::{DVec3, Plane};
@@ -73,7 +74,7 @@ impl Window {
     fn with_volume(mut self) -> Self {
         let s = &mut self.scene;
         for id in [1, 2] {
-            s.segments.ensure(id);
+            segments(s).ensure(id);
         }
         halves(&mut s.explosion);
         self.snapshot(|_| {});

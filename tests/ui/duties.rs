@@ -48,7 +48,7 @@ impl Desk {
     fn settle(&mut self, id: u16) {
         self.apply(&json!({"segment":{"set":{"id":id}}}));
         let there = |r: &Report| match r {
-            Report::Snapshot(s) => s.open.as_ref().is_some_and(|o| o.scene.segments.get(id).is_some()),
+            Report::Snapshot(s) => s.open.as_ref().is_some_and(|o| o.scene.segments().get(id).is_some()),
             _ => false,
         };
         self.until("the segment is there", there);
@@ -115,7 +115,7 @@ fn the_histogram_that_is_shown_is_that_of_the_open_volume() {
         let path = volume(folder.path(), name, |v| v[0] as f32 * scale);
         desk.apply(&json!({"volume":{"open":{"path":path}}}));
         let shown = |r: &Report| match r {
-            Report::Snapshot(s) => s.open.as_ref().is_some_and(|o| o.scene.origin.path == path),
+            Report::Snapshot(s) => s.open.as_ref().is_some_and(|o| o.scene.origin().unwrap().path == path),
             _ => false,
         };
         desk.until(name, shown);

@@ -223,7 +223,7 @@ fn a_crosshair_that_is_taken_back_is_where_it_was() {
 #[test]
 fn right_drag_windows_a_slice_as_one_step_and_zooms_in_3d() {
     let mut hand = Hand::new(Tool::Brush, ViewName::Axial);
-    let start = hand.scene.window;
+    let start = hand.scene.window();
     assert_eq!(hand.press(Button::Secondary, 50.0, 50.0), [Command::History(HistoryCommand::Begin {})]);
     let wider = hand.drag(50.0 + 150.0, 50.0);
     assert!(

@@ -1,6 +1,7 @@
 //! The window's division: nothing covers anything, nothing moves when something comes, borders are dragged and remembered.
 
 use super::driver::{LARGE, SMALL, SMALLEST, Window};
+use crate::common::one::segments;
 use burin::document::{Command, TransferCommand};
 use burin::explode::{Part, PartId};
 use burin::paint::Target;
@@ -77,7 +78,7 @@ fn no_control_covers_another_at_any_size() {
             let mut window = Window::open(size);
             window.scene.brush.target = target;
             window.scene.brush.radius_mm = 1234.5;
-            window.scene.window.level = -123_456.789;
+            window.scene.window().level = -123_456.789;
             window.snapshot(|_| {});
             window.click("Opacity point 2");
             window.harness.run_steps(4);
@@ -134,7 +135,7 @@ fn moved(before: &BTreeMap<String, Rect>, after: &BTreeMap<String, Rect>, but: &
 fn nothing_moves_when_another_thing_is_chosen_or_comes_to_a_list() {
     for size in [SMALLEST, SMALL, LARGE] {
         let mut window = Window::open(size);
-        window.scene.segments.0.clear();
+        segments(&mut window.scene).0.clear();
         window.scene.explosion.parts.truncate(1);
         window.snapshot(|s| s.undo.clear());
         window.harness.run_steps(4);
@@ -159,7 +160,7 @@ fn nothing_moves_when_another_thing_is_chosen_or_comes_to_a_list() {
         for mode in [Mode::Iso(50.0), Mode::Mip, Mode::Dvr] {
             then("another mode", &[], &|w| w.scene.look.mode = mode);
         }
-        then("segments", &[], &|w| (1..40).for_each(|id| w.scene.segments.ensure(id)));
+        then("segments", &[], &|w| (1..40).for_each(|id| segments(&mut w.scene).ensure(id)));
         then("parts", &["Name of part 1", "Show Left half", "Pin Left half", "Colour of Left half"], &|w| {
             let part = w.scene.explosion.parts[0].clone();
             let more = (2..40).map(|id| Part { id: PartId(id), name: format!("Piece {id}"), ..part.clone() });
@@ -352,7 +353,7 @@ fn the_folder_of_a_layout_is_for_its_user_alone() {
 fn a_list_leaves_room_for_its_scroll_bar() {
     for size in [SMALLEST, SMALL, LARGE] {
         let mut window = Window::open(size);
-        (3..60).for_each(|id| window.scene.segments.ensure(id));
+        (3..60).for_each(|id| segments(&mut window.scene).ensure(id));
         let part = window.scene.explosion.parts[0].clone();
         let more = (3..60).map(|id| Part { id: PartId(id), name: format!("Piece {id}"), ..part.clone() });
         window.scene.explosion.parts.extend(more);

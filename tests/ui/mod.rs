@@ -35,7 +35,7 @@ mod untouched;
 mod window;
 mod worker;
 
-use burin::document::{Origin, Scene};
+use burin::document::{Origin, Scene, VolumeSettings};
 use burin::math::DVec3;
 use burin::volume::{Grid, Histogram};
 
@@ -44,6 +44,10 @@ fn scene() -> (Grid, Scene) {
     let grid = Grid::aligned([64, 64, 32], DVec3::new(1.0, 1.0, 2.0), DVec3::ZERO);
     let histogram =
         Histogram { min: 0.0, max: 100.0, bins: (0..50).map(|i| 1000 / (i + 1)).collect(), ..Histogram::default() };
-    let scene = Scene::new(&grid, &histogram, Origin { path: "small.nii".into(), component: 0, frame: 0 });
+    let scene = Scene::new(
+        &grid,
+        &histogram,
+        VolumeSettings::new("small", Origin { path: "small.nii".into(), component: 0, frame: 0 }),
+    );
     (grid, scene)
 }

@@ -2,6 +2,7 @@
 
 use super::driver::{SMALL, Window};
 use super::replies::{done, lost};
+use crate::common::one::segments;
 use burin::document::{Command, ProjectCommand};
 use burin::explode::{Part, PartId};
 use burin::paint::Target;
@@ -88,7 +89,7 @@ pub(super) fn states() -> Vec<(&'static str, Window, &'static str)> {
         let part = window.scene.explosion.parts[0].clone();
         let more = (3..36).map(|id| Part { id: PartId(id), name: format!("Piece {id}"), ..part.clone() });
         window.scene.explosion.parts.extend(more);
-        (3..40).for_each(|id| window.scene.segments.ensure(id));
+        (3..40).for_each(|id| segments(&mut window.scene).ensure(id));
         window.snapshot(|_| {});
     };
     let press = |key| move |window: &mut Window| drop(window.key(Modifiers::NONE, key));

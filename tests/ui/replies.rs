@@ -52,5 +52,8 @@ pub fn recovered(command: Command, steps: u64) -> Report {
     };
     let recovered = RecoveredSaid { steps, last: serde_json::Value::Null, stroke: StrokeFate::Painted, torn_bytes: 0 };
     let warnings = Vec::new();
-    said(command, OpenedSaid { volume, labels: None, selected_voxels: None, warnings, recovered: Some(recovered) })
+    said(
+        command,
+        OpenedSaid { volume: Some(volume), labels: None, selected_voxels: None, warnings, recovered: Some(recovered) },
+    )
 }

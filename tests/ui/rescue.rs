@@ -1,5 +1,6 @@
 //! What went wrong reaches the window with a way out, and a failure on the document's thread ends neither the window nor the work.
 
+use crate::common::one::One;
 use crate::document::maker::{run, write_nrrd};
 use burin::document::{Command, Document, Origin, ProjectCommand, State};
 use burin::math::DVec3;
@@ -117,7 +118,7 @@ fn a_failure_on_the_documents_thread_is_an_error_in_the_window_and_the_work_is_k
     assert_eq!(open, Command::Project(ProjectCommand::Open { path: project, source: None, generation: None }));
     desk.apply(open);
     desk.until("it is open again", |d| d.now.open.is_some());
-    assert_eq!(desk.now.open.as_ref().unwrap().scene.segments.get(7).unwrap().name, "jaw");
+    assert_eq!(desk.now.open.as_ref().unwrap().scene.segments().get(7).unwrap().name, "jaw");
     desk.session.send(Request::Quit);
     thread.join().unwrap();
 }
@@ -169,7 +170,7 @@ fn a_save_that_cannot_link_offers_to_embed_and_a_missing_volume_is_asked_for() {
     std::fs::remove_file(&moved).unwrap();
     let mut again = Document::new();
     run(&mut again, &json!({"project":{"open":{"path":project}}}).to_string()).unwrap();
-    let source = &again.state().unwrap().source;
+    let source = &again.state().unwrap().one().source;
     let first: f32 = bytemuck::pod_read_unaligned(&source.read([3, 0, 0], [1; 3]).unwrap().as_bytes()[..4]);
     assert_eq!(first, 3.0);
 }

@@ -1,6 +1,7 @@
 //! The swatch beside the label to paint has the colour that is painted; colours are typed as hex.
 
 use super::driver::{SMALL, Window};
+use crate::common::one::segments;
 use burin::document::{Command, PartCommand};
 use burin::explode::PartId;
 use burin::paint::Target;
@@ -24,12 +25,12 @@ fn the_swatch_of_a_label_is_the_colour_that_its_segment_gets() {
         window.snapshot(|_| {});
         let before = swatch(&window);
         // The first stroke puts the segment into the table.
-        window.scene.segments.ensure(id);
-        let given = hex(window.scene.segments.get(id).unwrap().colour);
+        segments(&mut window.scene).ensure(id);
+        let given = hex(window.scene.segments().get(id).unwrap().colour);
         assert_eq!(before, given, "label {id} before its first stroke");
         window.snapshot(|_| {});
         assert_eq!(swatch(&window), given, "and after it");
-        window.scene.segments.get_mut(id).unwrap().colour = [0.2, 0.4, 0.6];
+        segments(&mut window.scene).get_mut(id).unwrap().colour = [0.2, 0.4, 0.6];
         window.snapshot(|_| {});
         assert_eq!(swatch(&window), "#336699", "and in the colour that it was given by hand");
     }
@@ -39,7 +40,7 @@ fn the_swatch_of_a_label_is_the_colour_that_its_segment_gets() {
 fn the_swatch_follows_a_key_before_the_document_answers() {
     let mut window = Window::open(SMALL);
     window.key(egui::Modifiers::NONE, egui::Key::Num7);
-    let mut table = window.scene.segments.clone();
+    let mut table = window.scene.segments().clone();
     table.ensure(7);
     assert_eq!(swatch(&window), hex(table.get(7).unwrap().colour));
 }

@@ -1,6 +1,7 @@
 //! What nobody touches stays as it is: a window that shows a document changes nothing of it.
 
 use super::driver::{SMALL, Window};
+use crate::common::one::segments;
 use burin::document::{BrushCommand, Command, Scene, SegmentCommand, ViewCommand};
 use burin::explode::Forces;
 use burin::paint::{EraseDensity, Target};
@@ -66,7 +67,7 @@ fn a_name_that_is_left_by_escape_is_the_old_one() {
 #[test]
 fn a_segment_is_added_beside_the_last_label_there_can_be() {
     let mut window = Window::open(SMALL);
-    window.scene.segments.ensure(u16::MAX);
+    segments(&mut window.scene).ensure(u16::MAX);
     window.snapshot(|_| {});
     let sent = window.click("Add segment");
     assert!(
@@ -104,7 +105,7 @@ fn values_of_every_size_are_shown_and_left_alone() {
             let mut window = Window::open(SMALL);
             let histogram = Histogram { min, max, bins: vec![7, 0, 1, 3], ..Histogram::default() };
             let (grid, _) = super::scene();
-            let mut scene = Scene::new(&grid, &histogram, window.scene.origin.clone());
+            let mut scene = Scene::new(&grid, &histogram, window.scene.active().unwrap().clone());
             scene.look.mode = mode;
             scene.brush.target = target;
             scene.brush.erase_density = EraseDensity::To(max);

@@ -12,7 +12,7 @@ use crate::document::frame::WHOLE;
 use crate::document::scene::check::check_size;
 use crate::document::scene::check::safe_camera;
 use crate::document::scene::past::PastOf;
-use crate::document::state::State;
+use crate::document::subject::Subject;
 use crate::explode::{Part, PartRecord};
 use crate::math::DVec2;
 use crate::volume::{BrickIndex, FieldKind, Number, SourceError, Total};
@@ -22,19 +22,19 @@ use std::collections::BTreeMap;
 impl Document {
     pub(crate) fn ask(&mut self, question: &Question) -> Result<Said, DocumentError> {
         Ok(match *question {
-            Question::Volume {} => volume(self.open()?).into(),
+            Question::Volume {} => volume(&self.open()?.at(None)?).into(),
             Question::Scene {} => SceneSaid { scene: self.open()?.scene.clone(), parts: self.standing_parts()? }.into(),
             Question::Parts {} => {
                 PartsSaid { degree: self.open()?.scene.explosion.degree, parts: self.standing_parts()? }.into()
             }
             Question::Voxel { at } => {
-                let world = self.resolve(at)?.map(|sample| sample.position);
+                let world = self.resolve(at, None)?.map(|sample| sample.position);
                 match world {
-                    Some(world) => voxel(self.open()?, world)?.into(),
+                    Some(world) => voxel(&self.open()?.at(None)?, world)?.into(),
                     None => VoxelSaid::default().into(),
                 }
             }
-            Question::Field { field } => sums(self.open()?, field)?.into(),
+            Question::Field { field } => sums(&self.open()?.at(None)?, field)?.into(),
             Question::History {} => {
                 let (memory, disk) = self.history.bytes();
                 let past = |of| {
@@ -57,13 +57,14 @@ impl Document {
                     return Ok(PickSaid { hit: None }.into());
                 };
                 let state = self.open()?;
-                let index = state.grid().index_from_world().transform_point3(hit.rest);
+                let subject = state.at(None)?;
+                let index = subject.grid().index_from_world().transform_point3(hit.rest);
                 let hit = HitSaid {
                     mm: hit.world.to_array(),
                     rest_mm: hit.rest.to_array(),
                     index: index.to_array(),
                     part: state.part_at(hit.body, hit.rest)?,
-                    selection: hit.body == WHOLE && !state.selection.is_blank(),
+                    selection: hit.body == WHOLE && !subject.selection.is_blank(),
                     depth_mm: hit.depth_mm,
                 };
                 PickSaid { hit: Some(hit) }.into()
@@ -71,9 +72,9 @@ impl Document {
             Question::Visibility { camera, size } => {
                 let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
                 let views = &state.scene.views;
-                let camera = safe_camera(camera.unwrap_or(views.camera), &state.grid().world_bounds())?;
+                let camera = safe_camera(camera.unwrap_or(views.camera), &state.bounds())?;
                 let size = check_size(size.unwrap_or(views.size))?;
-                let frame = state.parted_frame(self.motion.poses(), &camera, size);
+                let frame = state.at(None)?.parted_frame(self.motion.poses(), &camera, size);
                 let seen = self.graphics.visibility(state, &frame)?;
                 let hidden = seen.hidden_by.iter().map(|&(part, pixels)| HiddenBy { part, pixels });
                 VisibilitySaid {
@@ -95,49 +96,49 @@ impl Document {
     }
 }
 
-pub(crate) fn volume(state: &State) -> VolumeSaid {
-    let grid = state.grid();
+pub(crate) fn volume(subject: &Subject<'_>) -> VolumeSaid {
+    let grid = subject.grid();
     let m = grid.world_from_index;
     let rows: [[f64; 4]; 3] = std::array::from_fn(|r| {
         let row = m.matrix3.row(r);
         [row.x, row.y, row.z, m.translation[r]]
     });
-    let [min, max, sum] = state.statistics.numbers();
+    let [min, max, sum] = subject.statistics.numbers();
     // Of a volume without a finite value there is neither.
     let [min, max] = [min, max].map(|n| (!n.is_nan()).then_some(n));
     VolumeSaid {
-        name: state.source.name().to_owned(),
+        name: subject.source.name().to_owned(),
         dims: grid.dims,
-        voxel_type: state.source.voxel_type(),
+        voxel_type: subject.source.voxel_type(),
         world_from_index: rows,
         spacing_mm: grid.spacing().to_array(),
         min,
         max,
         sum,
-        nan_count: state.statistics.nan_count,
-        texels: state.density.format(),
-        half_step: state.half_step(),
-        levels: state.density.level_count(),
+        nan_count: subject.statistics.nan_count,
+        texels: subject.density.format(),
+        half_step: subject.half_step(),
+        levels: subject.density.level_count(),
     }
 }
 
-fn voxel(state: &State, world: crate::math::DVec3) -> Result<VoxelSaid, DocumentError> {
-    let index = state.grid().index_from_world().transform_point3(world);
+fn voxel(subject: &Subject<'_>, world: crate::math::DVec3) -> Result<VoxelSaid, DocumentError> {
+    let index = subject.grid().index_from_world().transform_point3(world);
     let place = VoxelSaid { mm: Some(world.to_array()), index: Some(index.to_array()), ..VoxelSaid::default() };
-    let Some(voxel) = state.grid().voxel_at(index) else { return Ok(place) };
-    let texel = state.colour.texel(voxel)?;
-    let label = state.labels.value(voxel)? as u16;
-    let values = state.density.values(voxel, [1; 3])?;
+    let Some(voxel) = subject.grid().voxel_at(index) else { return Ok(place) };
+    let texel = subject.colour.texel(voxel)?;
+    let label = subject.labels.value(voxel)? as u16;
+    let values = subject.density.values(voxel, [1; 3])?;
     let painted = values.painted.first().map(|&(_, value)| value);
     let own = values.unpainted(0);
     let values = VoxelValues {
         voxel,
         density: painted.map_or(own, Number::Real),
-        half_step: painted.map_or(0.0, |value| state.half_step_at(value, own.to_f64())),
+        half_step: painted.map_or(0.0, |value| subject.half_step_at(value, own.to_f64())),
         colour: texel.map(|c| f32::from(c) / 255.0),
-        selection: state.selection.value(voxel)?,
+        selection: subject.selection.value(voxel)?,
         label,
-        segment: state.scene.segments.get(label).map(|s| s.name.clone()),
+        segment: subject.segments().get(label).map(|s| s.name.clone()),
     };
     Ok(VoxelSaid { inside: true, values: Some(values), ..place })
 }
@@ -192,8 +193,8 @@ impl Sums {
 
 /// Sum, count of non-zero, smallest and largest of the finite values; colour counts by its alpha. Brick by brick in order, so
 /// that the answer is the same on every run.
-fn sums(state: &State, kind: FieldKind) -> Result<FieldSaid, SourceError> {
-    let field = state.field(kind);
+fn sums(subject: &Subject<'_>, kind: FieldKind) -> Result<FieldSaid, SourceError> {
+    let field = subject.field(kind);
     let one = |index: BrickIndex| -> Result<Sums, SourceError> {
         let mut sums = Sums::default();
         if kind == FieldKind::Density {

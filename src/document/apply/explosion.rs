@@ -47,7 +47,7 @@ impl Document {
         let explosion = &state.scene.explosion;
         if explosion.degree > 0.0 && explosion.parts.len() < 2 {
             Some("there is one part, which nothing moves: cut it first (part.split)")
-        } else if explosion.degree > 0.0 && state.selection.is_blank() {
+        } else if explosion.degree > 0.0 && state.subjects().all(|subject| subject.selection.is_blank()) {
             Some(
                 "nothing is selected, so parts have nothing to make way for: select something first (paint with target \
                  selection, selection.from_label or selection.import)",

@@ -8,7 +8,7 @@
 use crate::document::apply::overlap::{AT_ONCE, ROUNDING, Rows, Spread, scan};
 use crate::document::command::answers::{BroughtSegment, LabelsSaid};
 use crate::document::error::DocumentError;
-use crate::document::state::State;
+use crate::document::subject::Subject;
 use crate::io::NamedLabel;
 use crate::math::{Aabb, DAffine3, DVec3};
 use crate::volume::{
@@ -37,28 +37,28 @@ pub(crate) struct Imported {
     pub warnings: Vec<String>,
 }
 
-/// Reads `other` as labels over those of `state`. `named` are the segments that the file's header names.
+/// Reads `other` as labels over those of `subject`. `named` are the segments that the file's header names.
 ///
 /// # Errors
 /// If a value is no whole number, if there are too many different ones, if none lies in the volume, if the source fails, or
 /// `progress` said no.
 pub(crate) fn import(
-    state: &State,
+    subject: &Subject<'_>,
     other: &dyn BrickSource,
     named: &[NamedLabel],
     progress: &(dyn Fn(f32) -> bool + Sync),
 ) -> Result<Imported, DocumentError> {
     let mut warnings = Vec::new();
-    let survey = survey(state, other, &|x| progress(x * 0.4))?;
-    let covered = survey.spread.check(other.name(), "labels", state.grid(), other.grid(), &mut warnings)?;
-    let (ids, segments) = assign(&state.scene.segments, &survey.counts, named, other.name())?;
+    let survey = survey(subject, other, &|x| progress(x * 0.4))?;
+    let covered = survey.spread.check(other.name(), "labels", subject.grid(), other.grid(), &mut warnings)?;
+    let (ids, segments) = assign(subject.segments(), &survey.counts, named, other.name())?;
     let fill = Fill {
-        state,
+        subject,
         other,
         ids: &ids,
         spread: &survey.spread,
-        other_from_index: other.grid().index_from_world() * state.grid().world_from_index,
-        locked: state.scene.segments.0.iter().filter(|s| s.locked).map(|s| s.id).collect(),
+        other_from_index: other.grid().index_from_world() * subject.grid().world_from_index,
+        locked: subject.segments().0.iter().filter(|s| s.locked).map(|s| s.id).collect(),
     };
     let Filled { changes, counts, kept_locked } = fill.bricks(&|x| progress(0.4 + x * 0.6))?;
     let lost = ids.values().filter(|id| !counts.contains_key(id)).count();
@@ -79,16 +79,16 @@ pub(crate) fn import(
         labelled_voxels: counts.values().sum(),
         kept_locked,
         covered,
-        resampled: !same_place(&fill.other_from_index, state, other),
+        resampled: !same_place(&fill.other_from_index, subject, other),
     };
     Ok(Imported { changes, segments, said, warnings })
 }
 
 /// Whether voxels lie on voxels.
-fn same_place(other_from_index: &DAffine3, state: &State, other: &dyn BrickSource) -> bool {
-    let dims = state.grid().dims;
+fn same_place(other_from_index: &DAffine3, subject: &Subject<'_>, other: &dyn BrickSource) -> bool {
+    let dims = subject.grid().dims;
     let off = |p: DVec3| (other_from_index.transform_point3(p) - p).abs().max_element();
-    let far = state.grid().dims_f64() - 1.0;
+    let far = subject.grid().dims_f64() - 1.0;
     let corners = Aabb { min: DVec3::ZERO, max: far }.corners();
     other.grid().dims == dims && corners.into_iter().all(|c| off(c) < 1e-3)
 }
@@ -102,11 +102,11 @@ struct Survey {
 }
 
 fn survey(
-    state: &State,
+    subject: &Subject<'_>,
     other: &dyn BrickSource,
     progress: &(dyn Fn(f32) -> bool + Sync),
 ) -> Result<Survey, DocumentError> {
-    let rows = Rows::new(other.grid(), state.grid());
+    let rows = Rows::new(other.grid(), subject.grid());
     let add = |survey: &mut Survey, voxels: &Voxels, lo, size| with_voxels!(voxels, v => survey.add(other, v, lo, size, &rows));
     let join = |mut a: Survey, b: Survey| {
         a.spread.join(b.spread);
@@ -241,7 +241,7 @@ fn assign(
 
 /// The second pass.
 struct Fill<'a> {
-    state: &'a State,
+    subject: &'a Subject<'a>,
     other: &'a dyn BrickSource,
     ids: &'a HashMap<i128, u16>,
     spread: &'a Spread,
@@ -259,7 +259,7 @@ struct Filled {
 
 impl Fill<'_> {
     fn bricks(&self, progress: &(dyn Fn(f32) -> bool + Sync)) -> Result<Filled, DocumentError> {
-        let bricks = self.state.labels.brick_indices(0);
+        let bricks = self.subject.volume.labels.brick_indices(0);
         let begun = AtomicUsize::new(0);
         bricks
             .par_iter()
@@ -278,7 +278,7 @@ impl Fill<'_> {
     }
 
     fn brick(&self, index: BrickIndex) -> Result<Filled, DocumentError> {
-        let field = &self.state.labels;
+        let field = &self.subject.volume.labels;
         let mut new = vec![0_u16; BRICK_VOXELS];
         self.sample(index.origin(), field.valid(0, index), index.origin(), &mut new)?;
         let mut filled = Filled::default();

@@ -16,7 +16,7 @@ use crate::document::scene::{Origin, Scene};
 use crate::document::state::State;
 use crate::explode::{Explosion, Poses};
 use crate::io;
-use crate::volume::FieldKind;
+use crate::volume::{FieldKey, FieldKind, VolumeId};
 use std::path::Path;
 
 impl State {
@@ -38,9 +38,9 @@ impl State {
         let files = opened.files;
         let marks = files.clone();
         let origin = Origin { path, ..origin };
-        let state = Self::over(source, origin, files, statistics, histogram, range, &|x| progress(0.6 + x * 0.4))?;
+        let volume = crate::document::state::over(source, statistics, histogram, range, &|x| progress(0.6 + x * 0.4))?;
         still_as_opened(&marks)?;
-        Ok(state)
+        Ok(Self::of_one(volume, origin, files))
     }
 }
 
@@ -92,28 +92,43 @@ impl Opened {
         let coloured = file.colour && component == file.components;
         let share = if open_as == OpenAs::Image && !coloured { 1.0 } else { 0.6 };
         let mut state = State::open(origin, range, &|x| progress(x * share))?;
+        let subject = state.at(None)?;
         let go_on: &(dyn Fn(f32) -> bool + Sync) = &|x| progress(0.6 + x * 0.4);
         let (mut labels, mut selected_voxels) = (None, None);
         let filled = match open_as {
             OpenAs::Image => {
                 let parts = if coloured { file.colours(frame, &|x| progress(0.6 + x * 0.1))? } else { None };
                 let filled = parts.map(|parts| {
-                    crate::document::apply::colours::changes(&state.colour, &parts, &|x| progress(0.7 + x * 0.3))
+                    crate::document::apply::colours::changes(&subject.volume.colour, &parts, &|x| {
+                        progress(0.7 + x * 0.3)
+                    })
                 });
                 filled.transpose()?.map(|changes| (FieldKind::Colour, changes))
             }
             OpenAs::Labels => {
-                let imported =
-                    crate::document::apply::labels::import(&state, &*state.source, &file.labels_of(component), go_on)?;
-                state.scene.segments = imported.segments;
+                let imported = crate::document::apply::labels::import(
+                    &subject,
+                    &*subject.volume.source,
+                    &file.labels_of(component),
+                    go_on,
+                )?;
+                let id = subject.id;
+                if let Some(segments) = state.scene.segments_mut(id) {
+                    *segments = imported.segments;
+                }
                 warnings.extend(file.left_out(component));
                 warnings.extend(imported.warnings);
                 labels = Some(imported.said);
                 Some((FieldKind::Labels, imported.changes))
             }
             OpenAs::Selection => {
-                let imported =
-                    crate::document::apply::selection_import::import(&state, &*state.source, 0.0, 0.0, go_on)?;
+                let imported = crate::document::apply::selection_import::import(
+                    &subject,
+                    &*subject.volume.source,
+                    0.0,
+                    0.0,
+                    go_on,
+                )?;
                 warnings.extend(imported.warnings);
                 selected_voxels = Some(imported.voxels);
                 Some((FieldKind::Selection, imported.changes))
@@ -121,8 +136,9 @@ impl Opened {
         };
         let mut touched = Vec::new();
         if let Some((kind, changes)) = filled {
-            touched = changes.iter().map(|(index, _)| (kind, *index)).collect();
-            state.field_mut(kind).swap(changes)?;
+            let key = FieldKey::new(VolumeId::FIRST, kind);
+            touched = changes.iter().map(|(index, _)| (key, *index)).collect();
+            state.volume_mut(key.volume)?.field_mut(kind).swap(changes)?;
         }
         let keep = |folder: &Path| {
             let mut keeper = Keeper::unsaved(folder, &state)?;
@@ -209,15 +225,17 @@ impl Opened {
         let linked = |origin: &Origin| Ok(io::open(&origin.path)?.source(origin.component, origin.frame, &|_| true)?);
         let mut poses = kept.poses.clone();
         let mut state = kept.into_state(linked, progress)?;
-        let grid = *state.grid();
-        let mut mended = state.scene.mend(&grid, &state.histogram);
+        let bounds = state.bounds();
+        let mut mended = state.scene.mend(&state.volumes, &bounds);
         if let Err(error) = poses.parts.check(&state.scene.explosion) {
             mended.push(format!("{error}; all parts that no hand holds are at rest until forces take them"));
             poses = KeptPoses::default();
         }
         // Parts are checked already, and not anew with each of the past's views.
-        let plain = Scene { explosion: Explosion::whole(&grid), ..state.scene.clone() };
-        state.past.retain(&plain, |scene| scene.check(&grid).is_ok());
+        let whole = state.subjects().next().map(|subject| Explosion::whole(subject.grid()));
+        let explosion = whole.unwrap_or_else(|| Scene::empty().explosion);
+        let plain = Scene { explosion, ..state.scene.clone() };
+        state.past.retain(&plain, |scene| scene.check(&bounds).is_ok());
         let mut warnings = recovered.told.clone();
         warnings.extend(mended.into_iter().map(|what| format!("the project cannot be used as it was kept: {what}")));
         if let Some((path, reason)) = &recovered.set_aside {
@@ -231,7 +249,7 @@ impl Document {
     /// Shows what was read in place of what was open; past steps are forgotten. Answers as `volume.open` and `project.open` do.
     pub fn take(&mut self, opened: Opened) -> Answer {
         let Opened { state, poses, keeper, recovered, mut warnings, labels, selected_voxels } = opened;
-        let volume = crate::document::apply::ask::volume(&state);
+        let volume = state.at(None).map(|subject| crate::document::apply::ask::volume(&subject)).ok();
         self.adopt(state);
         if let Some(state) = &self.state {
             self.motion.stand(state, poses);
@@ -254,7 +272,8 @@ impl Document {
         }
         self.no_stroke();
         let keeper = self.keeper.take();
-        let begun = self.begin_stroke(Resolved { samples: recovered.stroke.clone(), ..Resolved::default() });
+        let active = self.state.as_ref().map_or(VolumeId::FIRST, |state| state.scene.volumes.active);
+        let begun = self.begin_stroke(active, Resolved { samples: recovered.stroke.clone(), ..Resolved::default() });
         self.keeper = keeper;
         match begun.and_then(|_| self.finish_stroke()) {
             Ok(_) => StrokeFate::Painted,

@@ -15,7 +15,8 @@ use crate::document::error::DocumentError;
 use crate::document::journal::autosave::Keeper;
 use crate::document::journal::recovery;
 use crate::document::project::read::Wanted;
-use crate::volume::{BrickIndex, FieldKind};
+use crate::document::project::store::ToKeep;
+use crate::volume::{BrickIndex, FieldKey};
 use std::path::{Path, PathBuf};
 
 impl Document {
@@ -53,13 +54,16 @@ impl Document {
     /// What is wrong with the file that a linked project's density is read from: it is not the one that was painted on. With `wait`
     /// its hash is waited for; without, `None` also while nobody knows.
     pub fn source_trouble(&self, wait: bool) -> Option<String> {
-        let files = self.state.as_ref()?.files.as_ref().filter(|files| files.is_compared())?;
-        if wait { files.hashes(&|| true).err().map(|error| error.to_string()) } else { files.trouble() }
+        let mut compared = self.state.as_ref()?.files.values().filter(|files| files.is_compared());
+        compared.find_map(|files| match wait {
+            true => files.hashes(&|| true).err().map(|error| error.to_string()),
+            false => files.trouble(),
+        })
     }
 
     /// Whether the hash of a linked project's density is still being compared.
     pub fn is_comparing(&self) -> bool {
-        self.state.as_ref().and_then(|s| s.files.as_ref()).is_some_and(|f| f.is_compared() && f.is_pending())
+        self.state.as_ref().is_some_and(|s| s.files.values().any(|f| f.is_compared() && f.is_pending()))
     }
 
     /// Closes in order: what was not saved is thrown away.
@@ -130,16 +134,17 @@ impl Document {
         let first = self.project_dir().is_none();
         let path = path.or(if first { self.save_to.as_deref() } else { None });
         if let Some(path) = path {
-            check_target(path, state.files.as_deref())?;
+            check_target(path, &state.files)?;
         }
         let poses = self.motion.kept(state);
+        let kept = ToKeep { set_aside: self.history.set_aside(), ..ToKeep::active(state, density) };
         let saved = match (&mut self.keeper, path) {
             (Some(keeper), path) => {
                 keeper.note_poses(poses);
-                keeper.save(path, state, density, progress)?
+                keeper.save_all(path, &kept, progress)?
             }
             (None, Some(path)) => {
-                let (keeper, saved) = Keeper::create(path, state, &poses, density, progress)?;
+                let (keeper, saved) = Keeper::create_all(path, &kept, &poses, progress)?;
                 self.keeper = Some(keeper);
                 saved
             }
@@ -153,7 +158,7 @@ impl Document {
     pub(crate) fn note(
         &mut self,
         command: &Command,
-        touched: &[(FieldKind, BrickIndex)],
+        touched: &[(FieldKey, BrickIndex)],
         synced: bool,
     ) -> Option<String> {
         let (keeper, state) = (self.keeper.as_mut()?, self.state.as_ref()?);

@@ -22,7 +22,7 @@ impl Document {
     pub(crate) fn render(&mut self, command: &RenderCommand) -> Result<Said, DocumentError> {
         let RenderCommand::Image { path, view, size, camera, transparent, background, supersample } = command;
         let (view, size, camera, supersample) = (*view, *size, *camera, *supersample);
-        check_target(path, self.open()?.files.as_deref())?;
+        check_target(path, &self.open()?.files)?;
         let views = &self.open()?.scene.views;
         let size = check_size(size.unwrap_or(views.slice(view).map_or(views.size, |s| s.size)))?;
         if view != ViewName::ThreeD && camera.is_some() {
@@ -83,11 +83,11 @@ impl Document {
         (corner, part): ([u32; 2], [u32; 2]),
     ) -> Result<Image, DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
-        match state.slice_frame(view, size) {
+        match state.at(None)?.slice_frame(view, size) {
             Some(frame) => self.graphics.slice(state, &frame.part(corner, part)),
             None => {
-                let camera = safe_camera(camera.unwrap_or(state.scene.views.camera), &state.grid().world_bounds())?;
-                self.graphics.part(state, &state.frame(self.motion.poses(), &camera, size), corner, part)
+                let camera = safe_camera(camera.unwrap_or(state.scene.views.camera), &state.bounds())?;
+                self.graphics.part(state, &state.at(None)?.frame(self.motion.poses(), &camera, size), corner, part)
             }
         }
     }
@@ -98,11 +98,11 @@ impl Document {
     /// Without a GPU, or whatever the GPU or the source fails with.
     pub fn picture(&mut self, view: ViewName, size: [u32; 2], camera: Option<Camera>) -> Result<Image, DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
-        match state.slice_frame(view, check_size(size)?) {
+        match state.at(None)?.slice_frame(view, check_size(size)?) {
             Some(frame) => self.graphics.slice(state, &frame),
             None => {
-                let camera = safe_camera(camera.unwrap_or(state.scene.views.camera), &state.grid().world_bounds())?;
-                self.graphics.image(state, &state.frame(self.motion.poses(), &camera, size))
+                let camera = safe_camera(camera.unwrap_or(state.scene.views.camera), &state.bounds())?;
+                self.graphics.image(state, &state.at(None)?.frame(self.motion.poses(), &camera, size))
             }
         }
     }
@@ -113,8 +113,8 @@ impl Document {
     /// As [`picture`](Self::picture).
     pub fn picture_rows(&mut self, size: [u32; 2], rows: std::ops::Range<u32>) -> Result<Image, DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
-        let camera = safe_camera(state.scene.views.camera, &state.grid().world_bounds())?;
-        self.graphics.rows(state, &state.frame(self.motion.poses(), &camera, check_size(size)?), rows)
+        let camera = safe_camera(state.scene.views.camera, &state.bounds())?;
+        self.graphics.rows(state, &state.at(None)?.frame(self.motion.poses(), &camera, check_size(size)?), rows)
     }
 
     /// Says whether something is held or moves: pictures and picks of the 3D view then wait for a bounded number of bricks, and

@@ -6,9 +6,9 @@ use crate::document::command::SegmentCommand;
 use crate::document::command::answers::{ImportedSegmentsSaid, Said};
 use crate::document::error::DocumentError;
 use crate::document::history::edit::Edit;
-use crate::document::state::State;
+use crate::document::subject::Subject;
 use crate::io;
-use crate::volume::{Brick, BrickIndex, Changes, FieldKind, SourceError};
+use crate::volume::{Brick, BrickIndex, Changes, FieldKey, FieldKind, SourceError};
 use rayon::prelude::*;
 
 impl Document {
@@ -20,20 +20,24 @@ impl Document {
     ) -> Result<Said, DocumentError> {
         let watch = self.watch.clone();
         let state = self.open_mut()?;
+        let subject = state.at(None)?;
+        let labels = FieldKey::new(subject.id, FieldKind::Labels);
         match command {
             SegmentCommand::Set { .. } => Ok(said),
             SegmentCommand::Remove { id } => {
-                let changes = without_label(state, *id)?;
-                edit.swap(state, FieldKind::Labels, changes)?;
+                let changes = without_label(&subject, *id)?;
+                edit.swap(state, labels, changes)?;
                 Ok(said)
             }
             SegmentCommand::Import { path, component, frame } => {
                 let opened = io::open(path)?;
                 let other = opened.source(*component, *frame, &|x| watch.go_on(x * 0.3))?;
                 let named = opened.labels_of(*component);
-                let imported = import(state, other.as_ref(), &named, &|x| watch.go_on(0.3 + x * 0.7))?;
-                state.scene.segments = imported.segments;
-                edit.swap(state, FieldKind::Labels, imported.changes)?;
+                let imported = import(&subject, other.as_ref(), &named, &|x| watch.go_on(0.3 + x * 0.7))?;
+                if let Some(segments) = state.scene.segments_mut(labels.volume) {
+                    *segments = imported.segments;
+                }
+                edit.swap(state, labels, imported.changes)?;
                 let left_out = opened.left_out(*component).into_iter().collect();
                 let warnings = [opened.warnings, left_out, imported.warnings].concat();
                 Ok(ImportedSegmentsSaid { labels: imported.said, warnings }.into())
@@ -43,10 +47,10 @@ impl Document {
 }
 
 /// The edited bricks that hold a label, with 0 in its place.
-fn without_label(state: &State, id: u16) -> Result<Changes, SourceError> {
-    let bytes = state.labels.format().bytes();
+fn without_label(subject: &Subject<'_>, id: u16) -> Result<Changes, SourceError> {
+    let bytes = subject.labels.format().bytes();
     let gone = id.to_le_bytes();
-    let edits: Vec<(BrickIndex, &Brick)> = state.labels.edits().into_iter().collect();
+    let edits: Vec<(BrickIndex, &Brick)> = subject.labels.edits().into_iter().collect();
     let changed = edits.into_par_iter().filter_map(|(index, brick)| {
         let mut texels = brick.to_texels(bytes);
         let mut found = false;

@@ -8,8 +8,9 @@ use crate::document::error::DocumentError;
 use crate::document::history::edit::Edit;
 use crate::document::scene::check::finite;
 use crate::document::state::State;
+use crate::document::subject::Subject;
 use crate::io;
-use crate::volume::{Brick, BrickIndex, Changes, FieldKind};
+use crate::volume::{Brick, BrickIndex, Changes, FieldKey, FieldKind, VolumeId};
 use rayon::prelude::*;
 
 /// The widest soft border, in voxels: blocks and what is around them have to fit into memory.
@@ -19,43 +20,46 @@ impl Document {
     pub(crate) fn selection(&mut self, command: &SelectionCommand, edit: &mut Edit) -> Result<Said, DocumentError> {
         let watch = self.watch.clone();
         let state = self.open_mut()?;
+        let subject = state.at(None)?;
+        let id = subject.id;
         let (mut covered, mut warnings) = (None, None);
         let changes = match command {
-            SelectionCommand::FromLabel { label } => from_label(state, *label)?,
+            SelectionCommand::FromLabel { label } => from_label(&subject, *label)?,
             SelectionCommand::Clear {} => Changes::new(),
             SelectionCommand::Import { path, threshold, soften_mm } => {
                 let (threshold, soften_mm) = (finite("threshold", *threshold)?, *soften_mm);
-                let most = (state.grid().spacing() * MAX_SOFTEN_VOXELS).min_element();
+                let most = (subject.grid().spacing() * MAX_SOFTEN_VOXELS).min_element();
                 if !(0.0..=most).contains(&soften_mm) {
                     return Err(DocumentError::invalid("soften_mm", soften_mm, format!("0 to {most} mm")));
                 }
                 let opened = io::open(path)?;
                 let other = opened.source(0, 0, &|x| watch.go_on(x * 0.3))?;
-                let imported = import(state, other.as_ref(), threshold, soften_mm, &|x| watch.go_on(0.3 + x * 0.7))?;
+                let imported = import(&subject, other.as_ref(), threshold, soften_mm, &|x| watch.go_on(0.3 + x * 0.7))?;
                 covered = Some(imported.covered);
                 warnings = Some([opened.warnings, imported.warnings].concat());
                 imported.changes
             }
         };
-        replace(state, edit, changes)?;
-        Ok(SelectedSaid { selected_bricks: state.selection.edits().len(), covered, warnings }.into())
+        replace(state, id, edit, changes)?;
+        Ok(SelectedSaid { selected_bricks: state.at(Some(id))?.selection.edits().len(), covered, warnings }.into())
     }
 }
 
 /// Makes `changes` all that is selected.
-fn replace(state: &mut State, edit: &mut Edit, mut changes: Changes) -> Result<(), DocumentError> {
+fn replace(state: &mut State, id: VolumeId, edit: &mut Edit, mut changes: Changes) -> Result<(), DocumentError> {
     let given: std::collections::BTreeSet<BrickIndex> = changes.iter().map(|(index, _)| *index).collect();
-    changes.extend(state.selection.edits().into_keys().filter(|index| !given.contains(index)).map(|i| (i, None)));
-    Ok(edit.swap(state, FieldKind::Selection, changes)?)
+    let selected = &state.at(Some(id))?.volume.selection;
+    changes.extend(selected.edits().into_keys().filter(|index| !given.contains(index)).map(|i| (i, None)));
+    Ok(edit.swap(state, FieldKey::new(id, FieldKind::Selection), changes)?)
 }
 
-fn from_label(state: &State, label: u16) -> Result<Changes, DocumentError> {
-    if label == 0 || state.scene.segments.get(label).is_none() {
-        return Err(DocumentError::no_segment("label", label, &state.scene.segments));
+fn from_label(subject: &Subject<'_>, label: u16) -> Result<Changes, DocumentError> {
+    if label == 0 || subject.segments().get(label).is_none() {
+        return Err(DocumentError::no_segment("label", label, subject.segments()));
     }
     let wanted = label.to_le_bytes();
-    let bytes = state.labels.format().bytes();
-    let edits: Vec<(BrickIndex, &Brick)> = state.labels.edits().into_iter().collect();
+    let bytes = subject.labels.format().bytes();
+    let edits: Vec<(BrickIndex, &Brick)> = subject.labels.edits().into_iter().collect();
     Ok(edits
         .into_par_iter()
         .map(|(index, brick)| {

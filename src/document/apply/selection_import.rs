@@ -7,7 +7,7 @@
 
 use crate::document::apply::overlap::{Rows, Spread, scan};
 use crate::document::error::DocumentError;
-use crate::document::state::State;
+use crate::document::subject::Subject;
 use crate::math::{DAffine3, DVec3};
 use crate::volume::{
     BRICK, BRICK_VOXELS, Brick, BrickIndex, BrickSource, Changes, Grid, SourceError, Voxels, squared_distances,
@@ -36,15 +36,15 @@ pub(crate) struct Imported {
 /// # Errors
 /// If `other` fails, if what it selects lies elsewhere, or `progress` said no.
 pub(crate) fn import(
-    state: &State,
+    subject: &Subject<'_>,
     other: &dyn BrickSource,
     threshold: f64,
     soften_mm: f64,
     progress: &(dyn Fn(f32) -> bool + Sync),
 ) -> Result<Imported, DocumentError> {
-    let grid = *state.grid();
-    let mut spread = above(state, other, threshold, &|x| progress(x * 0.3))?;
-    let bricks = state.selection.brick_dims(0);
+    let grid = *subject.grid();
+    let mut spread = above(subject, other, threshold, &|x| progress(x * 0.3))?;
+    let bricks = subject.selection.brick_dims(0);
     let blocks = bricks.map(|b| b.div_ceil(BLOCK));
     let other_from_index = other.grid().index_from_world() * grid.world_from_index;
     let ramp = Ramp::new(&grid, soften_mm);
@@ -89,12 +89,12 @@ pub(crate) fn import(
 
 /// The voxels of a file above a threshold.
 fn above(
-    state: &State,
+    subject: &Subject<'_>,
     other: &dyn BrickSource,
     threshold: f64,
     progress: &(dyn Fn(f32) -> bool + Sync),
 ) -> Result<Spread, DocumentError> {
-    let rows = Rows::new(other.grid(), state.grid());
+    let rows = Rows::new(other.grid(), subject.grid());
     let (slope, intercept) = other.scaling();
     let add = |spread: &mut Spread, voxels: &Voxels, lo: [u32; 3], size: [u32; 3]| {
         let width = size[0] as usize;

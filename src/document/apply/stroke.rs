@@ -13,14 +13,15 @@ use crate::document::command::brush::{StrokeCommand, StrokePoint};
 use crate::document::command::{Command, Place};
 use crate::document::error::DocumentError;
 use crate::document::history::edit::Edit;
-use crate::document::state::State;
 use crate::gpu::GpuError;
 use crate::paint::{Brush, BuildUpBound, Dab, Reach, Sample, StrokePath, Target, VoxelSet};
-use crate::volume::{DensityMap, FieldKind};
+use crate::volume::{DensityMap, FieldKey, FieldKind, Volume, VolumeId};
 
 /// A stroke that has begun.
 #[derive(Debug)]
 pub(crate) struct Running {
+    /// What it paints on.
+    volume: VolumeId,
     brush: Brush,
     path: StrokePath,
     /// Of a brush that adds up on density: what may have, and for how much of it the map has room.
@@ -40,34 +41,35 @@ pub(crate) struct Running {
 
 impl Running {
     /// The field that it paints.
-    pub(crate) fn field(&self) -> FieldKind {
-        self.brush.target.field()
+    pub(crate) fn field(&self) -> FieldKey {
+        FieldKey::new(self.volume, self.brush.target.field())
     }
 }
 
 impl Document {
     pub(crate) fn stroke(&mut self, command: &StrokeCommand) -> Result<Answer, DocumentError> {
-        self.open()?;
+        let volume = self.open()?.at(None)?.id;
         let running = self.running.is_some();
         match command {
             StrokeCommand::Begin { .. } | StrokeCommand::Paint { .. } if running => {
                 Err(DocumentError::NotNow("a stroke is running; end it (stroke.end) or cancel it first".into()))
             }
             StrokeCommand::Begin { points } => {
-                let resolved = self.follow(points, None)?;
-                self.begin_stroke(resolved)
+                let resolved = self.follow(volume, points, None)?;
+                self.begin_stroke(volume, resolved)
             }
             StrokeCommand::Paint { points } => {
-                let resolved = self.follow(points, None)?;
-                self.begin_stroke(resolved)?;
+                let resolved = self.follow(volume, points, None)?;
+                self.begin_stroke(volume, resolved)?;
                 self.finish_stroke()
             }
             StrokeCommand::Extend { .. } | StrokeCommand::End {} | StrokeCommand::Cancel {} if !running => {
                 Err(DocumentError::NotNow("no stroke is running; stroke.begin starts one".into()))
             }
             StrokeCommand::Extend { points } => {
+                let volume = self.running.as_ref().map_or(volume, |r| r.volume);
                 let trail = self.running.as_ref().and_then(|r| r.trail.clone());
-                let resolved = self.follow(points, trail)?;
+                let resolved = self.follow(volume, points, trail)?;
                 self.extend_stroke(resolved)
             }
             StrokeCommand::End {} => self.finish_stroke(),
@@ -91,11 +93,11 @@ impl Document {
     pub fn finish_stroke(&mut self) -> Result<Answer, DocumentError> {
         let cut_short = self.end_path()?;
         let (Some(running), Some(state)) = (&mut self.running, &mut self.state) else { return Ok(Answer::default()) };
-        let kind = running.brush.target.field();
+        let key = running.field();
         let changes: Vec<_> =
             self.graphics.finish(state)?.into_iter().map(|(index, brick)| (index, Some(brick))).collect();
         let Some(mut running) = self.running.take() else { return Ok(Answer::default()) };
-        let swapped = running.edit.swap(state, kind, changes);
+        let swapped = running.edit.swap(state, key, changes);
         let (voxels, bricks) = running.edit.counts();
         if swapped.is_err() || voxels == 0 {
             // Nothing painted: the segment or the wider map that was made for it goes too.
@@ -103,7 +105,13 @@ impl Document {
             self.mirror(&refreshed);
             self.no_stroke();
             swapped?;
-            let why = why_nothing(self.open()?, &running.brush, &running.samples, running.missed, &running.seen)?;
+            let why = why_nothing(
+                &self.open()?.at(Some(key.volume))?,
+                &running.brush,
+                &running.samples,
+                running.missed,
+                &running.seen,
+            )?;
             let said = PaintedSaid {
                 step: None,
                 dabs: running.dabs,
@@ -114,13 +122,14 @@ impl Document {
             };
             return Ok(Said::from(said).into());
         }
-        if kind == FieldKind::Density {
+        if let (FieldKind::Density, Some(volume)) = (key.kind, state.volumes.get_mut(&key.volume)) {
             let [before, after] = running.reach;
-            state.reach = Some(after.within(before, &state.density));
+            volume.painted = Some(after.within(before, &volume.density).0);
         }
         let (step, mut refreshed) = running.edit.finish(state);
         // The GPU took a wider map over at the stroke's beginning.
-        (refreshed.painted, refreshed.remapped) = (true, false);
+        refreshed.painted = true;
+        refreshed.remapped.clear();
         let said = PaintedSaid {
             step: step.as_ref().map(|s| s.name.clone()),
             dabs: running.dabs,
@@ -187,33 +196,38 @@ impl Document {
     }
 
     /// Starts a stroke with resolved samples.
-    pub(crate) fn begin_stroke(&mut self, resolved: Resolved) -> Result<Answer, DocumentError> {
+    pub(crate) fn begin_stroke(&mut self, id: VolumeId, resolved: Resolved) -> Result<Answer, DocumentError> {
         let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
+        let subject = state.at(Some(id))?;
         let mut brush = state.scene.brush;
         brush.visible_only &= !resolved.on_slice;
-        let path = StrokePath::new(&brush, state.grid())?;
+        let path = StrokePath::new(&brush, subject.grid())?;
         // What a straight stroke piles up, since a wider map costs the whole volume; one application without building up.
-        let build_up = brush.piles_up().then(|| BuildUpBound::new(&brush, state.grid()));
+        let build_up = brush.piles_up().then(|| BuildUpBound::new(&brush, subject.grid()));
         let room = build_up.as_ref().map_or(1.0, |build_up| build_up.of_a_line(path.step_mm()).max(1.0));
         let build_up = build_up.map(|build_up| (build_up, room));
-        let mut edit = Edit::new(Some(state));
-        edit.name(format!("{} {}", if brush.erase { "Erase" } else { "Paint" }, brush.target.field().name()));
-        if let (Target::Label(id), false) = (brush.target, brush.erase) {
-            state.scene.segments.ensure(id);
-        }
-        let before = match (state.reach, brush.target.field()) {
-            (Some(reach), _) => reach,
-            (None, FieldKind::Density) => Reach::new([state.histogram.min, state.histogram.max], &state.density)?,
+        let volume = subject.volume;
+        let before = match (volume.painted, brush.target.field()) {
+            (Some(reach), _) => Reach(reach),
+            (None, FieldKind::Density) => Reach::new([volume.histogram.min, volume.histogram.max], &volume.density)?,
             _ => Reach([0.0; 2]),
         };
-        let reach = [before, before.after(&brush, &state.density, room)];
+        let reach = [before, before.after(&brush, &volume.density, room)];
+        let map = map_for(&brush, volume, room, reach[1]);
+        let mut edit = Edit::new(Some(state));
+        edit.name(format!("{} {}", if brush.erase { "Erase" } else { "Paint" }, brush.target.field().name()));
+        if let (Target::Label(label), false, Some(segments)) = (brush.target, brush.erase, state.scene.segments_mut(id))
+        {
+            segments.ensure(label);
+        }
         let mut begun = Ok(());
-        if let Some(map) = map_for(&brush, state, room, reach[1]) {
-            begun = edit.remap(state, map).map_err(DocumentError::from);
-            self.graphics.remap(state);
+        if let Some(map) = map {
+            begun = edit.remap(state, id, map).map_err(DocumentError::from);
+            self.graphics.remap(state, id);
         }
         let begun = begun.and_then(|()| self.graphics.begin(state, &brush, reach[1]));
         self.running = Some(Running {
+            volume: id,
             brush,
             path,
             build_up,
@@ -246,12 +260,14 @@ impl Document {
         // Twice as much as before at least: to paint anew costs the whole volume.
         *room = most.max(*room * 2.0);
         let [before, reach] = &mut running.reach;
-        *reach = before.after(&running.brush, &state.density, *room);
-        let Some(map) = map_for(&running.brush, state, *room, *reach) else { return Ok(()) };
+        let id = running.volume;
+        let Some(volume) = state.volumes.get(&id) else { return Ok(()) };
+        *reach = before.after(&running.brush, &volume.density, *room);
+        let Some(map) = map_for(&running.brush, volume, *room, *reach) else { return Ok(()) };
         let before = self.graphics.dabs();
-        self.graphics.cancel(state, FieldKind::Density);
-        let mut widened = running.edit.remap(state, map).map_err(DocumentError::from);
-        self.graphics.remap(state);
+        self.graphics.cancel(state, FieldKey::new(id, FieldKind::Density));
+        let mut widened = running.edit.remap(state, id, map).map_err(DocumentError::from);
+        self.graphics.remap(state, id);
         widened = widened.and_then(|()| self.graphics.begin(state, &running.brush, running.reach[1]));
         self.graphics.open(&running.seen);
         let painted = widened
@@ -267,8 +283,8 @@ impl Document {
         let Some(running) = self.running.as_mut().filter(|r| r.brush.visible_only && !dabs.is_empty()) else {
             return Ok(());
         };
-        let mut seen = std::mem::take(&mut running.seen);
-        let found = self.see(dabs, &mut seen);
+        let (volume, mut seen) = (running.volume, std::mem::take(&mut running.seen));
+        let found = self.see(volume, dabs, &mut seen);
         self.graphics.open(&seen);
         if let Some(running) = &mut self.running {
             running.seen = seen;
@@ -304,17 +320,17 @@ impl Document {
     /// Lets explosion points follow a running stroke. Answers whether more of it is to come.
     pub(crate) fn follow_stroke(&mut self) -> Result<bool, DocumentError> {
         let (Some(running), Some(state)) = (&self.running, &self.state) else { return Ok(false) };
-        let kind = running.field();
-        if matches!(kind, FieldKind::Density | FieldKind::Selection) {
+        let key = running.field();
+        if matches!(key.kind, FieldKind::Density | FieldKind::Selection) {
             let live = self.graphics.live(state)?;
-            self.motion.follow(state, kind, &live)?;
+            self.motion.follow(state, key, &live)?;
         }
         Ok(self.graphics.is_due())
     }
 
     /// Whether a running stroke has cells that explosion points have not followed yet.
     pub(crate) fn has_stroke_to_follow(&self) -> bool {
-        let followed = |r: &Running| matches!(r.field(), FieldKind::Density | FieldKind::Selection);
+        let followed = |r: &Running| matches!(r.field().kind, FieldKind::Density | FieldKind::Selection);
         self.running.as_ref().is_some_and(followed) && self.graphics.is_due()
     }
 
@@ -327,7 +343,7 @@ impl Document {
 }
 
 /// The map that density needs for a brush, if it is another than it has.
-fn map_for(brush: &Brush, state: &State, coverage: f64, reach: Reach) -> Option<DensityMap> {
-    let wider = brush.map_for(&state.density, &state.statistics, coverage);
-    brush.floats_for(wider.as_ref().unwrap_or(state.density.map()), &state.density, reach).or(wider)
+fn map_for(brush: &Brush, volume: &Volume, coverage: f64, reach: Reach) -> Option<DensityMap> {
+    let wider = brush.map_for(&volume.density, &volume.statistics, coverage);
+    brush.floats_for(wider.as_ref().unwrap_or(volume.density.map()), &volume.density, reach).or(wider)
 }

@@ -2,7 +2,7 @@
 //!
 //! Looks at the fields as they are, which is as they were at the stroke's start, and at the stroke's own dabs. Changes nothing.
 
-use crate::document::state::State;
+use crate::document::subject::Subject;
 use crate::paint::{Brush, Dab, Footprint, Gate, IndexBox, Operation, Sample, StrokePath, Target, Tip, VoxelSet};
 use crate::volume::{BRICK, BrickIndex, FieldKind, SLOT, SourceError};
 use std::collections::HashMap;
@@ -12,7 +12,7 @@ const MOST_VOXELS: u64 = 1 << 22;
 
 /// The sentence; `missed` points met nothing.
 pub(super) fn why_nothing(
-    state: &State,
+    subject: &Subject<'_>,
     brush: &Brush,
     samples: &[Sample],
     missed: u64,
@@ -32,7 +32,7 @@ pub(super) fn why_nothing(
         return Ok("The pressure was 0 all along.".into());
     }
     let footprints: Vec<_> =
-        dabs(brush, samples, state).iter().filter_map(|d| d.footprint(brush, state.grid())).collect();
+        dabs(brush, samples, subject).iter().filter_map(|d| d.footprint(brush, subject.grid())).collect();
     let Some(bounds) = footprints.iter().map(|f| f.bounds).reduce(|a, b| a.union(&b)) else {
         return Ok("The stroke lay outside the volume.".into());
     };
@@ -43,7 +43,7 @@ pub(super) fn why_nothing(
             return Ok(format!("Labels take a strength times pressure of 50 % or more; here it was {percent} %."));
         }
     }
-    let open = Open::under(state, brush, &footprints, &bounds, seen)?;
+    let open = Open::under(subject, brush, &footprints, &bounds, seen)?;
     if !open.visible {
         return Ok("Nothing under the brush shows in the 3D view, and it paints only what does.".into());
     }
@@ -51,7 +51,7 @@ pub(super) fn why_nothing(
         return Ok(format!("No voxel under the brush has a value from {lo} to {hi}, where alone it may paint."));
     }
     if let Some(label) = open.locked {
-        let name = state.scene.segments.get(label).map_or_else(|| label.to_string(), |s| s.name.clone());
+        let name = subject.segments().get(label).map_or_else(|| label.to_string(), |s| s.name.clone());
         return Ok(format!("The segment there is locked: {name}."));
     }
     Ok(match (brush.effective(), brush.target.field()) {
@@ -70,8 +70,8 @@ pub(super) fn why_nothing(
     .into())
 }
 
-fn dabs(brush: &Brush, samples: &[Sample], state: &State) -> Vec<Dab> {
-    let Ok(mut path) = StrokePath::new(brush, state.grid()) else { return Vec::new() };
+fn dabs(brush: &Brush, samples: &[Sample], subject: &Subject<'_>) -> Vec<Dab> {
+    let Ok(mut path) = StrokePath::new(brush, subject.grid()) else { return Vec::new() };
     let mut dabs = path.extend(samples).unwrap_or_default();
     dabs.extend(path.end());
     dabs
@@ -89,7 +89,7 @@ struct Open {
 
 impl Open {
     fn under(
-        state: &State,
+        subject: &Subject<'_>,
         brush: &Brush,
         footprints: &[Footprint],
         bounds: &IndexBox,
@@ -102,14 +102,14 @@ impl Open {
             return Ok(unknown);
         }
         let labels = match brush.target.field() {
-            FieldKind::Labels => state.labels.read(0, bounds.lo.map(i64::from), size)?,
+            FieldKind::Labels => subject.labels.read(0, bounds.lo.map(i64::from), size)?,
             _ => Vec::new(),
         };
         let mut gates = HashMap::new();
         if let Some(range) = brush.range {
-            let gate = Gate::new(range, &state.density);
+            let gate = Gate::new(range, &subject.density);
             for brick in bounds.bricks() {
-                gates.insert(brick, gate.slot(&state.density, brick)?);
+                gates.insert(brick, gate.slot(&subject.density, brick)?);
             }
         }
         let (mut visible, mut in_range, mut locked, mut free) = (false, false, None, false);
@@ -126,7 +126,7 @@ impl Open {
                 }
                 in_range = true;
                 let label = labels.get(2 * i..2 * i + 2).map_or(0, |t| u16::from_le_bytes([t[0], t[1]]));
-                match state.scene.segments.get(label) {
+                match subject.segments().get(label) {
                     Some(segment) if segment.locked => locked = locked.or(Some(label)),
                     _ => free = true,
                 }

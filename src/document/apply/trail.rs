@@ -10,11 +10,12 @@ use crate::document::command::Place;
 use crate::document::command::brush::StrokePoint;
 use crate::document::error::DocumentError;
 use crate::document::scene::ViewName;
-use crate::document::state::State;
+use crate::document::subject::Subject;
 use crate::explode::Poses;
 use crate::gpu::{Frame, Hit};
 use crate::math::{Camera, DVec2, Pose};
 use crate::paint::{Sample, Seen, SurfaceRule};
+use crate::volume::VolumeId;
 
 /// Looks lie this share of a voxel apart at most, across the line of sight.
 const LOOKS_VOXELS: f64 = 0.25;
@@ -58,7 +59,7 @@ pub(crate) struct Resolved {
     pub(crate) on_slice: bool,
 }
 
-impl State {
+impl Subject<'_> {
     /// What a look into the 3D view is marched by: the picture, with samples dense enough to tell where a surface is.
     pub(crate) fn looking(&self, poses: &Poses, camera: &Camera, size: [u32; 2]) -> Frame {
         let frame = self.frame(poses, camera, size);
@@ -71,16 +72,21 @@ impl Document {
     ///
     /// # Errors
     /// As [`resolve`](Self::resolve).
-    pub(crate) fn follow(&mut self, points: &[StrokePoint], trail: Option<Trail>) -> Result<Resolved, DocumentError> {
+    pub(crate) fn follow(
+        &mut self,
+        volume: VolumeId,
+        points: &[StrokePoint],
+        trail: Option<Trail>,
+    ) -> Result<Resolved, DocumentError> {
         let on_slice = |p: &StrokePoint| matches!(p.at, Place::Pixel { view, .. } if view != ViewName::ThreeD);
         let mut resolved = Resolved { trail, on_slice: points.first().is_some_and(on_slice), ..Resolved::default() };
         for point in points {
             match point.at {
                 Place::Pixel { view: ViewName::ThreeD, px, size } => {
-                    self.follow_pixel(point, DVec2::from_array(px), size, &mut resolved)?;
+                    self.follow_pixel(volume, point, DVec2::from_array(px), size, &mut resolved)?;
                 }
                 at => {
-                    let sample = self.resolve(at)?;
+                    let sample = self.resolve(at, Some(volume))?;
                     let StrokePoint { pressure, breaks, .. } = *point;
                     resolved.samples.extend(resolved.trail.take().into_iter().flat_map(|trail| trail.end()));
                     resolved.samples.extend(sample.map(|s| Sample { pressure, breaks, ..s }));
@@ -92,25 +98,27 @@ impl Document {
 
     fn follow_pixel(
         &mut self,
+        volume: VolumeId,
         point: &StrokePoint,
         px: DVec2,
         size: Option<[u32; 2]>,
         resolved: &mut Resolved,
     ) -> Result<(), DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
+        let subject = state.at(Some(volume))?;
         let size = crate::document::scene::check::check_size(size.unwrap_or(state.scene.views.size))?;
         if !px.is_finite() {
             return Err(DocumentError::invalid("px", px, "two finite numbers"));
         }
         let camera = state.scene.views.camera;
-        let frame = state.looking(self.motion.poses(), &camera, size);
-        let (pixel_mm, voxel_mm) = (pixel_mm(&frame, state), state.grid().voxel_mm());
+        let frame = subject.looking(self.motion.poses(), &camera, size);
+        let (pixel_mm, voxel_mm) = (pixel_mm(&frame, &subject), subject.grid().voxel_mm());
         let radius_mm = state.scene.brush.radius_mm;
         let rule = SurfaceRule {
             radius_mm,
             voxel_mm,
             pixel_mm,
-            normal: crate::document::place::normal_of(state, ViewName::Axial),
+            normal: crate::document::place::normal_of(&subject, ViewName::Axial),
         };
         let at_once = |hit: Option<Hit>, whole: Option<Seen>| {
             let (pressure, rest) = (point.pressure, Vec::new());
@@ -217,8 +225,8 @@ fn seen(hit: Hit) -> Seen {
 }
 
 /// Size of a pixel of the picture where what is drawn ends, mm: what is nearer is smaller.
-pub(crate) fn pixel_mm(frame: &Frame, state: &State) -> f64 {
-    let corners = state.grid().world_corners();
+pub(crate) fn pixel_mm(frame: &Frame, subject: &Subject<'_>) -> f64 {
+    let corners = subject.grid().world_corners();
     let forward = frame.camera.forward();
     let far = |pose: &Pose| corners.map(|c| (pose.apply(c) - frame.camera.eye).dot(forward));
     let furthest = frame.bodies.iter().flat_map(|b| far(&b.pose)).fold(0.0, f64::max);

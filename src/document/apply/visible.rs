@@ -8,11 +8,11 @@
 use crate::document::Document;
 use crate::document::error::DocumentError;
 use crate::document::live::area::Area;
-use crate::document::state::State;
+use crate::document::subject::Subject;
 use crate::gpu::Frame;
 use crate::math::{DVec2, DVec3};
 use crate::paint::{Dab, VoxelSet};
-use crate::volume::Mode;
+use crate::volume::{Mode, VolumeId};
 
 /// Rays lie this share of a voxel apart, across the line of sight.
 const RAYS_VOXELS: f64 = 1.0 / 3.0;
@@ -26,10 +26,10 @@ impl Document {
     ///
     /// # Errors
     /// If the device or the source fails.
-    pub(crate) fn see(&mut self, dabs: &[Dab], seen: &mut VoxelSet) -> Result<(), DocumentError> {
+    pub(crate) fn see(&mut self, volume: VolumeId, dabs: &[Dab], seen: &mut VoxelSet) -> Result<(), DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
-        let views = &state.scene.views;
-        let frame = state.looking(self.motion.poses(), &views.camera, views.size);
+        let (views, subject) = (&state.scene.views, state.at(Some(volume))?);
+        let frame = subject.looking(self.motion.poses(), &views.camera, views.size);
         let mut areas: Vec<Area> = Vec::new();
         for body in &frame.bodies {
             // Consecutive dabs that lie close together are one look; each body has its own.
@@ -38,7 +38,7 @@ impl Document {
                 if body.region.iter().any(|plane| plane.distance(dab.centre) > dab.radius_mm) {
                     continue;
                 }
-                let reach = dab.radius_mm + 2.0 * state.grid().spacing().max_element();
+                let reach = dab.radius_mm + 2.0 * subject.grid().spacing().max_element();
                 let Some(area) = Area::of_ball(&frame, body.pose.apply(dab.centre), reach) else { continue };
                 open = Some(match open {
                     Some((all, one)) if all.union(area).pixels() <= TOGETHER * one.max(area.pixels()) => {
@@ -55,22 +55,24 @@ impl Document {
         }
         let mut hidden = VoxelSet::default();
         for area in areas {
-            self.see_area(&frame, area, seen, &mut hidden)?;
+            self.see_area(volume, &frame, area, seen, &mut hidden)?;
         }
         Ok(())
     }
 
     fn see_area(
         &mut self,
+        volume: VolumeId,
         frame: &Frame,
         area: Area,
         seen: &mut VoxelSet,
         hidden: &mut VoxelSet,
     ) -> Result<(), DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
-        let (grid, dims) = (state.grid(), state.grid().dims);
+        let subject = state.at(Some(volume))?;
+        let (grid, dims) = (subject.grid(), subject.grid().dims);
         // The picture in so many more pixels that rays lie close enough where what is drawn ends.
-        let fine = crate::document::apply::trail::pixel_mm(frame, state) / (RAYS_VOXELS * grid.voxel_mm());
+        let fine = crate::document::apply::trail::pixel_mm(frame, &subject) / (RAYS_VOXELS * grid.voxel_mm());
         let most = (MOST_RAYS / area.pixels().max(1.0)).sqrt();
         let scale = fine.clamp(1.0, most.max(1.0)).ceil();
         let size = frame.size.map(|s| (f64::from(s) * scale).min(f64::from(u32::MAX)) as u32);
@@ -97,7 +99,7 @@ impl Document {
                 if seen.contains(voxel) || hidden.contains(voxel) {
                     continue;
                 }
-                match shows(state, voxel)? {
+                match shows(&subject, voxel)? {
                     true => seen.insert(voxel),
                     false => hidden.insert(voxel),
                 };
@@ -108,11 +110,11 @@ impl Document {
 }
 
 /// Whether the 3D view's look shows a voxel of this value at all.
-fn shows(state: &State, voxel: [u32; 3]) -> Result<bool, DocumentError> {
-    let value = f64::from(state.density.value(voxel)?);
-    Ok(match state.scene.look.mode {
+fn shows(subject: &Subject<'_>, voxel: [u32; 3]) -> Result<bool, DocumentError> {
+    let value = f64::from(subject.density.value(voxel)?);
+    Ok(match subject.mode() {
         _ if value.is_nan() => false,
         Mode::Iso(level) => value >= level,
-        Mode::Dvr | Mode::Mip => state.scene.transfer.opacity_at(value) > 0.0,
+        Mode::Dvr | Mode::Mip => subject.transfer().opacity_at(value) > 0.0,
     })
 }

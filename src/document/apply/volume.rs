@@ -20,12 +20,13 @@ impl Document {
             }
             VolumeCommand::Export { field, path } => {
                 let state = self.open()?;
-                check_target(&path, state.files.as_deref())?;
+                let subject = state.at(None)?;
+                check_target(&path, &state.files)?;
                 let exported = export(
                     path,
-                    state.field(field),
-                    state.grid(),
-                    &state.scene.segments,
+                    subject.field(field),
+                    subject.volume.grid(),
+                    subject.segments(),
                     Compression::default(),
                     &|x| self.watch.go_on(x),
                 )?;

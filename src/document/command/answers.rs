@@ -178,8 +178,9 @@ said! {
 /// `volume.open`, `project.open`, `project.recover`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OpenedSaid {
+    /// The active one; none in a document without volumes.
     #[serde(flatten)]
-    pub volume: VolumeSaid,
+    pub volume: Option<VolumeSaid>,
     /// Opened as labels.
     #[serde(flatten)]
     pub labels: Option<LabelsSaid>,
@@ -502,7 +503,7 @@ pub struct SceneSaid {
 
 impl Serialize for SceneSaid {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        let mut scene = serde_json::to_value(&self.scene).map_err(S::Error::custom)?;
+        let mut scene = self.scene.said();
         scene["explosion"]["parts"] = serde_json::to_value(&self.parts).map_err(S::Error::custom)?;
         let mut said = to.serialize_struct("SceneSaid", 1)?;
         said.serialize_field("scene", &scene)?;

@@ -11,7 +11,10 @@ use crate::document::error::DocumentError;
 use crate::document::project::manifest::PROJECT;
 use crate::document::project::read::{check_project, generation_of};
 use crate::io::FileMark;
+use crate::volume::VolumeId;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 impl Command {
     /// Every path that it names, the one that it is about first.
@@ -72,11 +75,11 @@ pub fn at_home(path: PathBuf) -> PathBuf {
 ///
 /// # Errors
 /// The reason, with the file.
-pub(crate) fn check_target(path: &Path, files: Option<&SourceFiles>) -> Result<(), DocumentError> {
+pub(crate) fn check_target(path: &Path, files: &BTreeMap<VolumeId, Arc<SourceFiles>>) -> Result<(), DocumentError> {
     let refused = |expected: String| Err(DocumentError::invalid("path", path.display(), expected));
     let lead = leads_to(path);
     let mark = FileMark::of(path).ok();
-    for file in files.map_or(&[][..], |files| files.files()) {
+    for file in files.values().flat_map(|files| files.files()) {
         let now = FileMark::of(&file.path).ok();
         let same = mark.as_ref().is_some_and(|m| m.is_same_file(file) || now.is_some_and(|n| m.is_same_file(&n)));
         if same || lead == leads_to(&file.path) {

@@ -48,18 +48,23 @@ impl Writer {
 
     /// Links the previous generation's file of that name; a file system without links gets a copy.
     pub fn link(&self, name: &str) -> Result<(), KeepError> {
+        self.link_from(name, name)
+    }
+
+    /// The same of a file that had another name, `before`.
+    pub fn link_from(&self, before: &str, name: &str) -> Result<(), KeepError> {
         let path = self.place(name)?;
         let Some(previous) = &self.previous else {
             let missing = std::io::Error::from(ErrorKind::NotFound);
             return Err(KeepError::Io { doing: "link", path, source: missing });
         };
-        let from = inside::check_file(previous, name).map_err(KeepError::io("link", &previous.join(name)))?;
+        let from = inside::check_file(previous, before).map_err(KeepError::io("link", &previous.join(before)))?;
         if std::fs::hard_link(&from, &path).is_ok() {
             self.linked.fetch_add(1, Ordering::Relaxed);
             return Ok(());
         }
         let copied =
-            inside::open(previous, name).and_then(|mut file| std::io::copy(&mut file, &mut File::create_new(&path)?));
+            inside::open(previous, before).and_then(|mut file| std::io::copy(&mut file, &mut File::create_new(&path)?));
         let bytes = copied.map_err(KeepError::io("copy", &from))?;
         self.wrote(path, bytes);
         Ok(())

@@ -3,8 +3,9 @@
 use crate::document::history::step::{Refreshed, SceneDelta, Step, remap};
 use crate::document::scene::Scene;
 use crate::document::state::State;
-use crate::volume::{Brick, BrickIndex, Changes, DensityMap, Field, FieldKind, SourceError};
+use crate::volume::{Brick, BrickIndex, Changes, DensityMap, Field, FieldKey, FieldKind, SourceError, VolumeId};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// See the module's head.
 #[derive(Debug)]
@@ -50,8 +51,9 @@ impl Edit {
 
     /// Exchanges bricks of a field and records them. A brick that equals the unedited one is no edit; one that equals the
     /// present one is left out.
-    pub(crate) fn swap(&mut self, state: &mut State, kind: FieldKind, changes: Changes) -> Result<(), SourceError> {
-        let field = state.field_mut(kind);
+    pub(crate) fn swap(&mut self, state: &mut State, key: FieldKey, changes: Changes) -> Result<(), SourceError> {
+        let Some(volume) = state.volumes.get_mut(&key.volume) else { return Ok(()) };
+        let field = volume.field_mut(key.kind);
         let judged = changes
             .into_par_iter()
             .map(|(index, brick)| judge(field, index, brick))
@@ -66,31 +68,34 @@ impl Edit {
             return Ok(());
         }
         let (before, refresh) = field.swap(real)?;
-        self.refreshed.slots.push((kind, refresh));
-        let before = before.into_iter().map(|(index, brick)| ((kind, index), brick)).collect();
+        self.refreshed.slots.push((key, refresh));
+        let before = before.into_iter().map(|(index, brick)| ((key, index), brick)).collect();
         self.step.absorb(Step { name: self.step.name.clone(), bricks: before, ..Step::default() });
         Ok(())
     }
 
     /// Gives the density a map that holds more values; edits keep theirs.
-    pub(crate) fn remap(&mut self, state: &mut State, map: DensityMap) -> Result<(), SourceError> {
-        let density = &state.density;
+    pub(crate) fn remap(&mut self, state: &mut State, id: VolumeId, map: DensityMap) -> Result<(), SourceError> {
+        let Some(volume) = state.volumes.get_mut(&id) else { return Ok(()) };
+        let density = &volume.density;
         let edits = density
             .edits()
             .into_par_iter()
             .map(|(index, brick)| Ok((index, Some(recode(density, &map, index, brick)?))))
             .collect::<Result<Vec<_>, SourceError>>()?;
-        let (old, before) = remap(&mut state.density, map, edits)?;
-        self.refreshed.remapped = true;
-        let bricks = before.into_iter().map(|(index, brick)| ((FieldKind::Density, index), brick)).collect();
-        self.step.absorb(Step { name: self.step.name.clone(), bricks, map: Some(old), ..Step::default() });
+        let (old, before) = remap(&mut volume.density, map, edits)?;
+        self.refreshed.remapped.insert(id);
+        let key = FieldKey::new(id, FieldKind::Density);
+        let bricks = before.into_iter().map(|(index, brick)| ((key, index), brick)).collect();
+        let maps = BTreeMap::from([(id, old)]);
+        self.step.absorb(Step { name: self.step.name.clone(), bricks, maps, ..Step::default() });
         Ok(())
     }
 
     /// The step, unless nothing changed, and what is new for whoever mirrors fields.
     pub(crate) fn finish(mut self, state: &State) -> (Option<Step>, Refreshed) {
         if let Some(before) = self.scene.take() {
-            self.step.scene = SceneDelta::between(before, &state.scene);
+            self.step.scene = SceneDelta::between(before, &state.scene, false);
         }
         self.refreshed.bricks = self.step.bricks.keys().copied().collect();
         let step = (!self.step.is_empty()).then_some(self.step);
@@ -101,7 +106,7 @@ impl Edit {
     pub(crate) fn roll_back(mut self, state: &mut State) -> Result<Refreshed, SourceError> {
         if let Some(before) = self.scene.take() {
             before.looks().exchange(&mut state.scene);
-            SceneDelta::between(before, &state.scene).exchange(&mut state.scene);
+            SceneDelta::between(before, &state.scene, true).exchange(&mut state.scene);
         }
         let mut refreshed = self.step.exchange(state)?;
         refreshed.join(self.refreshed);

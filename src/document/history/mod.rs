@@ -11,8 +11,10 @@ pub(crate) mod step;
 use crate::document::error::DocumentError;
 use crate::document::history::packed::Packed;
 use crate::document::history::spill::SpillFolder;
-use crate::document::history::step::{Refreshed, Step};
+use crate::document::history::step::{Bare, Refreshed, Step};
 use crate::document::state::State;
+use crate::volume::{Volume, VolumeId};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// Memory for steps unless told otherwise.
@@ -22,6 +24,8 @@ pub const DEFAULT_BUDGET_BYTES: u64 = 256 << 20;
 struct Entry {
     name: String,
     step: Packed,
+    /// Volumes that come or go with the step: what was painted on them is packed, their sources are no bytes.
+    volumes: BTreeMap<VolumeId, Option<Bare>>,
 }
 
 /// See the module's head.
@@ -90,6 +94,13 @@ impl History {
     /// Whether a group is open.
     pub fn in_group(&self) -> bool {
         self.group.is_some()
+    }
+
+    /// Volumes that went and can be brought back.
+    pub(crate) fn set_aside(&self) -> BTreeMap<VolumeId, &Volume> {
+        let entries = self.undo.iter().chain(&self.redo).map(|entry| &entry.volumes);
+        let all = entries.chain(self.group.iter().map(|step| &step.volumes)).flatten();
+        all.filter_map(|(id, bare)| Some((*id, &bare.as_ref()?.volume))).collect()
     }
 
     /// Forgets everything; budget and folder stay.
@@ -218,12 +229,13 @@ impl History {
 
 fn pack(step: &Step) -> Result<Entry, DocumentError> {
     let packed = Packed::new(step).map_err(DocumentError::NotNow)?;
-    Ok(Entry { name: step.name.clone(), step: packed })
+    Ok(Entry { name: step.name.clone(), step: packed, volumes: step.volumes.clone() })
 }
 
 /// Exchanges an entry with the state and answers the entry that turns it back.
 fn turn(entry: &Entry, state: &mut State) -> Result<(Entry, Refreshed), DocumentError> {
     let mut step = entry.step.load(&entry.name).map_err(DocumentError::NotNow)?;
+    step.volumes.clone_from(&entry.volumes);
     let refreshed = step.exchange(state)?;
     match pack(&step) {
         Ok(turned) => Ok((turned, refreshed)),

@@ -1,7 +1,7 @@
 //! A step as bytes, in memory or in a file: a JSON head, then its bricks under LZ4.
 
 use crate::document::history::step::{SceneDelta, Step};
-use crate::volume::{Brick, BrickIndex, DensityMap, FieldKind};
+use crate::volume::{Brick, BrickIndex, DensityMap, FieldKey, VolumeId};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -17,8 +17,8 @@ enum Shape {
 #[derive(Serialize, Deserialize)]
 struct Head {
     scene: SceneDelta,
-    map: Option<DensityMap>,
-    bricks: Vec<(FieldKind, BrickIndex, Shape)>,
+    maps: Vec<(VolumeId, DensityMap)>,
+    bricks: Vec<(FieldKey, BrickIndex, Shape)>,
 }
 
 /// Where a step's bytes are.
@@ -39,15 +39,16 @@ impl Packed {
                 _ => Vec::new(),
             })
             .collect();
-        let shapes = step.bricks.iter().zip(&payload).map(|((&(kind, index), brick), bytes)| {
+        let shapes = step.bricks.iter().zip(&payload).map(|((&(key, index), brick), bytes)| {
             let shape = match brick {
                 None => Shape::Unedited,
                 Some(Brick::Uniform(value)) => Shape::Uniform(*value),
                 Some(Brick::Dense(texels)) => Shape::Dense(bytes.len(), texels.len()),
             };
-            (kind, index, shape)
+            (key, index, shape)
         });
-        let head = Head { scene: step.scene.clone(), map: step.map, bricks: shapes.collect() };
+        let head =
+            Head { scene: step.scene.clone(), maps: step.maps.clone().into_iter().collect(), bricks: shapes.collect() };
         let head = serde_json::to_vec(&head).map_err(|e| format!("a step cannot be written down: {e}"))?;
         let mut bytes = Vec::with_capacity(8 + head.len() + payload.iter().map(Vec::len).sum::<usize>());
         bytes.extend_from_slice(&(head.len() as u64).to_le_bytes());
@@ -114,9 +115,10 @@ fn parse(bytes: &[u8], name: &str) -> Option<Step> {
     let length = u64::from_le_bytes(bytes.get(..8)?.try_into().ok()?);
     let end = 8_usize.checked_add(usize::try_from(length).ok()?)?;
     let head: Head = serde_json::from_slice(bytes.get(8..end)?).ok()?;
-    let mut step = Step { name: name.into(), scene: head.scene, map: head.map, ..Step::default() };
+    let mut step =
+        Step { name: name.into(), scene: head.scene, maps: head.maps.into_iter().collect(), ..Step::default() };
     let mut at = end;
-    for (kind, index, shape) in head.bricks {
+    for (key, index, shape) in head.bricks {
         let brick = match shape {
             Shape::Unedited => None,
             Shape::Uniform(value) => Some(Brick::Uniform(value)),
@@ -127,7 +129,7 @@ fn parse(bytes: &[u8], name: &str) -> Option<Step> {
                 Some(Brick::Dense(texels.into()))
             }
         };
-        step.bricks.insert((kind, index), brick);
+        step.bricks.insert((key, index), brick);
     }
     Some(step)
 }

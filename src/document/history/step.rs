@@ -3,24 +3,35 @@
 //! So undo and redo are the same swap. A step holds only what changed of what was decided: components of the scene, bricks of
 //! fields, and the density's map when painting widened it. Where a simulation took the parts is in no step.
 
+use crate::document::disk::source_files::SourceFiles;
 use crate::document::scene::Scene;
+use crate::document::scene::volumes::{VolumeLook, Volumes};
 use crate::document::state::State;
 use crate::explode::Explosion;
-use crate::volume::{Brick, BrickIndex, Changes, DensityMap, Field, FieldKind, Refresh, Segments, SourceError};
+use crate::volume::{
+    Brick, BrickIndex, Changes, DensityMap, Field, FieldKey, FieldKind, Refresh, SourceError, Volume, VolumeId,
+};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 /// The parts of a scene that undo knows; views and looks have a past of their own, the brush has none.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SceneDelta {
-    segments: Option<Segments>,
+    volumes: Option<Volumes>,
     explosion: Option<Explosion>,
+    /// How volumes are shown, of those that the step itself shows otherwise; `None` where there was no such volume.
+    shown: BTreeMap<VolumeId, Option<VolumeLook>>,
 }
 
 impl SceneDelta {
-    /// What `before` holds where `after` differs from it.
-    pub(crate) fn between(before: Scene, after: &Scene) -> Self {
-        let mut delta = Self { segments: Some(before.segments), explosion: Some(before.explosion) };
+    /// What `before` holds where `after` differs from it; how volumes are shown only `with_looks`.
+    pub(crate) fn between(before: Scene, after: &Scene, with_looks: bool) -> Self {
+        let mut delta = Self { volumes: Some(before.volumes), explosion: Some(before.explosion), ..Self::default() };
+        if with_looks {
+            let ids: BTreeSet<VolumeId> = before.shown.keys().chain(after.shown.keys()).copied().collect();
+            delta.shown = ids.into_iter().map(|id| (id, before.shown.get(&id).cloned())).collect();
+        }
         delta.prune(after);
         delta
     }
@@ -32,8 +43,9 @@ impl SceneDelta {
                 *slot = None;
             }
         }
-        drop_equal(&mut self.segments, &scene.segments);
+        drop_equal(&mut self.volumes, &scene.volumes);
         drop_equal(&mut self.explosion, &scene.explosion);
+        self.shown.retain(|id, held| held.as_ref() != scene.shown.get(id));
     }
 
     fn is_empty(&self) -> bool {
@@ -52,14 +64,23 @@ impl SceneDelta {
                 std::mem::swap(held, now);
             }
         }
-        swap(&mut self.segments, &mut scene.segments);
+        swap(&mut self.volumes, &mut scene.volumes);
         swap(&mut self.explosion, &mut scene.explosion);
+        for (id, held) in &mut self.shown {
+            let now = scene.shown.remove(id);
+            if let Some(look) = std::mem::replace(held, now) {
+                scene.shown.insert(*id, look);
+            }
+        }
     }
 
     /// Joins a later delta: what was there first comes back.
     fn absorb(&mut self, later: Self) {
-        self.segments = self.segments.take().or(later.segments);
+        self.volumes = self.volumes.take().or(later.volumes);
         self.explosion = self.explosion.take().or(later.explosion);
+        for (id, held) in later.shown {
+            self.shown.entry(id).or_insert(held);
+        }
     }
 }
 
@@ -67,11 +88,13 @@ impl SceneDelta {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Refreshed {
     /// Slots by field.
-    pub slots: Vec<(FieldKind, Refresh)>,
+    pub slots: Vec<(FieldKey, Refresh)>,
     /// Bricks of level 0 whose own texels may be new.
-    pub bricks: Vec<(FieldKind, BrickIndex)>,
-    /// Whether the density got another map: all of its texels are new.
-    pub remapped: bool,
+    pub bricks: Vec<(FieldKey, BrickIndex)>,
+    /// Volumes whose density got another map: all of its texels are new.
+    pub remapped: BTreeSet<VolumeId>,
+    /// Volumes that came or went: all of them is new.
+    pub exchanged: BTreeSet<VolumeId>,
     /// Whether the GPU's slots hold it already: a stroke painted them.
     pub painted: bool,
 }
@@ -81,27 +104,43 @@ impl Refreshed {
     pub(crate) fn join(&mut self, later: Self) {
         self.slots.extend(later.slots);
         self.bricks.extend(later.bricks);
-        self.remapped |= later.remapped;
+        self.remapped.extend(later.remapped);
+        self.exchanged.extend(later.exchanged);
     }
 }
 
+/// A volume that came or went, without what was painted on it.
+#[derive(Clone, Debug)]
+pub(crate) struct Bare {
+    pub volume: Volume,
+    pub files: Option<Arc<SourceFiles>>,
+}
+
 /// See the module's head.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Step {
     /// What the user did.
     pub name: String,
     /// Scene.
     pub scene: SceneDelta,
     /// Bricks of level 0; `None` is an unedited one.
-    pub bricks: BTreeMap<(FieldKind, BrickIndex), Option<Brick>>,
-    /// With a map, the density's bricks above are all of its edits.
-    pub map: Option<DensityMap>,
+    pub bricks: BTreeMap<(FieldKey, BrickIndex), Option<Brick>>,
+    /// With a map, the volume's density bricks above are all of its edits.
+    pub maps: BTreeMap<VolumeId, DensityMap>,
+    /// Volumes as a whole: one that comes, its edits above; `None` where one goes.
+    pub volumes: BTreeMap<VolumeId, Option<Bare>>,
+}
+
+/// How to take back a part of an exchange that fails later.
+enum Done {
+    Swapped(FieldKey),
+    Mapped(VolumeId, DensityMap),
 }
 
 impl Step {
     /// Whether it would change nothing.
     pub(crate) fn is_empty(&self) -> bool {
-        self.scene.is_empty() && self.bricks.is_empty() && self.map.is_none()
+        self.scene.is_empty() && self.bricks.is_empty() && self.maps.is_empty() && self.volumes.is_empty()
     }
 
     /// Exchanges what it holds with what the state holds.
@@ -110,43 +149,49 @@ impl Step {
     /// If the source fails; state and step are then as they were.
     pub(crate) fn exchange(&mut self, state: &mut State) -> Result<Refreshed, SourceError> {
         let mut refreshed = Refreshed::default();
-        let mut held = BTreeMap::new();
-        let mut done: Vec<FieldKind> = Vec::new();
-        // The density last: only it has a source that can fail, and a map that is exchanged as a whole.
-        for kind in [FieldKind::Colour, FieldKind::Selection, FieldKind::Labels, FieldKind::Density] {
-            let mut changes = Vec::new();
-            for (&(of, index), brick) in &self.bricks {
-                if of == kind {
-                    changes.push((index, brick.clone()));
-                }
+        let mut came = Vec::new();
+        for (&id, bare) in &self.volumes {
+            refreshed.exchanged.insert(id);
+            if let Some(bare) = bare
+                && !state.volumes.contains_key(&id)
+            {
+                attach(state, id, bare.clone());
+                came.push(id);
             }
-            let result = match self.map {
-                Some(map) if kind == FieldKind::Density => {
-                    remap(&mut state.density, map, changes).map(|(old, before)| {
-                        self.map = Some(old);
-                        refreshed.remapped = true;
-                        before
-                    })
-                }
-                _ if changes.is_empty() => continue,
-                _ => state.field_mut(kind).swap(changes).map(|(before, refresh)| {
-                    refreshed.slots.push((kind, refresh));
-                    before
-                }),
-            };
-            match result {
-                Ok(before) => {
-                    done.push(kind);
-                    held.extend(before.into_iter().map(|(index, brick)| ((kind, index), brick)));
+        }
+        let changes = self.changes(state);
+        let mut held = BTreeMap::new();
+        let mut done = Vec::new();
+        for (key, changes) in changes {
+            match self.swap(state, key, changes, &mut refreshed) {
+                Ok((before, how)) => {
+                    done.push(how);
+                    held.extend(before.into_iter().map(|(index, brick)| ((key, index), brick)));
                 }
                 Err(error) => {
-                    for kind in done {
-                        let back =
-                            held.iter().filter(|((of, _), _)| *of == kind).map(|((_, i), b)| (*i, b.clone())).collect();
-                        state.field_mut(kind).swap(back)?;
+                    for how in done {
+                        take_back(state, how, &held)?;
+                    }
+                    for id in came {
+                        detach(state, id);
                     }
                     return Err(error);
                 }
+            }
+        }
+        for how in done {
+            if let Done::Mapped(id, old) = how {
+                self.maps.insert(id, old);
+                refreshed.remapped.insert(id);
+            }
+        }
+        for (id, held) in &mut self.volumes {
+            if came.contains(id) {
+                *held = None;
+            } else {
+                *held = detach(state, *id);
+                // It goes with the map that it has.
+                self.maps.remove(id);
             }
         }
         refreshed.bricks = held.keys().copied().collect();
@@ -155,24 +200,82 @@ impl Step {
         Ok(refreshed)
     }
 
+    /// What is to be swapped, field by field. Density last: only it has a source that can fail, and a map that is exchanged as a
+    /// whole. A volume that goes leaves all that was painted on it.
+    fn changes(&self, state: &State) -> Vec<(FieldKey, Changes)> {
+        let mut by_field: BTreeMap<FieldKey, Changes> = BTreeMap::new();
+        for (&(key, index), brick) in &self.bricks {
+            by_field.entry(key).or_default().push((index, brick.clone()));
+        }
+        for id in self.maps.keys() {
+            by_field.entry(FieldKey::new(*id, FieldKind::Density)).or_default();
+        }
+        for (&id, bare) in &self.volumes {
+            let Some(volume) = state.volumes.get(&id).filter(|_| bare.is_none()) else { continue };
+            for kind in FieldKind::ALL {
+                let gone = volume.field(kind).edits().into_keys().map(|index| (index, None)).collect();
+                by_field.insert(FieldKey::new(id, kind), gone);
+            }
+        }
+        by_field.retain(|key, changes| {
+            state.volumes.contains_key(&key.volume) && (!changes.is_empty() || self.maps.contains_key(&key.volume))
+        });
+        let mut all: Vec<_> = by_field.into_iter().collect();
+        all.sort_by_key(|(key, _)| key.kind == FieldKind::Density);
+        all
+    }
+
+    fn swap(
+        &self,
+        state: &mut State,
+        key: FieldKey,
+        changes: Changes,
+        refreshed: &mut Refreshed,
+    ) -> Result<(Changes, Done), SourceError> {
+        let Some(volume) = state.volumes.get_mut(&key.volume) else { return Ok((Vec::new(), Done::Swapped(key))) };
+        let goes = self.volumes.get(&key.volume).is_some_and(Option::is_none);
+        match self.maps.get(&key.volume) {
+            Some(map) if key.kind == FieldKind::Density && !goes => {
+                let (old, before) = remap(&mut volume.density, *map, changes)?;
+                Ok((before, Done::Mapped(key.volume, old)))
+            }
+            _ => {
+                let (before, refresh) = volume.field_mut(key.kind).swap(changes)?;
+                refreshed.slots.push((key, refresh));
+                Ok((before, Done::Swapped(key)))
+            }
+        }
+    }
+
     /// Joins a step that came after this one; what was there first comes back.
     pub(crate) fn absorb(&mut self, later: Self) {
         self.name = later.name;
         self.scene.absorb(later.scene);
-        let density = |key: &(FieldKind, BrickIndex)| key.0 == FieldKind::Density;
-        if later.map.is_some() && self.map.is_none() {
-            // The later list is all edits; ours say what some of those were still earlier.
-            self.map = later.map;
-            for (key, brick) in later.bricks {
+        let density = |key: &FieldKey| key.kind == FieldKind::Density;
+        let whole: BTreeSet<VolumeId> = self.maps.keys().copied().collect();
+        for (key, brick) in later.bricks {
+            if !(density(&key.0) && whole.contains(&key.0.volume)) {
                 self.bricks.entry(key).or_insert(brick);
             }
-            self.bricks.retain(|key, brick| !density(key) || brick.is_some());
-        } else {
-            let whole = self.map.is_some();
-            for (key, brick) in later.bricks {
-                if !(whole && density(&key)) {
-                    self.bricks.entry(key).or_insert(brick);
+        }
+        for (id, map) in later.maps {
+            if whole.contains(&id) {
+                continue;
+            }
+            // The later list is all edits; ours say what some of those were still earlier.
+            self.maps.insert(id, map);
+            self.bricks.retain(|(key, _), brick| !(density(key) && key.volume == id) || brick.is_some());
+        }
+        for (id, bare) in later.volumes {
+            match self.volumes.get(&id) {
+                // What came and went again was never there.
+                Some(None) if bare.is_some() => {
+                    self.volumes.remove(&id);
+                    self.bricks.retain(|(key, _), _| key.volume != id);
+                    self.maps.remove(&id);
                 }
+                Some(_) => {}
+                None => drop(self.volumes.insert(id, bare)),
             }
         }
     }
@@ -180,11 +283,49 @@ impl Step {
     /// Forgets what the state holds anyway.
     pub(crate) fn prune(&mut self, state: &State) {
         self.scene.prune(&state.scene);
-        let whole = self.map.is_some();
-        self.bricks.retain(|&(kind, index), brick| {
-            (whole && kind == FieldKind::Density) || state.field(kind).edit(index) != brick.as_ref()
+        let (maps, volumes) = (&self.maps, &self.volumes);
+        self.bricks.retain(|&(key, index), brick| {
+            let whole = maps.contains_key(&key.volume) && key.kind == FieldKind::Density;
+            let here = || state.field(key).and_then(|field| field.edit(index));
+            whole || volumes.contains_key(&key.volume) || here() != brick.as_ref()
         });
     }
+}
+
+fn attach(state: &mut State, id: VolumeId, bare: Bare) {
+    state.volumes.insert(id, bare.volume);
+    if let Some(files) = bare.files {
+        state.files.insert(id, files);
+    }
+}
+
+fn detach(state: &mut State, id: VolumeId) -> Option<Bare> {
+    let files = state.files.remove(&id);
+    state.volumes.remove(&id).map(|volume| Bare { volume, files })
+}
+
+/// Takes back what a part of an exchange did.
+fn take_back(
+    state: &mut State,
+    how: Done,
+    held: &BTreeMap<(FieldKey, BrickIndex), Option<Brick>>,
+) -> Result<(), SourceError> {
+    let of = |wanted: FieldKey| -> Changes {
+        held.iter().filter(|((key, _), _)| *key == wanted).map(|((_, index), brick)| (*index, brick.clone())).collect()
+    };
+    match how {
+        Done::Swapped(key) => {
+            if let Some(volume) = state.volumes.get_mut(&key.volume) {
+                volume.field_mut(key.kind).swap(of(key))?;
+            }
+        }
+        Done::Mapped(id, map) => {
+            if let Some(volume) = state.volumes.get_mut(&id) {
+                remap(&mut volume.density, map, of(FieldKey::new(id, FieldKind::Density)))?;
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Gives the density another map and other edits, all of them; answers with the ones before.

@@ -9,21 +9,21 @@ use crate::document::command::files::DensityKeeping;
 use crate::document::disk::error::KeepError;
 use crate::document::disk::files::remove_dir;
 use crate::document::disk::lock::Lock;
-use crate::document::journal::Journal;
 use crate::document::journal::loaded::KeptDocument;
 use crate::document::journal::poses_file::PosesFile;
 use crate::document::journal::recovery;
 use crate::document::journal::replay::{Replay, free_aside};
+use crate::document::journal::{Beginning, Journal};
 use crate::document::project::link::Link;
-use crate::document::project::manifest::{JOURNAL_HEADER, Kept, MANIFEST, Manifest};
+use crate::document::project::manifest::{JOURNAL_HEADER, Kept, MANIFEST, Manifest, VolumeRecord};
 use crate::document::project::read::{Wanted, load, named, read_unsaved};
-use crate::document::project::store::{Committed, Store};
+use crate::document::project::store::{Committed, Store, ToKeep};
 use crate::document::scene::kept_poses::KeptPoses;
 use crate::document::state::State;
 use crate::explode::Poses;
 use crate::io::FileMark;
 use crate::paint::Sample;
-use crate::volume::{BrickIndex, FieldKind};
+use crate::volume::{BrickIndex, FieldKey};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -50,17 +50,20 @@ impl Keeper {
     /// # Errors
     /// If the recovery folder or the file that was opened cannot be had.
     pub fn unsaved(state_dir: &Path, state: &State) -> Result<Self, KeepError> {
-        let path = &state.scene.origin.path;
-        let link = match &state.files {
-            Some(files) => Link::until_next_start(files.files())?,
-            None => Link::until_next_start(&[FileMark::of(path).map_err(KeepError::io("read", path))?])?,
-        };
+        let mut volumes = BTreeMap::new();
+        for subject in state.subjects() {
+            let path = &subject.settings.origin.path;
+            let link = match state.files.get(&subject.id) {
+                Some(files) => Link::until_next_start(files.files())?,
+                None => Link::until_next_start(&[FileMark::of(path).map_err(KeepError::io("read", path))?])?,
+            };
+            volumes.insert(subject.id, VolumeRecord::of(subject.volume, Kept::Linked(link), BTreeMap::new()));
+        }
         let (dir, lock) = recovery::create(state_dir)?;
         let start = || {
-            let poses = KeptPoses::at_rest(&state.scene, Poses::default());
-            let manifest = Manifest::of(0, state, &poses, Kept::Linked(link), BTreeMap::new());
+            let manifest = Manifest::of(0, state, &KeptPoses::at_rest(&state.scene, Poses::default()), volumes);
             crate::document::disk::files::write_new(&dir.join(MANIFEST), &manifest.json()?)?;
-            Journal::create(&dir.join(recovery::JOURNAL), 0, &state.scene, &state.past, state.density.map())
+            Journal::create(&dir.join(recovery::JOURNAL), Beginning { scene: &state.scene, ..Beginning::of(&manifest) })
         };
         match start() {
             Ok(journal) => Ok(Self::over(journal, Place::Unsaved { dir, lock }, KeptPoses::default()).0),
@@ -87,7 +90,17 @@ impl Keeper {
         density: Option<DensityKeeping>,
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> Result<(Self, Saved), KeepError> {
-        save_new(path, state, poses, density, progress)
+        Self::create_all(path, &ToKeep::active(state, density), poses, progress)
+    }
+
+    /// The same of all that a document has to keep.
+    pub(crate) fn create_all(
+        path: &Path,
+        kept: &ToKeep<'_>,
+        poses: &KeptPoses,
+        progress: &(dyn Fn(f32) -> bool + Sync),
+    ) -> Result<(Self, Saved), KeepError> {
+        save_new(path, kept, poses, progress)
     }
 
     /// Opens a project as it was last kept: its current generation, and what the journal holds beyond it.
@@ -109,10 +122,9 @@ impl Keeper {
         if loaded.is_current {
             remove_older_journals(dir, store.generation(), store.generation());
         }
-        let Manifest { scene, past, volume, .. } = &loaded.manifest;
-        let map = &volume.map;
+        let beginning = || Beginning::of(&loaded.manifest);
         let mut set_aside = None;
-        let resumed = match Journal::resume(&path, store.generation(), scene, past, map) {
+        let resumed = match Journal::resume(&path, beginning()) {
             Err(error @ KeepError::Malformed { .. }) => {
                 let aside = free_aside(&path);
                 std::fs::rename(&path, &aside).map_err(KeepError::io("set aside", &path))?;
@@ -123,7 +135,7 @@ impl Keeper {
         };
         let (journal, replay) = match resumed {
             Some(resumed) => resumed,
-            None => (Journal::create(&path, store.generation(), scene, past, map)?, Replay::default()),
+            None => (Journal::create(&path, beginning())?, Replay::default()),
         };
         let (mut keeper, beside) = Self::over(journal, Place::Project(Box::new(store)), KeptPoses::default());
         let mut document = KeptDocument::new(loaded, replay, beside, &path)?;
@@ -152,8 +164,7 @@ impl Keeper {
             let mut loaded = load(dir, wanted)?;
             let generation = loaded.manifest.generation;
             let path = dir.join(journal_name(generation));
-            let Manifest { scene, past, volume, .. } = &loaded.manifest;
-            let replay = match Journal::look(&path, generation, scene, past, &volume.map) {
+            let replay = match Journal::look(&path, Beginning::of(&loaded.manifest)) {
                 Err(error @ KeepError::Malformed { .. }) => {
                     loaded.told.push(format!("what was done after the last save is lost: {error}"));
                     None
@@ -177,8 +188,7 @@ impl Keeper {
         let lock = Lock::take(&dir)?;
         let loaded = read_unsaved(&dir)?;
         let path = dir.join(recovery::JOURNAL);
-        let Manifest { scene, past, volume, .. } = &loaded.manifest;
-        let resumed = Journal::resume(&path, 0, scene, past, &volume.map)?;
+        let resumed = Journal::resume(&path, Beginning::of(&loaded.manifest))?;
         let (journal, replay) =
             resumed.ok_or_else(|| KeepError::io("open", &path)(std::io::ErrorKind::NotFound.into()))?;
         let (mut keeper, beside) = Self::over(journal, Place::Unsaved { dir, lock }, KeptPoses::default());
@@ -197,7 +207,7 @@ impl Keeper {
         &mut self,
         command: &Command,
         state: &State,
-        touched: &[(FieldKind, BrickIndex)],
+        touched: &[(FieldKey, BrickIndex)],
         synced: bool,
     ) -> Result<(), KeepError> {
         self.journal.step(command, state, touched, synced)
@@ -245,17 +255,27 @@ impl Keeper {
         density: Option<DensityKeeping>,
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> Result<Saved, KeepError> {
+        self.save_all(path, &ToKeep::active(state, density), progress)
+    }
+
+    /// The same of all that a document has to keep.
+    pub(crate) fn save_all(
+        &mut self,
+        path: Option<&Path>,
+        kept: &ToKeep<'_>,
+        progress: &(dyn Fn(f32) -> bool + Sync),
+    ) -> Result<Saved, KeepError> {
         let elsewhere = path.filter(|p| !self.project_dir().is_some_and(|dir| same_folder(p, dir)));
         match (&mut self.place, elsewhere) {
             (Place::Project(store), None) => {
-                let Committed { saved, made, doubt } = save_into(store, state, &self.poses, density, progress)?;
+                let Committed { saved, made, doubt } = save_into(store, kept, &self.poses, progress)?;
                 self.poses_file = PosesFile::beside(made.path()).0;
                 self.journal = made;
                 doubt.map_or(Ok(saved), Err)
             }
             (Place::Unsaved { .. }, None) => Err(KeepError::NoPath),
             (_, Some(path)) => {
-                let (next, saved) = save_new(path, state, &self.poses, density, progress)?;
+                let (next, saved) = save_new(path, kept, &self.poses, progress)?;
                 // What the old place holds beyond its last save is in the new one.
                 std::mem::replace(self, next).discard().unwrap_or_else(|e| tracing::warn!("{e}"));
                 Ok(saved)
@@ -331,23 +351,23 @@ impl Keeper {
 /// Saves and starts the journal of the new generation.
 fn save_into(
     store: &mut Store,
-    state: &State,
+    kept: &ToKeep<'_>,
     poses: &KeptPoses,
-    density: Option<DensityKeeping>,
     progress: &(dyn Fn(f32) -> bool + Sync),
 ) -> Result<Committed<Journal>, KeepError> {
     let dir = store.dir().to_owned();
     // Before the rename, so that there is no moment at which a generation is current and nothing can be noted.
-    let start = |generation| {
+    let state = kept.state;
+    let start = |generation, manifest: &Manifest| {
         let path = dir.join(journal_name(generation));
         // Of a generation that is no more; whatever steps are in it are somebody's.
         if path.symlink_metadata().is_ok_and(|about| about.is_file() && about.len() > JOURNAL_HEADER) {
             std::fs::rename(&path, free_aside(&path)).map_err(KeepError::io("set aside", &path))?;
         }
-        Journal::create(&path, generation, &state.scene, &state.past, state.density.map())
+        Journal::create(&path, Beginning { scene: &state.scene, ..Beginning::of(manifest) })
     };
     let (before, next) = (store.generation(), store.next_generation());
-    let committed = store.save(state, poses, density, start, progress).inspect_err(|_| {
+    let committed = store.save(kept, poses, start, progress).inspect_err(|_| {
         // Its generation is not.
         let _ = std::fs::remove_file(dir.join(journal_name(next)));
     })?;
@@ -361,13 +381,12 @@ fn save_into(
 /// The same into a new project; without success the folder is as it was.
 fn save_new(
     path: &Path,
-    state: &State,
+    kept: &ToKeep<'_>,
     poses: &KeptPoses,
-    density: Option<DensityKeeping>,
     progress: &(dyn Fn(f32) -> bool + Sync),
 ) -> Result<(Keeper, Saved), KeepError> {
     let mut store = Store::create(path)?;
-    match save_into(&mut store, state, poses, density, progress) {
+    match save_into(&mut store, kept, poses, progress) {
         Ok(Committed { doubt: Some(error), .. }) => Err(error),
         Ok(Committed { saved, made, .. }) => {
             Ok((Keeper::over(made, Place::Project(Box::new(store)), poses.clone()).0, saved))

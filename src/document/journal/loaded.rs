@@ -5,28 +5,28 @@ use crate::document::disk::source_files::SourceFiles;
 use crate::document::error::DocumentError;
 use crate::document::journal::replay::Replay;
 use crate::document::project::fields::Edits;
-use crate::document::project::read::{Loaded, LoadedDensity};
+use crate::document::project::manifest::VolumeRecord;
+use crate::document::project::read::{Loaded, LoadedDensity, LoadedVolume, density_of};
 use crate::document::scene::kept_poses::{KeptPoses, poses_of_before};
 use crate::document::scene::past::Past;
+use crate::document::scene::volumes::VolumeSettings;
 use crate::document::scene::{Origin, Scene};
 use crate::document::state::State;
 use crate::paint::Sample;
-use crate::volume::{BRICK, BrickIndex, BrickSource, DensityMap, Field, FieldKind, Grid, Histogram, Statistics};
+use crate::volume::{
+    BRICK, BrickIndex, BrickSource, DensityMap, FieldKind, Grid, Histogram, Statistics, Volume, VolumeId,
+};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// See the module's head.
+/// A volume as it was kept.
 #[derive(Clone, Debug)]
-pub struct KeptDocument {
-    /// Everything but voxels.
-    pub scene: Scene,
-    /// Earlier views and looks.
-    pub past: Past,
-    /// Where forces had taken the parts.
-    pub poses: KeptPoses,
-    /// The lattice.
+pub struct KeptVolume {
+    /// As its source calls it.
+    pub name: String,
+    /// The lattice, where its source has it.
     pub grid: Grid,
     /// How density becomes texels.
     pub map: DensityMap,
@@ -40,6 +40,19 @@ pub struct KeptDocument {
     pub files: Option<Arc<SourceFiles>>,
     /// Edited bricks of each field.
     pub edits: BTreeMap<FieldKind, Edits>,
+}
+
+/// See the module's head.
+#[derive(Clone, Debug)]
+pub struct KeptDocument {
+    /// Everything but voxels.
+    pub scene: Scene,
+    /// Earlier views and looks.
+    pub past: Past,
+    /// Where forces had taken the parts.
+    pub poses: KeptPoses,
+    /// The volumes.
+    pub volumes: BTreeMap<VolumeId, KeptVolume>,
     /// What came back from the journal.
     pub recovered: Recovered,
 }
@@ -62,6 +75,45 @@ pub struct Recovered {
     pub told: Vec<String>,
 }
 
+impl KeptVolume {
+    fn new(
+        record: &VolumeRecord,
+        (density, files): (LoadedDensity, Option<Arc<SourceFiles>>),
+        edits: BTreeMap<FieldKind, Edits>,
+    ) -> Self {
+        let (grid, statistics, histogram) = (record.grid(), record.statistics(), record.histogram());
+        Self { name: record.name.clone(), grid, map: record.map, statistics, histogram, density, files, edits }
+    }
+
+    /// The volume again; `open` reads the file that its density is linked to.
+    fn into_volume(
+        self,
+        open: impl FnOnce() -> Result<Arc<dyn BrickSource>, DocumentError>,
+        progress: &(dyn Fn(f32) -> bool + Sync),
+    ) -> Result<Volume, DocumentError> {
+        let source: Arc<dyn BrickSource> = match self.density {
+            LoadedDensity::Whole(source) => source,
+            LoadedDensity::Linked(path) => {
+                let source = open()?;
+                if source.grid().dims != self.grid.dims {
+                    let (found, expected) = (format!("{:?}", source.grid().dims), format!("{:?}", self.grid.dims));
+                    return Err(KeepError::malformed(&path, "dims", found, expected).into());
+                }
+                source
+            }
+        };
+        let volume = Volume::new(source, self.map, self.statistics, self.histogram, progress)?;
+        let mut volume = volume.ok_or(DocumentError::Stopped)?;
+        for (kind, edits) in self.edits {
+            let changes: Vec<(BrickIndex, _)> = edits.into_iter().map(|(i, brick)| (i, Some(brick))).collect();
+            if !changes.is_empty() {
+                volume.field_mut(kind).swap(changes)?;
+            }
+        }
+        Ok(volume)
+    }
+}
+
 impl KeptDocument {
     /// `beside` are the poses that lie beside the journal.
     pub(crate) fn new(
@@ -70,20 +122,43 @@ impl KeptDocument {
         beside: Option<KeptPoses>,
         journal: &Path,
     ) -> Result<Self, KeepError> {
-        let Loaded { manifest, density, mut edits, files, mut told, .. } = loaded;
+        let Loaded { dirs: [project, at], manifest, volumes: mut held, mut told, .. } = loaded;
         told.extend(replay.told);
-        let grid = manifest.grid();
-        let bricks = grid.dims.map(|d| d.div_ceil(BRICK));
-        if replay.map.is_some() {
-            // Texels of the old map; those that are still edits are in the journal.
-            edits.insert(FieldKind::Density, Edits::new());
+        let mut volumes = BTreeMap::new();
+        for (&id, record) in &manifest.volumes {
+            // What went, or went and came again, is the journal's.
+            if let (false, Some(LoadedVolume { density, edits, files })) =
+                (replay.volumes.contains_key(&id), held.remove(&id))
+            {
+                volumes.insert(id, KeptVolume::new(record, (density, files), edits));
+            }
         }
-        for ((kind, index), brick) in replay.bricks {
+        for (&id, record) in &replay.volumes {
+            if let Some(record) = record {
+                record.check(journal, &format!("volumes.{id}"))?;
+                let density = density_of(&project, &at, &manifest, id, record, None)?;
+                volumes.insert(id, KeptVolume::new(record, density, BTreeMap::new()));
+            }
+        }
+        for (id, map) in replay.maps {
+            if let Some(volume) = volumes.get_mut(&id) {
+                // Texels of the old map; those that are still edits are in the journal.
+                volume.map = map;
+                volume.edits.insert(FieldKind::Density, Edits::new());
+            }
+        }
+        for ((key, index), brick) in replay.bricks {
+            let field = format!("{} brick", key.kind.name());
+            let Some(volume) = volumes.get_mut(&key.volume) else {
+                let (found, expected) = (format!("volume {}", key.volume), "a volume that the document has");
+                return Err(KeepError::malformed(journal, field, found, expected));
+            };
+            let bricks = volume.grid.dims.map(|d| d.div_ceil(BRICK));
             if (0..3).any(|a| index.0[a] >= bricks[a]) {
                 let (found, expected) = (format!("{:?}", index.0), format!("below {bricks:?}"));
-                return Err(KeepError::malformed(journal, format!("{} brick", kind.name()), found, expected));
+                return Err(KeepError::malformed(journal, field, found, expected));
             }
-            let field = edits.entry(kind).or_default();
+            let field = volume.edits.entry(key.kind).or_default();
             match brick {
                 Some(brick) => field.insert(index, brick),
                 None => field.remove(&index),
@@ -96,9 +171,15 @@ impl KeptDocument {
             with_parts(&manifest.scene, replay.scene)
                 .map_err(|e| KeepError::malformed(journal, "scene", e, "parts of a scene"))?
         };
-        if let LoadedDensity::Linked(path) = &density {
-            // The document may have been opened by a path that means nothing here.
-            scene.origin.path.clone_from(path);
+        for (id, volume) in &volumes {
+            let Some(settings) = scene.volumes.all.get_mut(id) else { continue };
+            if let LoadedDensity::Linked(path) = &volume.density {
+                // The document may have been opened by a path that means nothing here.
+                settings.origin.path.clone_from(path);
+            }
+            if settings.name.is_empty() {
+                settings.name.clone_from(&volume.name);
+            }
         }
         // Journals of before have poses too.
         let moved = (!moved.is_empty()).then(|| KeptPoses::at_rest(&scene, moved));
@@ -106,13 +187,7 @@ impl KeptDocument {
             poses: beside.or(moved).or_else(|| manifest.poses.clone()).unwrap_or_default(),
             scene,
             past: replay.past.unwrap_or_else(|| manifest.past.clone()),
-            grid,
-            map: replay.map.unwrap_or(manifest.volume.map),
-            statistics: manifest.statistics(),
-            histogram: manifest.histogram(),
-            density,
-            files,
-            edits,
+            volumes,
             recovered: Recovered {
                 steps: replay.steps,
                 last: replay.last,
@@ -124,48 +199,28 @@ impl KeptDocument {
         })
     }
 
-    /// The document again. `open` reads the file that the density is linked to and is not called for density in the project.
+    /// The document again. `open` reads a file that a density is linked to and is not called for density in the project.
     /// `progress` gets the share done and answers whether to go on.
     ///
     /// # Errors
-    /// If the source fails or has another grid, or `progress` said no.
+    /// If a source fails or has another grid, or `progress` said no.
     pub fn into_state(
         self,
-        open: impl FnOnce(&Origin) -> Result<Arc<dyn BrickSource>, DocumentError>,
+        open: impl Fn(&Origin) -> Result<Arc<dyn BrickSource>, DocumentError>,
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> Result<State, DocumentError> {
-        let source: Arc<dyn BrickSource> = match self.density {
-            LoadedDensity::Whole(source) => source,
-            LoadedDensity::Linked(path) => {
-                let source = open(&self.scene.origin)?;
-                if source.grid().dims != self.grid.dims {
-                    let (found, expected) = (format!("{:?}", source.grid().dims), format!("{:?}", self.grid.dims));
-                    return Err(KeepError::malformed(&path, "dims", found, expected).into());
-                }
-                source
-            }
-        };
-        let density = Field::from_source(source.clone(), self.map, progress)?.ok_or(DocumentError::Stopped)?;
-        let mut state = State {
-            scene: self.scene,
-            past: self.past,
-            density,
-            colour: Field::blank(FieldKind::Colour, &self.grid),
-            selection: Field::blank(FieldKind::Selection, &self.grid),
-            labels: Field::blank(FieldKind::Labels, &self.grid),
-            source,
-            statistics: self.statistics,
-            histogram: self.histogram,
-            reach: None,
-            files: self.files,
-        };
-        for (kind, edits) in self.edits {
-            let changes: Vec<(BrickIndex, _)> = edits.into_iter().map(|(i, brick)| (i, Some(brick))).collect();
-            if !changes.is_empty() {
-                state.field_mut(kind).swap(changes)?;
-            }
+        let Self { mut scene, past, volumes: kept, .. } = self;
+        let (mut volumes, mut files) = (BTreeMap::new(), BTreeMap::new());
+        let count = kept.len().max(1) as f32;
+        for (done, (id, volume)) in kept.into_iter().enumerate() {
+            // A volume that the scene does not know is one all the same.
+            let fresh = || VolumeSettings::new(&volume.name, Origin::nowhere());
+            let origin = scene.volumes.all.entry(id).or_insert_with(fresh).origin.clone();
+            files.extend(volume.files.clone().map(|files| (id, files)));
+            let volume = volume.into_volume(|| open(&origin), &|x| progress((done as f32 + x) / count))?;
+            volumes.insert(id, volume);
         }
-        Ok(state)
+        Ok(State { scene, past, volumes, files })
     }
 }
 

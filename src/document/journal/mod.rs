@@ -19,24 +19,27 @@ use crate::document::command::effects::Noted;
 use crate::document::disk::error::KeepError;
 use crate::document::disk::files::sync_dir;
 use crate::document::journal::record::{
-    BrickEntry, Kind, RECORD_HEAD, SamplesHead, StepHead, decode, encode, encode_brick, runs,
+    BrickEntry, Kind, RECORD_HEAD, SamplesHead, StepHead, decode, encode, encode_brick, of_first_volume, runs,
 };
-use crate::document::project::manifest::JOURNAL_HEADER;
+use crate::document::project::link::Link;
+use crate::document::project::manifest::{JOURNAL_HEADER, Kept, Manifest, VolumeRecord};
 use crate::document::scene::Scene;
 use crate::document::scene::past::{Past, PastDelta};
 use crate::document::state::State;
 use crate::io::disk;
 use crate::paint::Sample;
-use crate::volume::{BrickIndex, DensityMap, FieldKind};
+use crate::volume::{BrickIndex, DensityMap, FieldKey, FieldKind, VolumeId};
 use rayon::prelude::*;
 use serde_json::{Map, Value};
-use std::collections::{BTreeSet, HashMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 pub(crate) const MAGIC: &[u8; 8] = b"BURINJNL";
-pub(crate) const VERSION: u32 = 1;
+pub(crate) const VERSION: u32 = 2;
+/// Of one volume; it is read and gathered into one of today's.
+pub(crate) const ONE_VOLUME: u32 = 1;
 /// A journal below this is not worth gathering.
 const GATHER_ABOVE: u64 = 4 << 20;
 
@@ -52,9 +55,11 @@ pub(crate) struct Journal {
     /// What the records so far lead to, on top of the generation.
     pub(crate) now: Now,
     /// Where the latest content of each touched brick is: offset and length.
-    pub(crate) live: HashMap<(FieldKind, BrickIndex), (u64, usize)>,
+    pub(crate) live: HashMap<(FieldKey, BrickIndex), (u64, usize)>,
     live_bytes: u64,
     pub(crate) stroke_runs: bool,
+    /// Whether the file is of version 1.
+    pub(crate) old: bool,
     /// Records that the disk refused.
     pending: VecDeque<Vec<u8>>,
     gather_above: u64,
@@ -67,22 +72,54 @@ pub(crate) struct Journal {
 pub(crate) struct Now {
     /// The scene's fields by name.
     scene: Map<String, Value>,
-    map: DensityMap,
+    maps: BTreeMap<VolumeId, DensityMap>,
     past: Past,
-    /// What of scene and map differs from the generation's.
+    /// Volumes whose density the generation holds.
+    held: BTreeSet<VolumeId>,
+    /// What of scene, maps and volumes differs from the generation's.
     pub changed: Map<String, Value>,
-    pub new_map: Option<DensityMap>,
+    pub new_maps: BTreeMap<VolumeId, DensityMap>,
+    pub volumes: BTreeMap<VolumeId, Option<VolumeRecord>>,
     /// Whether the past differs too.
     pub new_past: bool,
     pub steps: u64,
     pub last: Value,
 }
 
+/// What a journal begins with: what its generation holds.
+#[derive(Debug)]
+pub(crate) struct Beginning<'a> {
+    pub generation: u64,
+    pub scene: &'a Scene,
+    pub past: &'a Past,
+    pub maps: BTreeMap<VolumeId, DensityMap>,
+    /// Volumes whose density lies in the generation.
+    pub held: BTreeSet<VolumeId>,
+}
+
+impl<'a> Beginning<'a> {
+    /// That of a generation.
+    pub fn of(manifest: &'a Manifest) -> Self {
+        let Manifest { generation, scene, past, .. } = manifest;
+        Self { generation: *generation, scene, past, maps: manifest.maps(), held: manifest.holds() }
+    }
+}
+
 impl Now {
-    pub fn new(scene: &Scene, past: &Past, map: &DensityMap) -> Result<Self, KeepError> {
-        let (changed, last) = (Map::new(), Value::Null);
-        let (scene, past) = (parts(scene)?, past.clone());
-        Ok(Self { scene, map: *map, past, changed, new_map: None, new_past: false, steps: 0, last })
+    pub fn new(beginning: Beginning<'_>) -> Result<Self, KeepError> {
+        let Beginning { scene, past, maps, held, .. } = beginning;
+        Ok(Self {
+            scene: parts(scene)?,
+            maps,
+            past: past.clone(),
+            held,
+            changed: Map::new(),
+            new_maps: BTreeMap::new(),
+            volumes: BTreeMap::new(),
+            new_past: false,
+            steps: 0,
+            last: Value::Null,
+        })
     }
 
     /// The past now.
@@ -90,19 +127,30 @@ impl Now {
         &self.past
     }
 
-    /// The map now.
-    pub fn map(&self) -> &DensityMap {
-        &self.map
+    /// The scene now, by the names of its parts.
+    pub fn scene(&self) -> &Map<String, Value> {
+        &self.scene
+    }
+
+    /// The map of a volume's density now.
+    pub fn map(&self, volume: VolumeId) -> Option<&DensityMap> {
+        self.maps.get(&volume)
     }
 
     /// Takes in a record's head.
     pub fn take(&mut self, head: StepHead) {
         self.scene.extend(head.scene.clone());
         self.changed.extend(head.scene);
-        if let Some(map) = head.map {
-            self.map = map;
-            self.new_map = Some(map);
+        for (id, volume) in head.volumes {
+            match &volume {
+                Some(record) => drop(self.maps.insert(id, record.map)),
+                None => drop(self.maps.remove(&id)),
+            }
+            self.new_maps.remove(&id);
+            self.volumes.insert(id, volume);
         }
+        self.new_maps.extend(&head.maps);
+        self.maps.extend(head.maps);
         if let Some(delta) = head.past {
             delta.apply(&mut self.past);
             self.new_past = true;
@@ -112,20 +160,42 @@ impl Now {
             self.last = head.command;
         }
     }
+
+    /// What is to be written of volumes that came or went, and of maps that are other ones.
+    fn difference(&self, state: &State) -> Result<(Arrivals, BTreeMap<VolumeId, DensityMap>), KeepError> {
+        let mut volumes = Arrivals::new();
+        for id in self.maps.keys().filter(|id| !state.volumes.contains_key(id)) {
+            volumes.insert(*id, None);
+        }
+        let mut maps = BTreeMap::new();
+        for (&id, volume) in &state.volumes {
+            match self.maps.get(&id) {
+                Some(map) if map == volume.density.map() => {}
+                Some(_) => drop(maps.insert(id, *volume.density.map())),
+                None => {
+                    let kept = match state.files.get(&id) {
+                        _ if self.held.contains(&id) => Kept::Whole,
+                        Some(files) => Kept::Linked(Link::until_next_start(files.files())?),
+                        None => return Err(KeepError::NoPath),
+                    };
+                    volumes.insert(id, Some(VolumeRecord::of(volume, kept, BTreeMap::new())));
+                }
+            }
+        }
+        Ok((volumes, maps))
+    }
 }
 
+/// Volumes that came, and `None` for those that went.
+type Arrivals = BTreeMap<VolumeId, Option<VolumeRecord>>;
+
 impl Journal {
-    /// An empty journal for a generation that has this scene, past and map. Replaces a file of that name.
-    pub fn create(
-        path: &Path,
-        generation: u64,
-        scene: &Scene,
-        past: &Past,
-        map: &DensityMap,
-    ) -> Result<Self, KeepError> {
+    /// An empty journal for a generation that has all this. Replaces a file of that name.
+    pub fn create(path: &Path, beginning: Beginning<'_>) -> Result<Self, KeepError> {
+        let generation = beginning.generation;
         let file = start(path, generation, 1)?;
         path.parent().map_or(Ok(()), sync_dir)?;
-        Ok(Self::over(path, file, generation, 0, Now::new(scene, past, map)?))
+        Ok(Self::over(path, file, generation, 0, Now::new(beginning)?))
     }
 
     /// A journal over an open file, before its first record.
@@ -140,6 +210,7 @@ impl Journal {
             live: HashMap::new(),
             live_bytes: 0,
             stroke_runs: false,
+            old: false,
             pending: VecDeque::new(),
             gather_above: GATHER_ABOVE,
             found: Some(JOURNAL_HEADER),
@@ -152,7 +223,7 @@ impl Journal {
         &mut self,
         command: &Command,
         state: &State,
-        touched: &[(FieldKind, BrickIndex)],
+        touched: &[(FieldKey, BrickIndex)],
         synced: bool,
     ) -> Result<(), KeepError> {
         let scene = parts(&state.scene)?;
@@ -164,12 +235,13 @@ impl Journal {
             let back: Result<Scene, _> = serde_json::from_value(Value::Object(scene));
             back.map_err(|e| KeepError::Scene { reason: e.to_string() })?;
         }
-        let map = Some(*state.density.map()).filter(|map| *map != self.now.map);
+        let (volumes, maps) = self.now.difference(state)?;
         let noted = command.effects().journal;
         let ends_stroke = noted == Noted::Stroke;
         // Looking about is no step of work. In what was opened and never saved it is nothing to lose: the first step takes it along.
         let known_parts = changed.keys().all(|part| ["views", "brush"].contains(&part.as_str()));
-        let looks_about = known_parts && !ends_stroke && map.is_none() && touched.is_empty();
+        let is_plain = maps.is_empty() && volumes.is_empty() && touched.is_empty();
+        let looks_about = known_parts && !ends_stroke && is_plain;
         if looks_about && self.generation == 0 && self.now.steps == 0 && !self.stroke_runs {
             return Ok(());
         }
@@ -177,19 +249,25 @@ impl Journal {
         let opens = noted == Noted::Opening;
         let command = serde_json::to_value(command).map_err(|e| KeepError::Scene { reason: e.to_string() })?;
         let past = PastDelta::between(&self.now.past, &state.past);
-        let head = StepHead { command, steps: u64::from(!looks_about && !opens), scene: changed, map, past };
+        let head = StepHead { command, steps: u64::from(!looks_about && !opens), scene: changed, maps, volumes, past };
         let bytes = head_bytes(&head)?;
-        let mut places: BTreeSet<(FieldKind, BrickIndex)> = touched.iter().copied().collect();
-        if map.is_some() {
-            self.forget_density();
-            places.extend(state.density.edits().into_keys().map(|index| (FieldKind::Density, index)));
+        let mut places: BTreeSet<(FieldKey, BrickIndex)> = touched.iter().copied().collect();
+        for (&id, volume) in &state.volumes {
+            let came = head.volumes.contains_key(&id);
+            for kind in FieldKind::ALL {
+                if came || (kind == FieldKind::Density && head.maps.contains_key(&id)) {
+                    let key = FieldKey::new(id, kind);
+                    places.extend(volume.field(kind).edits().into_keys().map(|index| (key, index)));
+                }
+            }
         }
-        self.now.take(head);
+        self.take(head);
         if ends_stroke {
             self.stroke_runs = false;
         }
-        let places: Vec<_> = places.into_iter().collect();
-        let encode = |&(kind, index)| encode_brick(kind, index, state.field(kind).edit(index));
+        // Of a volume that went nothing is left to say.
+        let places: Vec<_> = places.into_iter().filter(|(key, _)| state.volumes.contains_key(&key.volume)).collect();
+        let encode = |&(key, index)| encode_brick(key, index, state.field(key).and_then(|field| field.edit(index)));
         let bricks: Vec<Vec<u8>> = places.par_iter().map(encode).collect();
         let ends = runs(bricks.iter().map(Vec::len));
         let (mut from, last) = (0, ends.len() - 1);
@@ -253,7 +331,7 @@ impl Journal {
             let written = self.file.seek(SeekFrom::Start(self.end)).and_then(|_| self.file.write_all(record));
             written.map_err(KeepError::io("write", &self.path))?;
             let Some(record) = self.pending.pop_front() else { break };
-            let entries = decode(&record[RECORD_HEAD..]).map(|r| r.bricks).unwrap_or_default();
+            let entries = decode(&record[RECORD_HEAD..], false).map(|r| r.bricks).unwrap_or_default();
             self.note(&entries, self.end + RECORD_HEAD as u64);
             self.end += record.len() as u64;
         }
@@ -268,20 +346,25 @@ impl Journal {
         for entry in entries {
             let (offset, length) = entry.at;
             self.live_bytes += length as u64;
-            if let Some((_, old)) = self.live.insert((entry.kind, entry.index), (body_at + offset as u64, length)) {
+            if let Some((_, old)) = self.live.insert((entry.key, entry.index), (body_at + offset as u64, length)) {
                 self.live_bytes -= old as u64;
             }
         }
     }
 
-    /// Texels of another map mean nothing.
-    pub(crate) fn forget_density(&mut self) {
-        self.live.retain(|(kind, _), _| *kind != FieldKind::Density);
+    /// Takes in a record's head. Texels of another map mean nothing, nor does what was painted on a volume that went.
+    pub(crate) fn take(&mut self, head: StepHead) {
+        let (volumes, maps) = (&head.volumes, &head.maps);
+        self.live.retain(|(key, _), _| {
+            let is_density = key.kind == FieldKind::Density;
+            !(volumes.contains_key(&key.volume) || (is_density && maps.contains_key(&key.volume)))
+        });
+        self.now.take(head);
         self.live_bytes = self.live.values().map(|(_, length)| *length as u64).sum();
     }
 
     /// Gathers what is still true into a new file and puts it in this one's place.
-    fn gather(&mut self) -> Result<(), KeepError> {
+    pub(crate) fn gather(&mut self) -> Result<(), KeepError> {
         let beside = self.path.with_extension("gathered");
         let doing = |e| KeepError::io("gather", &beside)(e);
         let mut file = start(&beside, self.generation, self.sequence + 1)?;
@@ -290,7 +373,8 @@ impl Journal {
             command: now.last.clone(),
             steps: now.steps,
             scene: now.changed.clone(),
-            map: now.new_map,
+            maps: now.new_maps.clone(),
+            volumes: now.volumes.clone(),
             past: now.new_past.then(|| PastDelta::whole(&now.past)),
         };
         let mut places: Vec<_> = self.live.values().copied().collect();
@@ -304,7 +388,7 @@ impl Journal {
                 let mut bytes = vec![0; length];
                 let read = self.file.seek(SeekFrom::Start(at)).and_then(|_| self.file.read_exact(&mut bytes));
                 read.map_err(doing)?;
-                bricks.push(bytes);
+                bricks.push(if self.old { of_first_volume(&bytes) } else { bytes });
             }
             from = to;
             sequence += 1;
@@ -313,14 +397,14 @@ impl Journal {
                 if is_last { (Kind::Checkpoint, head_bytes(&head)?) } else { (Kind::Part, b"{}".to_vec()) };
             let record = encode(sequence, kind, &head, &bricks);
             file.write_all(&record).map_err(doing)?;
-            let entries = decode(&record[RECORD_HEAD..]).map(|r| r.bricks).unwrap_or_default();
+            let entries = decode(&record[RECORD_HEAD..], false).map(|r| r.bricks).unwrap_or_default();
             noted.push((entries, end + RECORD_HEAD as u64));
             end += record.len() as u64;
         }
         disk::sync(&file, &beside).map_err(doing)?;
         disk::rename(&beside, &self.path).map_err(doing)?;
         // From here on the path names the new file.
-        (self.file, self.end, self.sequence) = (file, end, sequence);
+        (self.file, self.end, self.sequence, self.old) = (file, end, sequence, false);
         self.found = self.found.filter(|&found| found == JOURNAL_HEADER);
         noted.iter().for_each(|(entries, body_at)| self.note(entries, *body_at));
         self.path.parent().map_or(Ok(()), sync_dir)

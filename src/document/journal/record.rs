@@ -1,18 +1,26 @@
 //! Records of the journal: their bytes, written and read.
 //!
 //! A record is `length u32, checksum 8 bytes, body`; the checksum is the first 8 bytes of the body's blake3. A body is
-//! `sequence u64, kind u8, head length u32, head (JSON), bricks`; a brick is `field u8, x, y, z u32, state u8` and its content:
-//! nothing (0, the edit is gone), 4 bytes (1, uniform), `length u32` and lz4 (2, dense). All little-endian. Knows no files.
+//! `sequence u64, kind u8, head length u32, head (JSON), bricks`; a brick is `field u8, volume u32, x, y, z u32, state u8` and its
+//! content: nothing (0, the edit is gone), 4 bytes (1, uniform), `length u32` and lz4 (2, dense). All little-endian. In version 1
+//! there was one volume, and no word of it. Knows no files.
 
+use crate::document::project::first_format;
+use crate::document::project::manifest::VolumeRecord;
 use crate::document::scene::past::PastDelta;
 use crate::paint::Sample;
-use crate::volume::{BRICK_VOXELS, Brick, BrickIndex, DensityMap, FieldKind, TexelFormat};
+use crate::volume::{BRICK_VOXELS, Brick, BrickIndex, DensityMap, FieldKey, FieldKind, TexelFormat, VolumeId};
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
 
 /// Bytes before a record's body.
 pub(crate) const RECORD_HEAD: usize = 12;
-const BRICK_HEAD: usize = 14;
+const BRICK_HEAD: usize = 18;
+/// Of version 1: without the volume.
+const OLD_BRICK_HEAD: usize = 14;
+/// Where the volume is in a brick's head, and how long.
+const VOLUME: std::ops::Range<usize> = 1..5;
 /// Bricks of a large step are cut into records of about this size.
 const RECORD_BYTES: usize = 4 << 20;
 
@@ -42,8 +50,11 @@ pub(crate) struct StepHead {
     #[serde(default, skip_serializing_if = "Map::is_empty")]
     pub scene: Map<String, Value>,
     /// How density becomes texels, from here on.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub map: Option<DensityMap>,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub maps: BTreeMap<VolumeId, DensityMap>,
+    /// Volumes that came, what was painted on them among the bricks; `null` for those that went.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub volumes: BTreeMap<VolumeId, Option<VolumeRecord>>,
     /// What is new of the past of views and looks.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub past: Option<PastDelta>,
@@ -58,7 +69,7 @@ pub(crate) struct SamplesHead {
 /// A brick as a record has it: where its bytes are in the body.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BrickEntry {
-    pub kind: FieldKind,
+    pub key: FieldKey,
     pub index: BrickIndex,
     /// Offset of its bytes from the body's start, and how many, head included.
     pub at: (usize, usize),
@@ -73,8 +84,9 @@ pub(crate) struct Record<'a> {
 }
 
 /// A brick's bytes for a record.
-pub(crate) fn encode_brick(kind: FieldKind, index: BrickIndex, brick: Option<&Brick>) -> Vec<u8> {
-    let mut out = vec![kind as u8];
+pub(crate) fn encode_brick(key: FieldKey, index: BrickIndex, brick: Option<&Brick>) -> Vec<u8> {
+    let mut out = vec![key.kind as u8];
+    out.extend(key.volume.0.to_le_bytes());
     out.extend(index.0.iter().flat_map(|i| i.to_le_bytes()));
     match brick {
         None => out.push(0),
@@ -90,6 +102,30 @@ pub(crate) fn encode_brick(kind: FieldKind, index: BrickIndex, brick: Option<&Br
         }
     }
     out
+}
+
+/// A brick's bytes of version 1 as they are now.
+pub(crate) fn of_first_volume(bytes: &[u8]) -> Vec<u8> {
+    let mut out = bytes.to_vec();
+    let at = VOLUME.start.min(out.len());
+    out.splice(at..at, VolumeId::FIRST.0.to_le_bytes());
+    out
+}
+
+/// The head of a step of version 1 as it is now; `known` is the scene that it changes.
+pub(crate) fn of_first_format(head: &[u8], known: &Map<String, Value>) -> Option<StepHead> {
+    let mut head: Value = serde_json::from_slice(head).ok()?;
+    let fields = head.as_object_mut()?;
+    if let Some(map) = fields.remove("map").filter(|map| !map.is_null()) {
+        fields.insert("maps".into(), json!({ "0": map }));
+    }
+    if let Some(past) = fields.get_mut("past") {
+        first_format::looks(past);
+    }
+    if let Some(scene) = fields.get_mut("scene").and_then(Value::as_object_mut) {
+        first_format::parts(scene, known);
+    }
+    serde_json::from_value(head).ok()
 }
 
 /// A brick out of its bytes; `None` inside if the edit is gone. `Err` says what is wrong.
@@ -146,8 +182,8 @@ pub(crate) fn checksum(body: &[u8]) -> [u8; 8] {
     std::array::from_fn(|i| hash.as_bytes()[i])
 }
 
-/// Takes a body apart; `None` if it is none.
-pub(crate) fn decode(body: &[u8]) -> Option<Record<'_>> {
+/// Takes a body apart, of version 1 if it is `old`; `None` if it is none.
+pub(crate) fn decode(body: &[u8], old: bool) -> Option<Record<'_>> {
     let sequence = u64::from_le_bytes(body.get(..8)?.try_into().ok()?);
     let kind = match body.get(8)? {
         1 => Kind::Step,
@@ -159,25 +195,27 @@ pub(crate) fn decode(body: &[u8]) -> Option<Record<'_>> {
     };
     let head_end = 13 + u32::from_le_bytes(body.get(9..13)?.try_into().ok()?) as usize;
     let head = body.get(13..head_end)?;
+    let head_bytes = if old { OLD_BRICK_HEAD } else { BRICK_HEAD };
     let mut bricks = Vec::new();
     let mut at = head_end;
     while at < body.len() {
-        let entry = body.get(at..at + BRICK_HEAD)?;
+        let entry = body.get(at..at + head_bytes)?;
         let kind = *FieldKind::ALL.get(entry[0] as usize)?;
-        let coordinate = |i: usize| u32::from_le_bytes([entry[i], entry[i + 1], entry[i + 2], entry[i + 3]]);
-        let index = BrickIndex([coordinate(1), coordinate(5), coordinate(9)]);
-        let content = match entry[13] {
+        let number = |i: usize| u32::from_le_bytes([entry[i], entry[i + 1], entry[i + 2], entry[i + 3]]);
+        let volume = if old { VolumeId::FIRST } else { VolumeId(number(VOLUME.start)) };
+        let index = BrickIndex([13, 9, 5].map(|before_end| number(head_bytes - before_end)));
+        let content = match entry[head_bytes - 1] {
             0 => 0,
             1 => 4,
             2 => {
-                let length = body.get(at + BRICK_HEAD..at + BRICK_HEAD + 4)?;
+                let length = body.get(at + head_bytes..at + head_bytes + 4)?;
                 4 + u32::from_le_bytes(length.try_into().ok()?) as usize
             }
             _ => return None,
         };
-        let length = BRICK_HEAD + content;
+        let length = head_bytes + content;
         body.get(at..at + length)?;
-        bricks.push(BrickEntry { kind, index, at: (at, length) });
+        bricks.push(BrickEntry { key: FieldKey::new(volume, kind), index, at: (at, length) });
         at += length;
     }
     Some(Record { sequence, kind, head, bricks })

@@ -56,7 +56,8 @@ fn look(dir: &Path) -> Option<Lost> {
         return None;
     }
     let changed = about.modified().unwrap_or(SystemTime::UNIX_EPOCH);
-    Some(Lost { id, origin: manifest.scene.origin.path, changed, bytes: about.len() })
+    let origin = manifest.scene.volumes.all.into_values().next().map_or_else(PathBuf::new, |volume| volume.origin.path);
+    Some(Lost { id, origin, changed, bytes: about.len() })
 }
 
 /// A new folder for a document, locked.

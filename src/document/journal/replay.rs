@@ -6,14 +6,14 @@
 use crate::document::disk::error::KeepError;
 use crate::document::disk::inside;
 use crate::document::journal::record::{
-    BrickEntry, Kind, RECORD_HEAD, Record, SamplesHead, StepHead, checksum, decode, decode_brick,
+    BrickEntry, Kind, RECORD_HEAD, Record, SamplesHead, StepHead, checksum, decode, decode_brick, of_first_format,
+    of_first_volume,
 };
-use crate::document::journal::{Journal, MAGIC, Now, VERSION};
-use crate::document::project::manifest::JOURNAL_HEADER;
-use crate::document::scene::Scene;
+use crate::document::journal::{Beginning, Journal, MAGIC, Now, ONE_VOLUME, VERSION};
+use crate::document::project::manifest::{JOURNAL_HEADER, VolumeRecord};
 use crate::document::scene::past::Past;
 use crate::paint::Sample;
-use crate::volume::{Brick, BrickIndex, DensityMap, FieldKind};
+use crate::volume::{Brick, BrickIndex, DensityMap, FieldKey, VolumeId};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -31,10 +31,12 @@ pub(crate) struct Replay {
     pub scene: Map<String, Value>,
     /// The past of views and looks, if they changed it.
     pub past: Option<Past>,
-    /// The density map, if they changed it: then all edited density is in `bricks`.
-    pub map: Option<DensityMap>,
+    /// The density maps that they changed: all edited density of those volumes is in `bricks`.
+    pub maps: BTreeMap<VolumeId, DensityMap>,
+    /// Volumes that came, all that is painted on them in `bricks`, or went (`None`).
+    pub volumes: BTreeMap<VolumeId, Option<VolumeRecord>>,
     /// The bricks that they touched, `None` where an edit is gone.
-    pub bricks: BTreeMap<(FieldKind, BrickIndex), Option<Brick>>,
+    pub bricks: BTreeMap<(FieldKey, BrickIndex), Option<Brick>>,
     /// The stroke that was running.
     pub stroke: Vec<Sample>,
     /// Bytes at the end that are no whole step.
@@ -55,15 +57,8 @@ fn lost(what: &str, bytes: u64) -> String {
 }
 
 impl Journal {
-    /// Reads a journal and goes on where its last whole step ends; `scene`, `past` and `map` are the generation's. `Ok(None)` if
-    /// there is none.
-    pub fn resume(
-        path: &Path,
-        generation: u64,
-        scene: &Scene,
-        past: &Past,
-        map: &DensityMap,
-    ) -> Result<Option<(Self, Replay)>, KeepError> {
+    /// Reads a journal and goes on where its last whole step ends. `Ok(None)` if there is none.
+    pub fn resume(path: &Path, beginning: Beginning<'_>) -> Result<Option<(Self, Replay)>, KeepError> {
         let (dir, name) = place(path);
         let mut file = match inside::open_to_write(dir, &name) {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
@@ -81,21 +76,21 @@ impl Journal {
             file = inside::open_to_write(dir, &name).map_err(KeepError::io("open", path))?;
         }
         let shorten = file.try_clone().map_err(KeepError::io("open", path))?;
-        let (mut journal, mut replay, damage) = Self::read(path, file, generation, scene, past, map)?;
+        let (mut journal, mut replay, damage) = Self::read(path, file, beginning)?;
         journal.found = Some(journal.end);
         replay.set_aside = damage.map(|what| set_aside(path, lost(&what, replay.torn_bytes))).transpose()?;
         shorten.set_len(journal.end).map_err(KeepError::io("shorten", path))?;
+        if journal.old {
+            journal.gather()?;
+            if !replay.stroke.is_empty() {
+                journal.samples(&replay.stroke)?;
+            }
+        }
         Ok(Some((journal, replay)))
     }
 
     /// Reads a journal that somebody else may be writing; changes nothing.
-    pub fn look(
-        path: &Path,
-        generation: u64,
-        scene: &Scene,
-        past: &Past,
-        map: &DensityMap,
-    ) -> Result<Option<Replay>, KeepError> {
+    pub fn look(path: &Path, beginning: Beginning<'_>) -> Result<Option<Replay>, KeepError> {
         let (dir, name) = place(path);
         let file = match inside::open(dir, &name) {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
@@ -104,7 +99,7 @@ impl Journal {
         if is_unbegun(path, &file)? {
             return Ok(None);
         }
-        let (_, mut replay, damage) = Self::read(path, file, generation, scene, past, map)?;
+        let (_, mut replay, damage) = Self::read(path, file, beginning)?;
         replay.told = damage.map(|what| format!("{} is damaged: {}", path.display(), lost(&what, replay.torn_bytes)));
         Ok(Some(replay))
     }
@@ -116,13 +111,14 @@ impl Journal {
         let reading = |e| KeepError::io("read", path)(e);
         let file = inside::open(dir, &name).map_err(reading)?;
         let mut left = file.metadata().map_err(reading)?.len().saturating_sub(JOURNAL_HEADER);
+        let old = is_old(&file).map_err(reading)?;
         let mut reader = BufReader::with_capacity(1 << 20, file);
         reader.seek(SeekFrom::Start(JOURNAL_HEADER)).map_err(reading)?;
         let (mut body, mut stroke) = (Vec::new(), Vec::new());
         while left > 0 {
             let Body::Whole = next_body(&mut reader, left, &mut body).map_err(reading)? else { return Ok(true) };
             left -= (RECORD_HEAD + body.len()) as u64;
-            let head = decode(&body).and_then(|record| read_head(&record, &mut stroke));
+            let head = decode(&body, old).and_then(|record| read_head(&record, old, &Map::new(), &mut stroke));
             if head.is_none_or(|head| head.steps > 0) {
                 return Ok(true);
             }
@@ -132,18 +128,13 @@ impl Journal {
 
     /// The journal up to its last whole step, what it brings back, and what is wrong with the record after that if it is more
     /// than unfinished.
-    fn read(
-        path: &Path,
-        file: File,
-        generation: u64,
-        scene: &Scene,
-        past: &Past,
-        map: &DensityMap,
-    ) -> Result<(Self, Replay, Option<String>), KeepError> {
+    fn read(path: &Path, file: File, beginning: Beginning<'_>) -> Result<(Self, Replay, Option<String>), KeepError> {
+        let generation = beginning.generation;
         let length = file.metadata().map_err(KeepError::io("read", path))?.len();
-        let first = read_header(path, &file, generation)?;
+        let (version, first) = read_header(path, &file, generation)?;
         let reader = file.try_clone().map_err(KeepError::io("open", path))?;
-        let mut journal = Self::over(path, file, generation, first - 1, Now::new(scene, past, map)?);
+        let mut journal = Self::over(path, file, generation, first - 1, Now::new(beginning)?);
+        journal.old = version == ONE_VOLUME;
         let mut reader = BufReader::with_capacity(1 << 20, reader);
         let (stroke, damage) = journal.read_records(&mut reader, length)?;
         let now = &journal.now;
@@ -152,7 +143,8 @@ impl Journal {
             last: now.last.clone(),
             scene: now.changed.clone(),
             past: now.new_past.then(|| now.past().clone()),
-            map: now.new_map,
+            maps: now.new_maps.clone(),
+            volumes: now.volumes.clone(),
             bricks: journal.read_bricks(&mut reader)?,
             stroke,
             torn_bytes: length - journal.end,
@@ -183,9 +175,11 @@ impl Journal {
                 }
                 Body::Short => break None,
                 Body::Damaged => break Some(format!("record at byte {at}: its checksum does not match")),
-                Body::Whole => decode(&body).filter(|r| r.sequence == sequence + 1),
+                Body::Whole => decode(&body, self.old).filter(|r| r.sequence == sequence + 1),
             };
-            let Some((record, head)) = whole.and_then(|r| read_head(&r, &mut stroke).map(|head| (r, head))) else {
+            let Some((record, head)) =
+                whole.and_then(|r| read_head(&r, self.old, self.now.scene(), &mut stroke).map(|head| (r, head)))
+            else {
                 break Some(format!("record at byte {at}: it is not the one after {sequence}"));
             };
             sequence = record.sequence;
@@ -195,10 +189,7 @@ impl Journal {
             if record.kind == Kind::Part {
                 continue;
             }
-            if head.map.is_some() {
-                self.forget_density();
-            }
-            self.now.take(head);
+            self.take(head);
             waiting.drain(..).for_each(|(entries, body_at)| self.note(&entries, body_at));
             (self.end, self.sequence) = (at, sequence);
         };
@@ -209,27 +200,41 @@ impl Journal {
     fn read_bricks(
         &self,
         reader: &mut BufReader<File>,
-    ) -> Result<BTreeMap<(FieldKind, BrickIndex), Option<Brick>>, KeepError> {
+    ) -> Result<BTreeMap<(FieldKey, BrickIndex), Option<Brick>>, KeepError> {
         let mut places: Vec<_> = self.live.iter().map(|(key, at)| (*at, *key)).collect();
         places.sort_unstable();
         let mut bytes = Vec::new();
         let mut bricks = BTreeMap::new();
-        for ((at, length), (kind, index)) in places {
+        for ((at, length), (key, index)) in places {
             bytes.resize(length, 0);
             let read = reader.seek(SeekFrom::Start(at)).and_then(|_| reader.read_exact(&mut bytes));
             read.map_err(KeepError::io("read", self.path()))?;
-            let brick = decode_brick(&bytes, kind.format(self.now.map().format)).map_err(|found| {
-                let field = format!("{} brick {:?}", kind.name(), index.0);
-                KeepError::malformed(self.path(), field, found, "a brick that unpacks to 32³ texels")
-            })?;
-            bricks.insert((kind, index), brick);
+            let bad = |found: &str, expected: &str| {
+                let field = format!("{} brick {:?}", key.kind.name(), index.0);
+                KeepError::malformed(self.path(), field, found, expected)
+            };
+            let Some(map) = self.now.map(key.volume) else {
+                return Err(bad(&format!("volume {}", key.volume), "a volume that the document has"));
+            };
+            let format = key.kind.format(map.format);
+            let bytes = if self.old { of_first_volume(&bytes) } else { bytes.clone() };
+            let brick =
+                decode_brick(&bytes, format).map_err(|found| bad(found, "a brick that unpacks to 32³ texels"))?;
+            bricks.insert((key, index), brick);
         }
         Ok(bricks)
     }
 }
 
-/// Checks the header and answers the first record's sequence.
-fn read_header(path: &Path, mut file: &File, generation: u64) -> Result<u64, KeepError> {
+/// Whether a journal is of version 1.
+fn is_old(mut file: &File) -> std::io::Result<bool> {
+    let mut version = [0; 4];
+    file.seek(SeekFrom::Start(8)).and_then(|_| file.read_exact(&mut version))?;
+    Ok(u32::from_le_bytes(version) == ONE_VOLUME)
+}
+
+/// Checks the header and answers version and the first record's sequence.
+fn read_header(path: &Path, mut file: &File, generation: u64) -> Result<(u32, u64), KeepError> {
     let mut header = [0; JOURNAL_HEADER as usize];
     match file.seek(SeekFrom::Start(0)).and_then(|_| file.read_exact(&mut header)) {
         Err(error) if error.kind() == ErrorKind::UnexpectedEof => {
@@ -242,14 +247,14 @@ fn read_header(path: &Path, mut file: &File, generation: u64) -> Result<u64, Kee
         return Err(KeepError::malformed(path, "header", format!("{:?}", &header[..8]), "the mark of a journal"));
     }
     let version = u32::from_le_bytes(std::array::from_fn(|i| header[8 + i]));
-    if version != VERSION {
+    if ![ONE_VOLUME, VERSION].contains(&version) {
         let (found, expected) = (u64::from(version), u64::from(VERSION));
         return Err(KeepError::Version { path: path.to_owned(), found, expected });
     }
     if number(12) != generation {
         return Err(KeepError::malformed(path, "generation", number(12), generation.to_string()));
     }
-    Ok(number(20).max(1))
+    Ok((version, number(20).max(1)))
 }
 
 /// What stands where a record is expected.
@@ -336,10 +341,13 @@ fn copy(from: &mut File, to: &Path) -> std::io::Result<()> {
 }
 
 /// What a record says apart from bricks; `None` if its head cannot be read.
-fn read_head(record: &Record<'_>, stroke: &mut Vec<Sample>) -> Option<StepHead> {
+fn read_head(record: &Record<'_>, old: bool, known: &Map<String, Value>, stroke: &mut Vec<Sample>) -> Option<StepHead> {
     match record.kind {
         Kind::Step | Kind::Checkpoint => {
-            let head: StepHead = serde_json::from_slice(record.head).ok()?;
+            let head = match old {
+                true => of_first_format(record.head, known)?,
+                false => serde_json::from_slice::<StepHead>(record.head).ok()?,
+            };
             if head.command.get("stroke").is_some() {
                 stroke.clear();
             }

@@ -7,13 +7,14 @@ use crate::document::error::DocumentError;
 use crate::document::history::step::Refreshed;
 use crate::document::live::area::Area;
 use crate::document::state::State;
+use crate::document::subject::Subject;
 use crate::gpu::cast::tiles::Window;
 use crate::gpu::{
     Caster, FieldPools, Fields, Frame, Gpu, GpuError, Hit, Image, Painter, SliceCaster, SliceFrame, Visibility,
 };
 use crate::math::DVec2;
 use crate::paint::{Brush, Dab, Reach, VoxelSet};
-use crate::volume::{Brick, BrickIndex, FieldKind, LiveCells, Refresh};
+use crate::volume::{Brick, BrickIndex, FieldKey, LiveCells, Refresh, VolumeId};
 
 /// Memory for pools of bricks on the GPU, all fields together.
 const BUDGET_BYTES: u64 = 512 << 20;
@@ -35,11 +36,14 @@ pub(crate) struct Graphics {
     gpu: Option<Gpu>,
     tools: Option<Tools>,
     painter: Option<Painter>,
+    /// The volume whose fields the pools mirror.
+    shown: VolumeId,
     moving: bool,
 }
 
-fn fields(state: &State) -> Fields<'_> {
-    Fields { density: &state.density, colour: &state.colour, selection: &state.selection, labels: &state.labels }
+fn fields<'a>(subject: &Subject<'a>) -> Fields<'a> {
+    let volume = subject.volume;
+    Fields { density: &volume.density, colour: &volume.colour, selection: &volume.selection, labels: &volume.labels }
 }
 
 impl Graphics {
@@ -71,15 +75,23 @@ impl Graphics {
 
     /// Hands changed voxels on. What fails here is made again when it is next needed.
     pub(crate) fn mirror(&mut self, state: &State, refreshed: &Refreshed) {
-        if refreshed.remapped {
-            self.remap(state);
+        let gone = |key: VolumeId| refreshed.exchanged.contains(&key);
+        if gone(self.shown) || state.subject(self.shown).is_none() {
+            self.tools = None;
         }
-        let Some(tools) = &mut self.tools else { return };
+        if refreshed.remapped.contains(&self.shown) {
+            self.remap(state, self.shown);
+        }
+        let shown = self.shown;
+        let (Some(tools), Some(subject)) = (&mut self.tools, state.subject(shown)) else { return };
         let refresh = |tools: &mut Tools| {
             let Tools { gpu, pools, .. } = tools;
-            refreshed.slots.iter().try_for_each(|(kind, slots)| match refreshed.painted {
-                true => pools.refresh_painted(gpu, *kind, state.field(*kind), slots),
-                false => pools.refresh(gpu, *kind, state.field(*kind), slots),
+            refreshed.slots.iter().filter(|(key, _)| key.volume == shown).try_for_each(|(key, slots)| {
+                let field = subject.volume.field(key.kind);
+                match refreshed.painted {
+                    true => pools.refresh_painted(gpu, key.kind, field, slots),
+                    false => pools.refresh(gpu, key.kind, field, slots),
+                }
             })
         };
         if let Err(error) = refresh(tools) {
@@ -89,18 +101,18 @@ impl Graphics {
     }
 
     /// Density has another map.
-    pub(crate) fn remap(&mut self, state: &State) {
-        if let Some(tools) = &mut self.tools {
-            tools.pools.remap(&state.density);
+    pub(crate) fn remap(&mut self, state: &State, volume: VolumeId) {
+        if let (Some(tools), Some(subject), true) = (&mut self.tools, state.subject(volume), volume == self.shown) {
+            tools.pools.remap(&subject.volume.density);
         }
     }
 
     pub(crate) fn image(&mut self, state: &State, frame: &Frame) -> Result<Image, DocumentError> {
         let bound = self.bound();
-        self.with(state, "a picture", |t, painter| {
-            painter.follow(&mut t.pools, &fields(state))?;
+        self.with(state, "a picture", |t, painter, fields, _| {
+            painter.follow(&mut t.pools, fields)?;
             t.pools.bound_uploads(bound);
-            t.caster.image(&t.gpu, &mut t.pools, &fields(state), frame)
+            t.caster.image(&t.gpu, &mut t.pools, fields, frame)
         })
     }
 
@@ -111,10 +123,10 @@ impl Graphics {
         rows: std::ops::Range<u32>,
     ) -> Result<Image, DocumentError> {
         let bound = self.bound();
-        self.with(state, "a picture", |t, painter| {
-            painter.follow(&mut t.pools, &fields(state))?;
+        self.with(state, "a picture", |t, painter, fields, _| {
+            painter.follow(&mut t.pools, fields)?;
             t.pools.bound_uploads(bound);
-            t.caster.rows(&t.gpu, &mut t.pools, &fields(state), frame, rows.clone())
+            t.caster.rows(&t.gpu, &mut t.pools, fields, frame, rows.clone())
         })
     }
 
@@ -127,10 +139,10 @@ impl Graphics {
         size: [u32; 2],
     ) -> Result<Image, DocumentError> {
         let origin = DVec2::new(f64::from(corner[0]), f64::from(corner[1]));
-        self.with(state, "a picture", |t, painter| {
-            painter.follow(&mut t.pools, &fields(state))?;
+        self.with(state, "a picture", |t, painter, fields, _| {
+            painter.follow(&mut t.pools, fields)?;
             t.pools.bound_uploads(None);
-            t.caster.part(&t.gpu, &mut t.pools, &fields(state), frame, &Window { picture: frame.size, origin, size })
+            t.caster.part(&t.gpu, &mut t.pools, fields, frame, &Window { picture: frame.size, origin, size })
         })
     }
 
@@ -145,30 +157,30 @@ impl Graphics {
         let [origin, extent] = [corner, size].map(|[x, y]| DVec2::new(f64::from(x), f64::from(y)));
         let area = Area { lo: origin, hi: origin + extent };
         let window = Window { picture: frame.size, origin, size };
-        self.with(state, "a picture", |t, painter| {
+        self.with(state, "a picture", |t, painter, fields, subject| {
             let Tools { gpu, pools, caster, .. } = t;
             pools.bound_uploads(None);
             painter.at_start(
                 pools,
-                |brick| area.shows_brick(frame, state.grid(), brick),
-                |pools| caster.part(gpu, pools, &fields(state), frame, &window),
+                |brick| area.shows_brick(frame, subject.grid(), brick),
+                |pools| caster.part(gpu, pools, fields, frame, &window),
             )
         })
     }
 
     pub(crate) fn slice(&mut self, state: &State, frame: &SliceFrame) -> Result<Image, DocumentError> {
-        let colour = self.with(state, "a slice", |t, _| {
+        let colour = self.with(state, "a slice", |t, _, fields, _| {
             t.pools.bound_uploads(None);
-            t.slices.pixels(&t.gpu, &mut t.pools, &fields(state), frame)
+            t.slices.pixels(&t.gpu, &mut t.pools, fields, frame)
         })?;
         Ok(Image { colour, ..Image::empty(frame.size) })
     }
 
     pub(crate) fn pick(&mut self, state: &State, frame: &Frame, px: DVec2) -> Result<Option<Hit>, DocumentError> {
         let bound = self.bound();
-        self.with(state, "a pixel of the 3D view", |t, _| {
+        self.with(state, "a pixel of the 3D view", |t, _, fields, _| {
             t.pools.bound_uploads(bound);
-            t.caster.pick(&t.gpu, &mut t.pools, &fields(state), frame, px)
+            t.caster.pick(&t.gpu, &mut t.pools, fields, frame, px)
         })
     }
 
@@ -182,28 +194,28 @@ impl Graphics {
         count: u32,
     ) -> Result<Vec<Option<Hit>>, DocumentError> {
         let area = Area { lo: ends[0].min(ends[1]) - 1.0, hi: ends[0].max(ends[1]) + 1.0 };
-        self.with(state, "pixels of the 3D view", |t, painter| {
+        self.with(state, "pixels of the 3D view", |t, painter, fields, subject| {
             let Tools { gpu, pools, caster, .. } = t;
             pools.bound_uploads(None);
             painter.at_start(
                 pools,
-                |brick| area.shows_brick(frame, state.grid(), brick),
-                |pools| caster.pick_along(gpu, pools, &fields(state), frame, ends, count),
+                |brick| area.shows_brick(frame, subject.grid(), brick),
+                |pools| caster.pick_along(gpu, pools, fields, frame, ends, count),
             )
         })
     }
 
     pub(crate) fn visibility(&mut self, state: &State, frame: &Frame) -> Result<Visibility, DocumentError> {
-        self.with(state, "visibility", |t, _| {
+        self.with(state, "visibility", |t, _, fields, _| {
             // Poses depend on it, and must not on what was held before.
             t.pools.bound_uploads(None);
-            t.caster.visibility(&t.gpu, &mut t.pools, &fields(state), frame)
+            t.caster.visibility(&t.gpu, &mut t.pools, fields, frame)
         })
     }
 
     pub(crate) fn begin(&mut self, state: &State, brush: &Brush, reach: Reach) -> Result<(), DocumentError> {
-        self.with(state, "painting", |_, painter| {
-            painter.begin(state.grid(), &fields(state), brush, &state.scene.segments, reach)
+        self.with(state, "painting", |_, painter, fields, subject| {
+            painter.begin(subject.grid(), fields, brush, subject.segments(), reach)
         })
     }
 
@@ -215,11 +227,11 @@ impl Graphics {
     }
 
     pub(crate) fn extend(&mut self, state: &State, dabs: &[Dab]) -> Result<Vec<BrickIndex>, DocumentError> {
-        self.with(state, "painting", |t, painter| painter.extend(&mut t.pools, &fields(state), dabs))
+        self.with(state, "painting", |t, painter, fields, _| painter.extend(&mut t.pools, fields, dabs))
     }
 
     pub(crate) fn finish(&mut self, state: &State) -> Result<Vec<(BrickIndex, Brick)>, DocumentError> {
-        self.with(state, "painting", |t, painter| painter.finish(&mut t.pools, &fields(state)))
+        self.with(state, "painting", |t, painter, fields, _| painter.finish(&mut t.pools, fields))
     }
 
     /// The running stroke's dabs so far.
@@ -228,14 +240,14 @@ impl Graphics {
     }
 
     /// Takes the running stroke back; nothing of it is left even if the device fails meanwhile.
-    pub(crate) fn cancel(&mut self, state: &State, kind: FieldKind) {
+    pub(crate) fn cancel(&mut self, state: &State, key: FieldKey) {
         let (Some(tools), Some(painter)) = (&mut self.tools, &mut self.painter) else {
             // It waits for a device to be painted again on.
             self.painter = None;
             return;
         };
         let done = painter.cancel(&mut tools.pools).map(|slots: Refresh| Refreshed {
-            slots: vec![(kind, slots)],
+            slots: vec![(key, slots)],
             painted: true,
             ..Refreshed::default()
         });
@@ -250,8 +262,8 @@ impl Graphics {
 
     /// Cells of the running stroke's bricks of which something is new, if it has come already.
     pub(crate) fn live(&mut self, state: &State) -> Result<Vec<(BrickIndex, LiveCells)>, DocumentError> {
-        self.with(state, "painting", |t, painter| {
-            painter.follow(&mut t.pools, &fields(state))?;
+        self.with(state, "painting", |t, painter, fields, _| {
+            painter.follow(&mut t.pools, fields)?;
             Ok(painter.take_live())
         })
     }
@@ -277,17 +289,19 @@ impl Graphics {
         &mut self,
         state: &State,
         what: &'static str,
-        mut work: impl FnMut(&mut Tools, &mut Painter) -> Result<T, GpuError>,
+        mut work: impl FnMut(&mut Tools, &mut Painter, &Fields<'_>, &Subject<'_>) -> Result<T, GpuError>,
     ) -> Result<T, DocumentError> {
+        let subject = state.at(None)?;
+        let fields = fields(&subject);
         let mut again = true;
         loop {
-            let done = self.ready(state).map_err(|error| match error {
+            let done = self.ready(&subject).map_err(|error| match error {
                 GpuError::NoAdapter { .. } | GpuError::NoDevice { .. } => {
                     DocumentError::NoGpu { what, reason: error.to_string() }
                 }
                 other => other.into(),
             })?;
-            match work(done.0, done.1) {
+            match work(done.0, done.1, &fields, &subject) {
                 Err(GpuError::Lost { reason }) if again => {
                     tracing::warn!("the graphics device was lost ({reason}) and is asked for again");
                     again = false;
@@ -298,16 +312,17 @@ impl Graphics {
         }
     }
 
-    fn ready(&mut self, state: &State) -> Result<(&mut Tools, &mut Painter), GpuError> {
+    fn ready(&mut self, subject: &Subject<'_>) -> Result<(&mut Tools, &mut Painter), GpuError> {
         let gpu = self.gpu()?.clone();
-        if self.tools.as_ref().is_some_and(|t| t.gpu.lost()) {
+        if self.tools.as_ref().is_some_and(|t| t.gpu.lost()) || self.shown != subject.id {
             self.tools = None;
         }
+        self.shown = subject.id;
         if self.tools.is_none() {
-            let mut pools = FieldPools::new(&gpu, state.grid(), &state.density, BUDGET_BYTES)?;
+            let mut pools = FieldPools::new(&gpu, subject.grid(), &subject.volume.density, BUDGET_BYTES)?;
             match &mut self.painter {
                 // A stroke that was running goes on.
-                Some(painter) => painter.replay(&gpu, &mut pools, &fields(state))?,
+                Some(painter) => painter.replay(&gpu, &mut pools, &fields(subject))?,
                 None => self.painter = Some(Painter::new(&gpu)?),
             }
             let (caster, slices) = (Caster::new(&gpu)?, SliceCaster::new(&gpu)?);

@@ -11,10 +11,11 @@ use crate::document::live::stood::{Found, Points, Standing, Stood};
 use crate::document::scene::cause::{Cause, has_same_bodies, mark_of_parts, mark_of_scene};
 use crate::document::scene::kept_poses::KeptPoses;
 use crate::document::state::State;
+use crate::document::subject::Subject;
 use crate::document::watch::Watch;
 use crate::explode::{Explosion, Measured, Octrees, Poses, Progress, Search, Settled, Simulation, settle_with_gain};
 use crate::math::Pose;
-use crate::volume::{BrickIndex, FieldKind, LiveCells, TransferFunction};
+use crate::volume::{BrickIndex, FieldKey, FieldKind, LiveCells, TransferFunction, VolumeId};
 use std::sync::Arc;
 
 /// Longest edge of the picture that visibility is measured in.
@@ -35,6 +36,8 @@ struct Sought {
 #[derive(Default)]
 pub(crate) struct Motion {
     octrees: Option<Octrees>,
+    /// Whose they are.
+    volume: Option<VolumeId>,
     points: Option<(TransferFunction, u64, Points)>,
     /// How often voxels changed that explosion points stand on.
     voxels: u64,
@@ -87,14 +90,23 @@ impl Motion {
 
     /// Follows changed voxels.
     pub(crate) fn mirror(&mut self, state: &State, refreshed: &Refreshed) {
-        let slots =
-            refreshed.slots.iter().filter(|(kind, _)| matches!(kind, FieldKind::Density | FieldKind::Selection));
+        let Some(subject) = state.exploded() else { return self.forget_points() };
+        let is_other = self.volume.is_some_and(|volume| volume != subject.id);
+        if is_other || refreshed.exchanged.contains(&subject.id) {
+            return self.forget_points();
+        }
+        let remapped = refreshed.remapped.contains(&subject.id);
+        let matters = |key: &FieldKey| matches!(key.kind, FieldKind::Density | FieldKind::Selection);
+        let slots = refreshed.slots.iter().filter(|(key, _)| key.volume == subject.id && matters(key));
         let bricks: Vec<BrickIndex> = slots.flat_map(|(_, r)| r.finest()).collect();
-        if bricks.is_empty() && !refreshed.remapped {
+        if bricks.is_empty() && !remapped {
             return;
         }
         self.new_voxels();
-        let updated = self.octrees.as_mut().map(|o| o.update(&state.density, &state.selection, bricks.iter().copied()));
+        let updated = self.octrees.as_mut().map(|o| {
+            let volume = subject.volume;
+            o.update(&volume.density, &volume.selection, bricks.iter().copied())
+        });
         if let Some(Err(error)) = updated {
             tracing::warn!("{error}");
             self.octrees = None;
@@ -105,39 +117,52 @@ impl Motion {
     pub(crate) fn follow(
         &mut self,
         state: &State,
-        kind: FieldKind,
+        key: FieldKey,
         live: &[(BrickIndex, LiveCells)],
     ) -> Result<(), DocumentError> {
         if live.is_empty() {
             return Ok(());
         }
-        let octrees = self.octrees(state)?;
+        let Some(subject) = state.exploded().filter(|s| s.id == key.volume) else {
+            return Ok(());
+        };
+        let octrees = self.octrees(&subject)?;
         for (index, cells) in live {
-            match kind {
-                FieldKind::Selection => octrees.paint(&state.density, *index, &cells.selected),
-                _ => octrees.paint_density(&state.density, *index, &cells.ranges),
+            match key.kind {
+                FieldKind::Selection => octrees.paint(&subject.volume.density, *index, &cells.selected),
+                _ => octrees.paint_density(&subject.volume.density, *index, &cells.ranges),
             }
         }
         self.new_voxels();
         Ok(())
     }
 
-    fn octrees(&mut self, state: &State) -> Result<&mut Octrees, DocumentError> {
+    fn octrees(&mut self, subject: &Subject<'_>) -> Result<&mut Octrees, DocumentError> {
+        if self.volume.replace(subject.id) != Some(subject.id) {
+            self.forget_points();
+        }
         Ok(match self.octrees.take() {
             Some(octrees) => self.octrees.insert(octrees),
-            None => self.octrees.insert(Octrees::new(state.grid(), &state.density, &state.selection)?),
+            None => {
+                let (grid, volume) = (subject.grid(), subject.volume);
+                self.octrees.insert(Octrees::new(grid, &volume.density, &volume.selection)?)
+            }
         })
     }
 
     fn points(&mut self, state: &State) -> Result<Points, DocumentError> {
-        let (transfer, seed) = (&state.scene.transfer, state.scene.explosion.seed);
+        let Some(subject) = state.exploded() else { return Ok(Points::from(Vec::new())) };
+        let (transfer, seed) = (subject.transfer(), state.scene.explosion.seed);
+        if self.volume.is_some_and(|volume| volume != subject.id) {
+            self.forget_points();
+        }
         if let Some((t, s, points)) = &self.points
             && t == transfer
             && *s == seed
         {
             return Ok(points.clone());
         }
-        let points: Points = self.octrees(state)?.points(transfer, seed).into();
+        let points: Points = self.octrees(&subject)?.points(transfer, seed).into();
         self.points = Some((transfer.clone(), seed, points.clone()));
         Ok(points)
     }
@@ -235,8 +260,8 @@ impl Motion {
 
     /// Reads what explosion points are found in, so that the first move of the slider need not wait for it.
     pub(crate) fn prepare(&mut self, state: &State) -> Result<(), DocumentError> {
-        if self.octrees.is_none() && state.scene.explosion.parts.len() > 1 {
-            self.octrees(state)?;
+        if let (true, Some(subject)) = (state.scene.explosion.parts.len() > 1, state.exploded()) {
+            self.octrees(&subject)?;
         }
         Ok(())
     }
@@ -347,7 +372,8 @@ fn measure(state: &State, graphics: &mut Graphics, poses: &[Pose]) -> Result<Mea
     let (parts, views) = (&state.scene.explosion.parts, &state.scene.views);
     let longest = f64::from(views.size[0].max(views.size[1]));
     let size = views.size.map(|s| (f64::from(s) * MEASURED_PX / longest).round().max(1.0) as u32);
-    let seen = graphics.visibility(state, &state.parted_frame(&Poses::found(parts, poses), &views.camera, size))?;
+    let seen =
+        graphics.visibility(state, &state.at(None)?.parted_frame(&Poses::found(parts, poses), &views.camera, size))?;
     let share = |pixels: u64| pixels as f64 / seen.selected.max(1) as f64;
     let hidden = parts
         .iter()

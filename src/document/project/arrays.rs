@@ -71,6 +71,16 @@ impl Layout {
         format!("{}/c/{channel}{z}/{y}/{x}", self.path)
     }
 
+    /// The file that holds a chunk.
+    pub fn file_of(&self, chunk: [u32; 3]) -> [u32; 3] {
+        chunk.map(|c| c * BRICK / self.file_edge)
+    }
+
+    /// No encoded file is longer: random numbers do not shrink, and each chunk adds its head.
+    pub fn most_bytes(&self) -> u64 {
+        2 * self.file_bytes() as u64 + (1 << 20)
+    }
+
     /// Bytes of a decoded file.
     pub fn file_bytes(&self) -> usize {
         (self.file_edge as usize).pow(3) * self.channels as usize * self.voxel_type.bytes()
@@ -121,12 +131,20 @@ impl Layout {
         Ok(encoded.map_err(|e| self.refused(&e))?.into_owned())
     }
 
-    /// Reads and decodes one file.
-    pub fn decode(&self, array: &Array<Files>, dir: &Path, file: [u32; 3]) -> Result<Vec<u8>, KeepError> {
+    /// Reads and decodes one file, whose bytes have this hash where one is known.
+    pub fn decode(
+        &self,
+        array: &Array<Files>,
+        dir: &Path,
+        file: [u32; 3],
+        hash: Option<&str>,
+    ) -> Result<Vec<u8>, KeepError> {
         let name = self.file_name(file);
         let path = dir.join(&name);
-        // Random numbers do not shrink, and each chunk adds its head.
-        let bytes = inside::read(dir, &name, 2 * self.file_bytes() as u64 + (1 << 20))?;
+        let bytes = inside::read(dir, &name, self.most_bytes())?;
+        if let Some(expected) = hash {
+            check_hash(&path, &bytes, expected)?;
+        }
         let length = bytes.len();
         let shape = self.file_shape(array)?;
         let options = CodecOptions::default();
@@ -148,6 +166,12 @@ impl Layout {
     fn refused(&self, reason: &dyn std::fmt::Display) -> KeepError {
         KeepError::malformed(&PathBuf::from(&self.path), "array", reason, "an array that Zarr can hold")
     }
+}
+
+/// Fails unless a file's bytes are those that were written.
+pub(crate) fn check_hash(path: &Path, bytes: &[u8], expected: &str) -> Result<(), KeepError> {
+    let found = blake3::hash(bytes).to_hex().to_string();
+    if found == expected { Ok(()) } else { Err(KeepError::malformed(path, "blake3", found, expected)) }
 }
 
 /// A shard or chunk that cannot be decoded.

@@ -12,12 +12,64 @@ use crate::volume::{
     BRICK, BRICK_VOXELS, Brick, BrickIndex, DensityMap, Field, FieldKind, Grid, TexelFormat, VoxelType,
 };
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Hash of every file of an array that is there, by its place `x/y/z`.
-pub(crate) type Shards = BTreeMap<String, String>;
+/// Every file of an array that is there, by its place `x/y/z`.
+pub(crate) type Shards = BTreeMap<String, Shard>;
+
+/// What is known of a file of an array.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub(crate) enum Shard {
+    /// Hash of what it holds, of a project of format 1.
+    Content(String),
+    /// Hashes of what it holds, which says whether it has to be written again, and of its bytes.
+    Both {
+        /// Of the bricks; empty where it is never written again.
+        #[serde(default, skip_serializing_if = "String::is_empty")]
+        content: String,
+        /// Of the file, blake3.
+        file: String,
+    },
+}
+
+impl Shard {
+    /// Of its bytes, if it is known.
+    pub fn file(&self) -> Option<&str> {
+        match self {
+            Self::Content(_) => None,
+            Self::Both { file, .. } => Some(file),
+        }
+    }
+}
+
+/// The hash of a file's bytes.
+pub(crate) fn file_hash(bytes: &[u8]) -> String {
+    blake3::hash(bytes).to_hex().to_string()
+}
+
+/// Links a file of the generation before, or writes it anew where that cannot be had; answers what is known of it now.
+fn write_shard(
+    writer: &Writer,
+    name: &str,
+    known: Option<&Shard>,
+    content: String,
+    encode: impl FnOnce() -> Result<Vec<u8>, KeepError>,
+) -> Result<Shard, KeepError> {
+    // What is not known by its bytes is written anew, so that from here on it is.
+    if let Some(Shard::Both { content: old, file }) = known
+        && *old == content
+    {
+        writer.link(name)?;
+        return Ok(Shard::Both { content, file: file.clone() });
+    }
+    let bytes = encode()?;
+    writer.write(name, &bytes)?;
+    Ok(Shard::Both { content, file: file_hash(&bytes) })
+}
 
 /// Edited bricks of a field, in order.
 pub(crate) type Edits = BTreeMap<BrickIndex, Brick>;
@@ -30,33 +82,37 @@ pub(crate) fn array_name(kind: FieldKind) -> &'static str {
     }
 }
 
+/// The array of a density that is held whole.
+pub(crate) const DENSITY: &str = "density";
+
 /// The map of edited bricks, in `array_name(Density)`.
 pub(crate) const EDITED: &str = "density_edits/edited";
 
-fn layout(kind: FieldKind, format: TexelFormat, dims: [u32; 3]) -> Layout {
+fn layout(place: &str, kind: FieldKind, format: TexelFormat, dims: [u32; 3]) -> Layout {
     let (voxel_type, channels) = match format {
         TexelFormat::R8Unorm => (VoxelType::U8, 1),
         TexelFormat::R16Unorm | TexelFormat::R16Uint => (VoxelType::U16, 1),
         TexelFormat::R32Float => (VoxelType::F32, 1),
         TexelFormat::Rgba8Unorm => (VoxelType::U8, 4),
     };
-    Layout::field(array_name(kind), voxel_type, channels, dims)
+    Layout::field(&format!("{place}{}", array_name(kind)), voxel_type, channels, dims)
 }
 
-/// Writes a painted field, or the edits of density. `previous` are the shards of the generation before.
+/// Writes a painted field, or the edits of density, below `place`. `previous` are the shards of the generation before.
 /// Answers the shards that there are now; `tick` is called once per shard.
 pub(crate) fn write_field(
     writer: &Writer,
+    place: &str,
     field: &Field,
     grid: &Grid,
     previous: &Shards,
     tick: &(dyn Fn() -> Result<(), KeepError> + Sync),
 ) -> Result<Shards, KeepError> {
     let kind = field.kind();
-    let layout = layout(kind, field.format(), grid.dims);
+    let layout = layout(place, kind, field.format(), grid.dims);
     let numbers = meaning(field);
     let attributes = ome_attributes(array_name(kind), grid, layout.channels, numbers.clone());
-    writer.write_or_link(&format!("{}/zarr.json", array_name(kind)), &group_json(attributes)?)?;
+    writer.write_or_link(&format!("{place}{}/zarr.json", array_name(kind)), &group_json(attributes)?)?;
     writer.write_or_link(&format!("{}/zarr.json", layout.path), &layout.array_json()?)?;
     let array = layout.open(&writer.dir)?;
     let mut groups: BTreeMap<[u32; 3], Vec<(BrickIndex, &Brick)>> = BTreeMap::new();
@@ -70,14 +126,10 @@ pub(crate) fn write_field(
         .into_par_iter()
         .map(|(shard, bricks)| {
             tick()?;
-            let (place, hash) = (place_name(shard), hash_of(&salt, &bricks));
-            if previous.get(&place) == Some(&hash) {
-                writer.link(&layout.file_name(shard))?;
-            } else {
-                let texels = gather(&layout, field.format(), shard, &bricks);
-                writer.write(&layout.file_name(shard), &layout.encode(&array, texels)?)?;
-            }
-            Ok((place, hash))
+            let (name, file) = (place_name(shard), layout.file_name(shard));
+            let encode = || layout.encode(&array, gather(&layout, field.format(), shard, &bricks));
+            let shard = write_shard(writer, &file, previous.get(&name), hash_of(&salt, &bricks), encode)?;
+            Ok((name, shard))
         })
         .collect()
 }
@@ -85,12 +137,13 @@ pub(crate) fn write_field(
 /// Writes the map of edited bricks of density.
 pub(crate) fn write_edited(
     writer: &Writer,
+    place: &str,
     density: &Field,
     grid: &Grid,
     previous: &Shards,
 ) -> Result<Shards, KeepError> {
-    let layout = Layout::per_brick(EDITED, grid.dims);
-    writer.write_or_link(&format!("{EDITED}/zarr.json"), &layout.array_json()?)?;
+    let layout = Layout::per_brick(&format!("{place}{EDITED}"), grid.dims);
+    writer.write_or_link(&format!("{place}{EDITED}/zarr.json"), &layout.array_json()?)?;
     let array = layout.open(&writer.dir)?;
     let mut files: BTreeMap<[u32; 3], Vec<u8>> = BTreeMap::new();
     for index in density.edits().into_keys() {
@@ -99,13 +152,10 @@ pub(crate) fn write_edited(
     }
     let mut shards = Shards::new();
     for (file, flags) in files {
-        let hash = short(&blake3::hash(&flags));
-        if previous.get(&place_name(file)) == Some(&hash) {
-            writer.link(&layout.file_name(file))?;
-        } else {
-            writer.write(&layout.file_name(file), &layout.encode(&array, flags)?)?;
-        }
-        shards.insert(place_name(file), hash);
+        let (name, content) = (place_name(file), short(&blake3::hash(&flags)));
+        let encode = || layout.encode(&array, flags);
+        let shard = write_shard(writer, &layout.file_name(file), previous.get(&name), content, encode)?;
+        shards.insert(name, shard);
     }
     Ok(shards)
 }
@@ -113,29 +163,30 @@ pub(crate) fn write_edited(
 /// Reads what [`write_field`] wrote; `edited` limits density to the bricks that are edits.
 pub(crate) fn read_field(
     dir: &Path,
+    place: &str,
     kind: FieldKind,
     format: TexelFormat,
     dims: [u32; 3],
     shards: &Shards,
     edited: Option<&[BrickIndex]>,
 ) -> Result<Edits, KeepError> {
-    let layout = layout(kind, format, dims);
+    let layout = layout(place, kind, format, dims);
     let array = layout.open(dir)?;
-    let mut wanted: BTreeMap<[u32; 3], Vec<BrickIndex>> = BTreeMap::new();
-    for place in shards.keys() {
-        let shard = place_of(dir, &layout, place)?;
+    let mut wanted: BTreeMap<[u32; 3], (Vec<BrickIndex>, Option<&str>)> = BTreeMap::new();
+    for (name, known) in shards {
+        let shard = place_of(dir, &layout, name)?;
         let all = (0..SHARD_BRICKS.pow(3)).map(|i| {
             let at = [i % SHARD_BRICKS, i / SHARD_BRICKS % SHARD_BRICKS, i / SHARD_BRICKS.pow(2)];
             BrickIndex(std::array::from_fn(|a| shard[a] * SHARD_BRICKS + at[a]))
         });
         let inside = all.filter(|b| (0..3).all(|a| b.0[a] < dims[a].div_ceil(BRICK)));
-        wanted.insert(shard, inside.collect());
+        wanted.insert(shard, (inside.collect(), known.file()));
     }
     if let Some(edited) = edited {
-        wanted.values_mut().for_each(Vec::clear);
+        wanted.values_mut().for_each(|(bricks, _)| bricks.clear());
         for &index in edited {
             let shard = index.0.map(|b| b / SHARD_BRICKS);
-            let Some(bricks) = wanted.get_mut(&shard) else {
+            let Some((bricks, _)) = wanted.get_mut(&shard) else {
                 let path = dir.join(layout.file_name(shard));
                 return Err(KeepError::malformed(&path, "shards", "no shard", "one, since a brick in it was edited"));
             };
@@ -144,8 +195,8 @@ pub(crate) fn read_field(
     }
     let read: Vec<Vec<(BrickIndex, Brick)>> = wanted
         .into_par_iter()
-        .map(|(shard, indices)| {
-            let numbers = layout.decode(&array, dir, shard)?;
+        .map(|(shard, (indices, hash))| {
+            let numbers = layout.decode(&array, dir, shard, hash)?;
             let bricks = indices.into_iter().map(|index| (index, scatter(&layout, format, index, &numbers)));
             Ok(bricks.filter(|(_, b)| edited.is_some() || *b != Brick::Uniform([0; 4])).collect())
         })
@@ -154,13 +205,18 @@ pub(crate) fn read_field(
 }
 
 /// Reads the map of edited bricks.
-pub(crate) fn read_edited(dir: &Path, dims: [u32; 3], shards: &Shards) -> Result<Vec<BrickIndex>, KeepError> {
-    let layout = Layout::per_brick(EDITED, dims);
+pub(crate) fn read_edited(
+    dir: &Path,
+    place: &str,
+    dims: [u32; 3],
+    shards: &Shards,
+) -> Result<Vec<BrickIndex>, KeepError> {
+    let layout = Layout::per_brick(&format!("{place}{EDITED}"), dims);
     let array = layout.open(dir)?;
     let mut edited = Vec::new();
-    for place in shards.keys() {
-        let file = place_of(dir, &layout, place)?;
-        let flags = layout.decode(&array, dir, file)?;
+    for (name, known) in shards {
+        let file = place_of(dir, &layout, name)?;
+        let flags = layout.decode(&array, dir, file, known.file())?;
         for (i, _) in flags.iter().enumerate().filter(|(_, flag)| **flag != 0) {
             let i = i as u32;
             let at = [i % BRICK, i / BRICK % BRICK, i / (BRICK * BRICK)];
@@ -214,7 +270,8 @@ fn short(hash: &blake3::Hash) -> String {
     hash.to_hex()[..32].to_owned()
 }
 
-fn place_name([x, y, z]: [u32; 3]) -> String {
+/// How a file's place is called in the manifest.
+pub(crate) fn place_name([x, y, z]: [u32; 3]) -> String {
     format!("{x}/{y}/{z}")
 }
 

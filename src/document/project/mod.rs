@@ -4,6 +4,7 @@
 
 pub(crate) mod arrays;
 pub(crate) mod fields;
+pub(crate) mod first_format;
 pub(crate) mod link;
 pub(crate) mod manifest;
 pub mod read;

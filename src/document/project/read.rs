@@ -6,11 +6,10 @@
 use crate::document::disk::error::KeepError;
 use crate::document::disk::inside;
 use crate::document::disk::source_files::SourceFiles;
-use crate::document::project::fields::{EDITED, Edits, array_name, read_edited, read_field};
-use crate::document::project::link::Link;
-use crate::document::project::manifest::{Kept, MANIFEST, Manifest, PROJECT, read_project};
+use crate::document::project::fields::{DENSITY, EDITED, Edits, array_name, read_edited, read_field};
+use crate::document::project::manifest::{Kept, MANIFEST, Manifest, PROJECT, VolumeRecord, read_project};
 use crate::document::project::source::ZarrSource;
-use crate::volume::FieldKind;
+use crate::volume::{FieldKind, VolumeId};
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -37,14 +36,22 @@ pub enum LoadedDensity {
     Linked(PathBuf),
 }
 
-/// A generation as it is on disk.
-#[derive(Debug)]
-pub(crate) struct Loaded {
-    pub manifest: Manifest,
+/// A volume as a generation has it on disk.
+#[derive(Clone, Debug)]
+pub(crate) struct LoadedVolume {
     pub density: LoadedDensity,
     pub edits: BTreeMap<FieldKind, Edits>,
     /// Of a linked density.
     pub files: Option<Arc<SourceFiles>>,
+}
+
+/// A generation as it is on disk.
+#[derive(Debug)]
+pub(crate) struct Loaded {
+    /// The project's folder, and the generation's.
+    pub dirs: [PathBuf; 2],
+    pub manifest: Manifest,
+    pub volumes: BTreeMap<VolumeId, LoadedVolume>,
     /// What the user should know.
     pub told: Vec<String>,
     /// Whether it is the one that `project.json` names.
@@ -151,47 +158,78 @@ fn read_generation(dir: &Path, generation: u64, given: Option<&Path>) -> Result<
         let (path, found) = (at.join(MANIFEST), manifest.generation);
         return Err(KeepError::malformed(&path, "generation", found, generation.to_string()));
     }
-    let grid = manifest.grid();
     let mut told = Vec::new();
-    let (density, files) = match &manifest.volume.kept {
-        Kept::Whole => {
-            let v = &manifest.volume;
-            let scaling = (v.scaling[0], v.scaling[1]);
-            if given.is_some() {
-                told.push("the project holds its volume: the source that was given is not used".into());
-            }
-            (LoadedDensity::Whole(Arc::new(ZarrSource::open(&at, v.name.clone(), grid, v.voxel_type, scaling)?)), None)
-        }
-        Kept::Linked(link) => linked(link, dir, given)?,
-    };
-    let edited = read_edited(&at, grid.dims, manifest.shards_of(EDITED))?;
-    let mut edits = BTreeMap::new();
-    for kind in FieldKind::ALL {
-        let shards = manifest.shards_of(array_name(kind));
-        let only = (kind == FieldKind::Density).then_some(&edited[..]);
-        edits.insert(kind, read_field(&at, kind, kind.format(manifest.volume.map.format), grid.dims, shards, only)?);
+    let linked = manifest.volumes.values().filter(|volume| matches!(volume.kept, Kept::Linked(_))).count();
+    if given.is_some() && linked == 0 {
+        told.push("the project holds its volume: the source that was given is not used".into());
     }
-    Ok(Loaded { manifest, density, edits, files, told, is_current: true })
+    let mut volumes = BTreeMap::new();
+    let mut given = given;
+    for (&id, record) in &manifest.volumes {
+        let (density, files) = match (&record.kept, given) {
+            // Of several the one that the given file is.
+            (Kept::Linked(link), Some(file)) if linked > 1 => match link.find(dir, Some(file)) {
+                Ok(files) => {
+                    given = None;
+                    (LoadedDensity::Linked(files.path().to_owned()), Some(files))
+                }
+                Err(KeepError::SourceChanged { .. }) => density_of(dir, &at, &manifest, id, record, None)?,
+                Err(error) => return Err(error),
+            },
+            _ => density_of(dir, &at, &manifest, id, record, given)?,
+        };
+        let place = manifest.place(id);
+        let edited = read_edited(&at, &place, record.dims, record.shards_of(EDITED))?;
+        let mut edits = BTreeMap::new();
+        for kind in FieldKind::ALL {
+            let (shards, format) = (record.shards_of(array_name(kind)), kind.format(record.map.format));
+            let only = (kind == FieldKind::Density).then_some(&edited[..]);
+            edits.insert(kind, read_field(&at, &place, kind, format, record.dims, shards, only)?);
+        }
+        volumes.insert(id, LoadedVolume { density, edits, files });
+    }
+    Ok(Loaded { dirs: [dir.to_owned(), at], manifest, volumes, told, is_current: true })
 }
 
-fn linked(
-    link: &Link,
-    dir: &Path,
+/// Where the density of a volume is that a generation, or the journal behind it, knows.
+pub(crate) fn density_of(
+    project: &Path,
+    at: &Path,
+    manifest: &Manifest,
+    id: VolumeId,
+    record: &VolumeRecord,
     given: Option<&Path>,
 ) -> Result<(LoadedDensity, Option<Arc<SourceFiles>>), KeepError> {
-    let files = link.find(dir, given)?;
-    Ok((LoadedDensity::Linked(files.path().to_owned()), Some(files)))
+    match &record.kept {
+        Kept::Whole => {
+            let (scaling, place) = ((record.scaling[0], record.scaling[1]), manifest.place(id));
+            let held = manifest.volumes.get(&id).or_else(|| manifest.set_aside.get(&id)).unwrap_or(record);
+            let shards = held.shards_of(DENSITY);
+            let (name, grid) = (record.name.clone(), record.grid());
+            let source = ZarrSource::open(at, name, grid, record.voxel_type, scaling, &place, shards)?;
+            Ok((LoadedDensity::Whole(Arc::new(source)), None))
+        }
+        Kept::Linked(link) => {
+            let files = link.find(project, given)?;
+            Ok((LoadedDensity::Linked(files.path().to_owned()), Some(files)))
+        }
+    }
 }
 
 /// Reads the description of a document that was never saved; its fields are blank but for the journal's bricks.
 pub(crate) fn read_unsaved(dir: &Path) -> Result<Loaded, KeepError> {
     let manifest = Manifest::read(dir)?;
-    let Kept::Linked(link) = &manifest.volume.kept else {
-        let expected = "a link to the file that was opened";
-        return Err(KeepError::malformed(&dir.join(MANIFEST), "volume.kept", "whole", expected));
-    };
-    let (density, files) = linked(link, dir, None)?;
-    Ok(Loaded { manifest, density, edits: BTreeMap::new(), files, told: Vec::new(), is_current: true })
+    let mut volumes = BTreeMap::new();
+    for (&id, record) in &manifest.volumes {
+        if record.kept == Kept::Whole {
+            let (field, expected) = (format!("volumes.{id}.kept"), "a link to the file that was opened");
+            return Err(KeepError::malformed(&dir.join(MANIFEST), field, "whole", expected));
+        }
+        let (density, files) = density_of(dir, dir, &manifest, id, record, None)?;
+        volumes.insert(id, LoadedVolume { density, edits: BTreeMap::new(), files });
+    }
+    let dirs = [dir.to_owned(), dir.to_owned()];
+    Ok(Loaded { dirs, manifest, volumes, told: Vec::new(), is_current: true })
 }
 
 /// The folder of a generation.

@@ -4,9 +4,10 @@
 use crate::document::disk::error::KeepError;
 use crate::document::disk::inside;
 use crate::document::disk::inside::Files;
-use crate::document::project::arrays::{Layout, damaged_chunk};
+use crate::document::project::arrays::{Layout, check_hash, damaged_chunk};
+use crate::document::project::fields::{DENSITY, Shards, place_name};
 use crate::volume::{BRICK, BrickSource, Grid, SourceError, VoxelType, Voxels};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 use zarrs::array::{Array, ArrayBytes, ArrayShardedReadableExt, ArrayShardedReadableExtCache, CodecOptions};
@@ -19,8 +20,11 @@ pub struct ZarrSource {
     name: String,
     grid: Grid,
     scaling: (f64, f64),
-    layout: Layout,
     opened: RwLock<Arc<Opened>>,
+    voxel_type: VoxelType,
+    /// Hashes of its files by place, as far as they are known, and which of them were looked at.
+    hashes: HashMap<[u32; 3], String>,
+    looked_at: Mutex<HashSet<[u32; 3]>>,
     /// Of a project that holds the voxels no more.
     instead: RwLock<Option<Arc<dyn BrickSource>>>,
     cache: Mutex<Cache>,
@@ -28,6 +32,7 @@ pub struct ZarrSource {
 
 struct Opened {
     dir: PathBuf,
+    layout: Layout,
     array: Array<Files>,
     shards: ArrayShardedReadableExtCache,
 }
@@ -43,19 +48,25 @@ impl ZarrSource {
         grid: Grid,
         voxel_type: VoxelType,
         scaling: (f64, f64),
+        place: &str,
+        shards: &Shards,
     ) -> Result<Self, KeepError> {
-        let layout = density_layout(voxel_type, grid.dims);
+        let layout = density_layout(place, voxel_type, grid.dims);
         for file in layout.files() {
             let name = layout.file_name(file);
             inside::check_file(dir, &name).map_err(KeepError::io("read", &dir.join(&name)))?;
         }
-        let opened = RwLock::new(Arc::new(Opened::new(dir, &layout)?));
-        Ok(Self { name, grid, scaling, layout, opened, instead: RwLock::default(), cache: Mutex::default() })
+        let known = |file: [u32; 3]| Some((file, shards.get(&place_name(file))?.file()?.to_owned()));
+        let hashes = layout.files().filter_map(known).collect();
+        let opened = RwLock::new(Arc::new(Opened::new(dir, layout)?));
+        let (instead, looked_at, cache) = (RwLock::default(), Mutex::default(), Mutex::default());
+        Ok(Self { name, grid, scaling, opened, voxel_type, hashes, looked_at, instead, cache })
     }
 
-    /// Reads from another generation's folder from now on; its density is the same.
-    pub(crate) fn move_to(&self, dir: &Path) -> Result<(), KeepError> {
-        let opened = Arc::new(Opened::new(dir, &self.layout)?);
+    /// Reads from another generation's folder from now on, below `place` in it; its density is the same.
+    pub(crate) fn move_to(&self, dir: &Path, place: &str) -> Result<(), KeepError> {
+        let layout = density_layout(place, self.voxel_type, self.grid.dims);
+        let opened = Arc::new(Opened::new(dir, layout)?);
         *self.opened.write().unwrap_or_else(PoisonError::into_inner) = opened;
         *self.instead.write().unwrap_or_else(PoisonError::into_inner) = None;
         Ok(())
@@ -71,24 +82,41 @@ impl ZarrSource {
             return Ok(chunk);
         }
         let opened = self.opened.read().unwrap_or_else(PoisonError::into_inner).clone();
+        self.look_at(&opened, index)?;
         let [x, y, z] = index.map(u64::from);
         let bytes = opened
             .array
             .retrieve_subchunk_opt::<ArrayBytes<'static>>(&opened.shards, &[z, y, x], &CodecOptions::default())
             .map_err(|e| e.to_string())
             .and_then(|bytes| bytes.into_fixed().map_err(|e| e.to_string()));
-        let expected = (BRICK as usize).pow(3) * self.layout.voxel_type.bytes();
+        let expected = (BRICK as usize).pow(3) * self.voxel_type.bytes();
         let chunk: Arc<[u8]> = match bytes {
             Ok(bytes) if bytes.len() == expected => bytes.into_owned().into(),
-            Ok(bytes) => return Err(self.damaged(&opened.dir, index, &format!("{} decoded bytes", bytes.len()))),
-            Err(reason) => return Err(self.damaged(&opened.dir, index, &reason)),
+            Ok(bytes) => return Err(self.damaged(&opened, index, &format!("{} decoded bytes", bytes.len()))),
+            Err(reason) => return Err(self.damaged(&opened, index, &reason)),
         };
         lock(&self.cache).put(index, chunk.clone());
         Ok(chunk)
     }
 
-    fn damaged(&self, dir: &Path, chunk: [u32; 3], reason: &str) -> SourceError {
-        let path = dir.join(self.layout.file_name(chunk.map(|c| c * BRICK / self.layout.file_edge)));
+    /// Whether the file of a chunk has the bytes that were written, once for each.
+    fn look_at(&self, opened: &Opened, chunk: [u32; 3]) -> Result<(), SourceError> {
+        let file = opened.layout.file_of(chunk);
+        let Some(expected) = self.hashes.get(&file) else { return Ok(()) };
+        let mut looked_at = lock(&self.looked_at);
+        if looked_at.contains(&file) {
+            return Ok(());
+        }
+        let name = opened.layout.file_name(file);
+        let read = inside::read(&opened.dir, &name, opened.layout.most_bytes());
+        let checked = read.and_then(|bytes| check_hash(&opened.dir.join(&name), &bytes, expected));
+        checked.map_err(|e| SourceError::Unreadable { name: self.name.clone(), reason: e.to_string() })?;
+        looked_at.insert(file);
+        Ok(())
+    }
+
+    fn damaged(&self, opened: &Opened, chunk: [u32; 3], reason: &str) -> SourceError {
+        let path = opened.dir.join(opened.layout.file_name(opened.layout.file_of(chunk)));
         let length = std::fs::metadata(&path).map_or(0, |m| m.len() as usize);
         let reason = damaged_chunk(&path, length, reason).to_string();
         SourceError::Unreadable { name: self.name.clone(), reason }
@@ -96,15 +124,15 @@ impl ZarrSource {
 }
 
 impl Opened {
-    fn new(dir: &Path, layout: &Layout) -> Result<Self, KeepError> {
+    fn new(dir: &Path, layout: Layout) -> Result<Self, KeepError> {
         let array = layout.open(dir)?;
-        Ok(Self { dir: dir.to_owned(), shards: ArrayShardedReadableExtCache::new(&array), array })
+        Ok(Self { dir: dir.to_owned(), layout, shards: ArrayShardedReadableExtCache::new(&array), array })
     }
 }
 
 /// The density array: the source's own type and numbers.
-pub(crate) fn density_layout(voxel_type: VoxelType, dims: [u32; 3]) -> Layout {
-    Layout::field("density", voxel_type, 1, dims)
+pub(crate) fn density_layout(place: &str, voxel_type: VoxelType, dims: [u32; 3]) -> Layout {
+    Layout::field(&format!("{place}{DENSITY}"), voxel_type, 1, dims)
 }
 
 impl std::fmt::Debug for ZarrSource {
@@ -119,7 +147,7 @@ impl BrickSource for ZarrSource {
     }
 
     fn voxel_type(&self) -> VoxelType {
-        self.layout.voxel_type
+        self.voxel_type
     }
 
     fn scaling(&self) -> (f64, f64) {
@@ -139,8 +167,8 @@ impl BrickSource for ZarrSource {
             return source.read(lo, size);
         }
         let count: usize = size.iter().map(|&s| s as usize).product();
-        let bytes = self.layout.voxel_type.bytes();
-        let mut voxels = Voxels::try_zeroed(self.layout.voxel_type, count)
+        let bytes = self.voxel_type.bytes();
+        let mut voxels = Voxels::try_zeroed(self.voxel_type, count)
             .map_err(|_| SourceError::OutOfMemory { bytes: (count * bytes) as u64 })?;
         if count == 0 {
             return Ok(voxels);

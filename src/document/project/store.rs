@@ -2,12 +2,12 @@
 //!
 //! A save writes generation N+1 beside N (shards that did not change are hard links), syncs it, and then replaces
 //! `project.json` by rename: a crash at any moment leaves N or N+1, whole. The generation before the current one is kept;
-//! older ones go. A generation is a Zarr group of OME-Zarr 0.5 images:
+//! older ones go. A generation is a Zarr group; each volume is a group `volumes/<id>` of OME-Zarr 0.5 images in it:
 //!   density        the source's own type and numbers, written once and linked ever after (absent if linked to its file)
 //!   density_edits  texels of edited bricks, and `edited`, the map of which these are
 //!   colour, selection, labels
-//! and `generation.json`: the scene, where its parts stand, the grid with its full orientation, the density map, and the hashes of all
-//! shards.
+//! and `generation.json`: the scene, where its parts stand, of each volume the grid with its full orientation, the density map and the hashes of all
+//! shards, and the hash of all that. Format 1, with one volume whose arrays lay beside the JSON, is read and saved as format 2.
 //! Owns the folder and its lock; knows nothing of the journal but the generation that it belongs to.
 
 use crate::document::command::answers::Saved;
@@ -17,17 +17,22 @@ use crate::document::disk::files::{Writer, create_dir, remove_dir, replace, sync
 use crate::document::disk::inside;
 use crate::document::disk::lock::{LOCK, Lock};
 use crate::document::disk::source_files::SourceFiles;
-use crate::document::project::arrays::{SHARD, group_json, ome_attributes};
-use crate::document::project::fields::{array_name, write_edited, write_field};
+use crate::document::project::arrays::{Layout, SHARD, group_json, ome_attributes};
+use crate::document::project::fields::{
+    DENSITY, EDITED, Shard, Shards, array_name, file_hash, place_name, write_edited, write_field,
+};
 use crate::document::project::link::Link;
-use crate::document::project::manifest::{JOURNAL_HEADER, Kept, MANIFEST, Manifest, PROJECT, VERSION, project_json};
+use crate::document::project::manifest::{
+    JOURNAL_HEADER, Kept, MANIFEST, Manifest, PROJECT, VERSION, VolumeRecord, project_json, volume_place,
+};
 use crate::document::project::read::{
     Loaded, LoadedDensity, Wanted, check_project, described, generation_name, generation_of, load,
 };
 use crate::document::project::source::{ZarrSource, density_layout};
 use crate::document::scene::kept_poses::KeptPoses;
 use crate::document::state::State;
-use crate::volume::{BRICK, BrickSource, FieldKind, Grid};
+use crate::document::subject::Subject;
+use crate::volume::{BRICK, BrickSource, FieldKind, Volume, VolumeId};
 use rayon::prelude::*;
 use serde_json::json;
 use std::collections::BTreeMap;
@@ -45,6 +50,24 @@ pub(crate) struct Committed<T> {
     pub doubt: Option<KeepError>,
 }
 
+/// What a save keeps.
+#[derive(Debug)]
+pub(crate) struct ToKeep<'a> {
+    pub state: &'a State,
+    /// How the density of a volume is kept from now on; the others as before.
+    pub keeping: Option<(VolumeId, DensityKeeping)>,
+    /// Volumes that were removed and can still be brought back.
+    pub set_aside: BTreeMap<VolumeId, &'a Volume>,
+}
+
+impl<'a> ToKeep<'a> {
+    /// All of a state; the density of the active volume as is said.
+    pub fn active(state: &'a State, density: Option<DensityKeeping>) -> Self {
+        let keeping = density.map(|density| (state.scene.volumes.active, density));
+        Self { state, keeping, set_aside: BTreeMap::new() }
+    }
+}
+
 /// An open project folder; nobody else can open it meanwhile.
 #[derive(Debug)]
 pub(crate) struct Store {
@@ -52,9 +75,10 @@ pub(crate) struct Store {
     generation: u64,
     /// The current generation's; `None` before the first save.
     manifest: Option<Manifest>,
-    source: Option<Arc<ZarrSource>>,
-    /// Of a linked density.
-    files: Option<Arc<SourceFiles>>,
+    /// The density of each volume that the project holds.
+    sources: BTreeMap<VolumeId, Arc<ZarrSource>>,
+    /// Of each linked one.
+    files: BTreeMap<VolumeId, Arc<SourceFiles>>,
     is_new_folder: bool,
     lock: Lock,
 }
@@ -67,7 +91,8 @@ impl Store {
         // Before the lock, which is a file: a folder of something else is left as it is.
         check_leftovers(dir)?;
         let lock = Lock::take(dir)?;
-        Ok(Self { dir: dir.to_owned(), generation: 0, manifest: None, source: None, files: None, is_new_folder, lock })
+        let (sources, files) = (BTreeMap::new(), BTreeMap::new());
+        Ok(Self { dir: dir.to_owned(), generation: 0, manifest: None, sources, files, is_new_folder, lock })
     }
 
     /// Opens a project and reads its current generation, or what else is wanted.
@@ -75,13 +100,15 @@ impl Store {
         check_project(dir)?;
         let lock = Lock::take(dir)?;
         let loaded = load(dir, wanted)?;
-        let source = match &loaded.density {
-            LoadedDensity::Whole(source) => Some(source.clone()),
-            LoadedDensity::Linked(_) => None,
-        };
+        let (mut sources, mut files) = (BTreeMap::new(), BTreeMap::new());
+        for (id, volume) in &loaded.volumes {
+            match &volume.density {
+                LoadedDensity::Whole(source) => drop(sources.insert(*id, source.clone())),
+                LoadedDensity::Linked(_) => files.extend(volume.files.clone().map(|files| (*id, files))),
+            }
+        }
         let (generation, manifest) = (loaded.manifest.generation, Some(loaded.manifest.clone()));
-        let files = loaded.files.clone();
-        let store = Self { dir: dir.to_owned(), generation, manifest, source, files, is_new_folder: false, lock };
+        let store = Self { dir: dir.to_owned(), generation, manifest, sources, files, is_new_folder: false, lock };
         Ok((store, loaded))
     }
 
@@ -101,33 +128,28 @@ impl Store {
     }
 
     /// Writes the next generation and makes it the current one. `before` is called with its number when everything is on
-    /// disk and only the rename is left. `keeping` is as before if `None`, whole the first time. `progress` gets the share done
-    /// and answers whether to go on.
+    /// disk and only the rename is left, and with the volumes that it holds. `keeping` is as before where it says nothing, whole the
+    /// first time. `progress` gets the share done and answers whether to go on.
     ///
     /// # Errors
     /// If it could not be done; the current generation is what it was.
     pub fn save<T>(
         &mut self,
-        state: &State,
+        kept: &ToKeep<'_>,
         poses: &KeptPoses,
-        keeping: Option<DensityKeeping>,
-        before: impl FnOnce(u64) -> Result<T, KeepError>,
+        before: impl FnOnce(u64, &Manifest) -> Result<T, KeepError>,
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> Result<Committed<T>, KeepError> {
         inside::check_writable(&self.dir).map_err(KeepError::io("write into", &self.dir))?;
         // Beyond whatever was written to its end: where no file says which is the current one, a newer one may be somebody's work.
         let generation = self.next_generation();
-        let keeping = keeping.unwrap_or(match self.manifest.as_ref().map(|m| &m.volume.kept) {
-            Some(Kept::Linked(_)) => DensityKeeping::Linked,
-            _ => DensityKeeping::Whole,
-        });
         let previous = self.manifest.as_ref().map(|_| self.dir.join(generation_name(self.generation)));
         let at = self.dir.join(generation_name(generation));
         let written = Writer::new(at.clone(), previous).and_then(|writer| {
-            let (manifest, linked) = self.write(&writer, generation, (state, poses), keeping, progress)?;
+            let (manifest, linked) = self.write(&writer, generation, kept, poses, progress)?;
             writer.sync()?;
             sync_dir(&self.dir)?;
-            let made = before(generation)?;
+            let made = before(generation, &manifest)?;
             replace(&self.dir.join(PROJECT), &project_json(generation)?)?;
             Ok((writer, manifest, linked, made))
         });
@@ -140,16 +162,16 @@ impl Store {
         };
         // The new generation is the current one from here on, whatever else fails.
         let before = std::mem::replace(&mut self.generation, generation);
-        self.manifest = Some(manifest);
-        let moved = match (linked.file, &self.source) {
-            (Some(file), Some(source)) => {
-                source.read_from(file);
-                Ok(())
+        let mut moved = Ok(());
+        for (id, source) in &self.sources {
+            match linked.get(id).map(|linked| &linked.file) {
+                Some(Some(file)) => source.read_from(file.clone()),
+                None if manifest.holds().contains(id) => moved = moved.and(source.move_to(&at, &volume_place(*id))),
+                _ => {}
             }
-            (None, Some(source)) if linked.files.is_none() => source.move_to(&at),
-            _ => Ok(()),
-        };
-        self.files = linked.files;
+        }
+        self.files = linked.into_iter().filter_map(|(id, linked)| Some((id, linked.files?))).collect();
+        self.manifest = Some(manifest);
         let doubt = moved.and_then(|()| sync_dir(&self.dir)).err();
         if doubt.is_none() {
             self.prune(before);
@@ -174,52 +196,94 @@ impl Store {
         &self,
         writer: &Writer,
         generation: u64,
-        (state, poses): (&State, &KeptPoses),
-        keeping: DensityKeeping,
+        kept: &ToKeep<'_>,
+        poses: &KeptPoses,
         progress: &(dyn Fn(f32) -> bool + Sync),
-    ) -> Result<(Manifest, Linked), KeepError> {
-        let grid = *state.grid();
-        let total = grid.dims.iter().map(|d| d.div_ceil(SHARD) as usize).product::<usize>();
-        let painted: usize = FieldKind::ALL.iter().map(|&k| state.field(k).edits().len().div_ceil(64)).sum();
+    ) -> Result<(Manifest, BTreeMap<VolumeId, Linked>), KeepError> {
+        let state = kept.state;
+        let shards = |volume: &Volume| volume.grid().dims.iter().map(|d| d.div_ceil(SHARD) as usize).product::<usize>();
+        let painted = |volume: &Volume| {
+            FieldKind::ALL.iter().map(|&kind| volume.field(kind).edits().len().div_ceil(64)).sum::<usize>()
+        };
+        let total: usize = state.volumes.values().map(|volume| shards(volume) + painted(volume)).sum();
         let done = AtomicUsize::new(0);
         let tick = || {
-            let share = done.fetch_add(1, Ordering::Relaxed) as f32 / (total + painted + 1) as f32;
+            let share = done.fetch_add(1, Ordering::Relaxed) as f32 / (total + 1) as f32;
             if progress(share.min(0.99)) { Ok(()) } else { Err(KeepError::Stopped) }
         };
-        writer.write_or_link("zarr.json", &group_json(serde_json::Map::new())?)?;
+        let go_on = || progress(0.0);
+        let group = group_json(serde_json::Map::new())?;
+        writer.write_or_link("zarr.json", &group)?;
+        writer.write_or_link("volumes/zarr.json", &group)?;
+        let (mut records, mut linked) = (BTreeMap::new(), BTreeMap::new());
+        for (&id, volume) in &state.volumes {
+            let (record, link) = self.write_volume(writer, id, kept, volume, &tick, &go_on)?;
+            records.insert(id, record);
+            linked.extend(link.map(|link| (id, link)));
+        }
+        let mut manifest = Manifest::of(generation, state, poses, records);
+        for (&id, volume) in &kept.set_aside {
+            // What only this project holds must not go with its generation while it can still be brought back.
+            let old = self.manifest.as_ref().filter(|old| old.holds().contains(&id));
+            if let Some(old) = old.filter(|_| !state.volumes.contains_key(&id)) {
+                let shards = link_density(writer, id, volume.source.as_ref(), old)?;
+                let shards = BTreeMap::from([(DENSITY.to_owned(), shards)]);
+                manifest.set_aside.insert(id, VolumeRecord::of(volume, Kept::Whole, shards));
+            }
+        }
+        writer.write(MANIFEST, &manifest.json()?)?;
+        Ok((manifest, linked))
+    }
+
+    fn write_volume(
+        &self,
+        writer: &Writer,
+        id: VolumeId,
+        kept: &ToKeep<'_>,
+        volume: &Volume,
+        tick: &(dyn Fn() -> Result<(), KeepError> + Sync),
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<(VolumeRecord, Option<Linked>), KeepError> {
+        let (state, grid, source) = (kept.state, *volume.grid(), volume.source.as_ref());
+        let place = volume_place(id);
+        writer.write_or_link(&format!("{place}zarr.json"), &group_json(serde_json::Map::new())?)?;
         let old = self.manifest.as_ref();
-        let mut linked = Linked::default();
-        let kept = match (keeping, old.map(|m| &m.volume.kept)) {
-            (DensityKeeping::Whole, Some(Kept::Whole)) => {
-                link_density(writer, &grid, state.source.as_ref())?;
+        let record = old.and_then(|old| old.volumes.get(&id));
+        let keeping = kept.keeping.filter(|(of, _)| *of == id).map(|(_, keeping)| keeping);
+        let keeping = keeping.unwrap_or(match record.map(|record| &record.kept) {
+            Some(Kept::Linked(_)) => DensityKeeping::Linked,
+            _ => DensityKeeping::Whole,
+        });
+        let mut shards = BTreeMap::new();
+        let mut linked = None;
+        let is_kept = match (keeping, old.filter(|old| old.holds().contains(&id))) {
+            (DensityKeeping::Whole, Some(old)) => {
+                shards.insert(DENSITY.to_owned(), link_density(writer, id, source, old)?);
                 Kept::Whole
             }
-            (DensityKeeping::Whole, _) => {
-                write_density(writer, &grid, state.source.as_ref(), &tick)?;
+            (DensityKeeping::Whole, None) => {
+                shards.insert(DENSITY.to_owned(), write_density(writer, id, source, tick)?);
                 Kept::Whole
             }
             (DensityKeeping::Linked, _) => {
-                let go_on = || progress(0.0);
-                linked = match state.files.as_ref().or(self.files.as_ref()) {
+                let known = match state.files.get(&id).or(self.files.get(&id)) {
                     Some(files) => Linked { files: Some(files.clone()), file: None },
-                    None => Linked::to_equal(state, &go_on)?,
+                    None => Linked::to_equal(state.subject(id).ok_or(KeepError::NoPath)?, go_on)?,
                 };
-                let files = linked.files.as_ref().ok_or(KeepError::NoPath)?;
-                Kept::Linked(Link::to(files, &self.dir, &go_on)?)
+                let link = Link::to(known.files.as_ref().ok_or(KeepError::NoPath)?, &self.dir, go_on)?;
+                linked = Some(known);
+                Kept::Linked(link)
             }
         };
-        let mut shards = BTreeMap::new();
-        let none = BTreeMap::new();
-        let before = |name: &str| old.map_or(&none, |m| m.shards_of(name));
+        let none = Shards::new();
+        let before = |name: &str| record.map_or(&none, |record| record.shards_of(name));
         for kind in FieldKind::ALL {
             let name = array_name(kind);
-            shards.insert(name.to_owned(), write_field(writer, state.field(kind), &grid, before(name), &tick)?);
+            let field = volume.field(kind);
+            shards.insert(name.to_owned(), write_field(writer, &place, field, &grid, before(name), tick)?);
         }
-        let edited = crate::document::project::fields::EDITED;
-        shards.insert(edited.to_owned(), write_edited(writer, &state.density, &grid, before(edited))?);
-        let manifest = Manifest::of(generation, state, poses, kept, shards);
-        writer.write(MANIFEST, &manifest.json()?)?;
-        Ok((manifest, linked))
+        shards.insert(EDITED.to_owned(), write_edited(writer, &place, &volume.density, &grid, before(EDITED))?);
+        Ok((VolumeRecord::of(volume, is_kept, shards), linked))
     }
 
     /// The number of the next generation.
@@ -274,8 +338,8 @@ struct Linked {
 impl Linked {
     /// The file that the scene's origin names, if it has the very voxels that the project holds: whatever else lies there now must
     /// not take their place.
-    fn to_equal(state: &State, go_on: &dyn Fn() -> bool) -> Result<Self, KeepError> {
-        let origin = &state.scene.origin;
+    fn to_equal(subject: Subject<'_>, go_on: &dyn Fn() -> bool) -> Result<Self, KeepError> {
+        let origin = &subject.settings.origin;
         let refused = |found: String| KeepError::LinkLost {
             path: origin.path.clone(),
             field: "file",
@@ -285,7 +349,7 @@ impl Linked {
         let opened = crate::io::open(&origin.path).map_err(|e| refused(e.to_string()))?;
         let files = SourceFiles::opened(opened.files.clone());
         let source = opened.source(origin.component, origin.frame, &|_| true).map_err(|e| refused(e.to_string()))?;
-        let ours = state.source.as_ref();
+        let ours = subject.volume.source.as_ref();
         let same =
             (source.grid(), source.voxel_type(), source.scaling()) == (ours.grid(), ours.voxel_type(), ours.scaling());
         if !same {
@@ -305,37 +369,51 @@ impl Linked {
     }
 }
 
-fn density_metadata(writer: &Writer, grid: &Grid, source: &dyn BrickSource) -> Result<(), KeepError> {
+fn density_metadata(writer: &Writer, place: &str, source: &dyn BrickSource) -> Result<Layout, KeepError> {
     let (slope, intercept) = source.scaling();
     let numbers = json!({ "value": "slope * number + intercept", "slope": slope, "intercept": intercept });
-    let attributes = ome_attributes("density", grid, 1, numbers);
-    writer.write_or_link("density/zarr.json", &group_json(attributes)?)?;
-    let layout = density_layout(source.voxel_type(), grid.dims);
-    writer.write_or_link(&format!("{}/zarr.json", layout.path), &layout.array_json()?)
+    let grid = source.grid();
+    let attributes = ome_attributes(DENSITY, grid, 1, numbers);
+    writer.write_or_link(&format!("{place}{DENSITY}/zarr.json"), &group_json(attributes)?)?;
+    let layout = density_layout(place, source.voxel_type(), grid.dims);
+    writer.write_or_link(&format!("{}/zarr.json", layout.path), &layout.array_json()?)?;
+    Ok(layout)
 }
 
-fn link_density(writer: &Writer, grid: &Grid, source: &dyn BrickSource) -> Result<(), KeepError> {
-    density_metadata(writer, grid, source)?;
-    let layout = density_layout(source.voxel_type(), grid.dims);
-    layout.files().try_for_each(|file| writer.link(&layout.file_name(file)))
+/// Links the density that the generation before holds. The files of one that does not know their hashes are read once.
+fn link_density(writer: &Writer, id: VolumeId, source: &dyn BrickSource, old: &Manifest) -> Result<Shards, KeepError> {
+    let layout = density_metadata(writer, &volume_place(id), source)?;
+    let before = density_layout(&old.place(id), source.voxel_type(), source.grid().dims);
+    let record = old.volumes.get(&id).or_else(|| old.set_aside.get(&id));
+    let link = |file: [u32; 3]| {
+        let name = place_name(file);
+        let known = record.and_then(|record| record.shards_of(DENSITY).get(&name)?.file());
+        let hash = match (known, &writer.previous) {
+            (Some(hash), _) => hash.to_owned(),
+            (None, Some(dir)) => file_hash(&inside::read(dir, &before.file_name(file), before.most_bytes())?),
+            (None, None) => return Err(KeepError::NoPath),
+        };
+        writer.link_from(&before.file_name(file), &layout.file_name(file))?;
+        Ok((name, Shard::Both { content: String::new(), file: hash }))
+    };
+    layout.files().map(link).collect()
 }
 
 /// Writes the whole density, a shard at a time on each thread.
 fn write_density(
     writer: &Writer,
-    grid: &Grid,
+    id: VolumeId,
     source: &dyn BrickSource,
     tick: &(dyn Fn() -> Result<(), KeepError> + Sync),
-) -> Result<(), KeepError> {
-    density_metadata(writer, grid, source)?;
-    let layout = density_layout(source.voxel_type(), grid.dims);
+) -> Result<Shards, KeepError> {
+    let layout = density_metadata(writer, &volume_place(id), source)?;
     let array = layout.open(&writer.dir)?;
-    let bytes = source.voxel_type().bytes();
+    let (dims, bytes) = (source.grid().dims, source.voxel_type().bytes());
     let files: Vec<_> = layout.files().collect();
-    files.into_par_iter().try_for_each(|file| {
+    let write = |file: [u32; 3]| {
         tick()?;
         let lo = file.map(|f| f * SHARD);
-        let size: [u32; 3] = std::array::from_fn(|a| SHARD.min(grid.dims[a] - lo[a]));
+        let size: [u32; 3] = std::array::from_fn(|a| SHARD.min(dims[a] - lo[a]));
         let voxels = source.read(lo, size)?;
         let mut numbers = vec![0; layout.file_bytes()];
         let row = size[0] as usize * bytes;
@@ -346,8 +424,11 @@ fn write_density(
         }
         drop(voxels);
         // Also where all is 0, so that a missing shard is known for damage.
-        writer.write(&layout.file_name(file), &layout.encode(&array, numbers)?)
-    })
+        let encoded = layout.encode(&array, numbers)?;
+        writer.write(&layout.file_name(file), &encoded)?;
+        Ok((place_name(file), Shard::Both { content: String::new(), file: file_hash(&encoded) }))
+    };
+    files.into_par_iter().map(write).collect()
 }
 
-const _: () = assert!(VERSION == 1, "the module's head describes version 1");
+const _: () = assert!(VERSION == 2, "the module's head describes version 2");

@@ -25,11 +25,12 @@ impl Scene {
             }
         };
         check_transfer(&function)?;
-        self.transfer = function;
-        let (lo, hi) = self.transfer.domain();
+        let transfer = self.transfer_mut(self.volumes.active);
+        *transfer = function;
+        let (lo, hi) = transfer.domain();
         let said = TransferSaid {
-            colour_points: self.transfer.colour.len(),
-            opacity_points: self.transfer.opacity.len(),
+            colour_points: transfer.colour.len(),
+            opacity_points: transfer.opacity.len(),
             domain: [lo, hi],
         };
         Ok(Changed::new(name, said))
@@ -49,7 +50,7 @@ impl Scene {
         if shaded == Some(false) && lighting.is_some() {
             return Err(DocumentError::invalid("lighting", "given with shaded: false", "one of the two"));
         }
-        let now = self.look;
+        let now = self.look_of(self.volumes.active);
         let lit = lighting.or(now.lighting);
         let look = Look {
             mode: mode.unwrap_or(now.mode),
@@ -62,14 +63,14 @@ impl Scene {
             background: background.unwrap_or(now.background),
         };
         look.check()?;
-        self.look = look;
+        self.show(self.volumes.active, look);
         Ok(Changed::new(name, LookSaid { look }))
     }
 
     pub(crate) fn set_window(&mut self, level: f64, width: f64) -> Result<Changed, DocumentError> {
         let window = Window { level, width };
         window.check()?;
-        self.window = window;
+        self.show_in(self.volumes.active, window);
         Ok(Changed::new("Window", WindowSaid { window }))
     }
 

@@ -14,13 +14,16 @@ use crate::document::command::{Command, SelectionCommand};
 use crate::document::error::DocumentError;
 use crate::document::scene::Scene;
 use crate::explode::Poses;
+use crate::math::Aabb;
 use crate::volume::{Grid, Histogram};
 
 /// What a scene stands on and does not hold.
 #[derive(Clone, Copy, Debug)]
 pub struct Ground<'a> {
-    /// The volume's lattice.
+    /// The active volume's lattice where it lies.
     pub grid: &'a Grid,
+    /// The box of all volumes, world mm.
+    pub bounds: Aabb,
     /// Of the source's values.
     pub histogram: &'a Histogram,
     /// Where parts stand.

@@ -11,7 +11,7 @@ use crate::document::scene::Scene;
 use crate::document::scene::check::check_segment;
 use crate::explode::{Cut, Explosion, Part, PartId, PartRecord};
 use crate::math::{DVec3, Plane};
-use crate::volume::{Grid, Segment};
+use crate::volume::{Grid, Segment, Segments};
 
 impl Scene {
     pub(crate) fn apply_segment(&mut self, command: &SegmentCommand) -> Result<Changed, DocumentError> {
@@ -20,15 +20,15 @@ impl Scene {
                 let id = *id;
                 let wanted = Segment::new(id);
                 check_segment(&Segment { colour: colour.unwrap_or(wanted.colour), ..wanted })?;
-                let known = self.segments.get(id).cloned();
+                let table = self.table()?;
+                let known = table.get(id).cloned();
                 let step = match (&known, name) {
                     (None, _) => format!("Add segment {id}"),
                     (Some(old), Some(new)) if old.name != *new => format!("Rename segment {}", old.name),
                     (Some(old), _) => format!("Change segment {}", old.name),
                 };
-                self.segments.ensure(id);
-                let segment =
-                    self.segments.get_mut(id).ok_or_else(|| DocumentError::invalid("id", id, "a segment's id"))?;
+                table.ensure(id);
+                let segment = table.get_mut(id).ok_or_else(|| DocumentError::invalid("id", id, "a segment's id"))?;
                 if let Some(name) = name {
                     segment.name.clone_from(name);
                 }
@@ -38,16 +38,23 @@ impl Scene {
                 Ok(Changed::new(step, SegmentSaid { segment: segment.clone() }))
             }
             SegmentCommand::Remove { id } => {
-                let Some(segment) = self.segments.get(*id) else {
-                    return Err(DocumentError::no_segment("id", *id, &self.segments));
+                let table = self.table()?;
+                let Some(segment) = table.get(*id) else {
+                    return Err(DocumentError::no_segment("id", *id, table));
                 };
                 let step = format!("Remove segment {}", segment.name);
-                self.segments.0.retain(|s| s.id != *id);
+                table.0.retain(|s| s.id != *id);
                 Ok(Changed::new(step, SegmentRemovedSaid { removed: *id }))
             }
             // Which segments those are is in the file.
             SegmentCommand::Import { .. } => Ok(Changed::named("Import segments")),
         }
+    }
+
+    /// The active volume's segments.
+    fn table(&mut self) -> Result<&mut Segments, DocumentError> {
+        let volume = self.volumes.active;
+        self.segments_mut(volume).ok_or(DocumentError::NothingOpen)
     }
 
     pub(crate) fn apply_part(&mut self, command: &PartCommand, ground: &Ground<'_>) -> Result<Changed, DocumentError> {

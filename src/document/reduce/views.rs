@@ -14,7 +14,7 @@ use crate::volume::Grid;
 
 impl Scene {
     pub(crate) fn apply_view(&mut self, command: &ViewCommand, ground: &Ground<'_>) -> Result<Changed, DocumentError> {
-        let bounds = ground.grid.world_bounds();
+        let bounds = ground.bounds;
         match command {
             ViewCommand::Camera { camera } => self.look_from("Camera", *camera, &bounds),
             ViewCommand::Frame { from, up, zoom } => {
@@ -33,7 +33,7 @@ impl Scene {
                 self.look_from("Turn", self.views.camera.orbited(turned[0], turned[1]), &bounds)
             }
             ViewCommand::Pan { view, px } => {
-                self.pan(*view, DVec2::new(finite("px", px[0])?, finite("px", px[1])?), ground.grid)?;
+                self.pan(*view, DVec2::new(finite("px", px[0])?, finite("px", px[1])?), ground)?;
                 Ok(Changed::new("Pan", self.view_said(*view)))
             }
             ViewCommand::Zoom { view, factor } => {
@@ -107,8 +107,8 @@ impl Scene {
         Ok(Changed::new("Crosshair", self.crosshair_said(grid)))
     }
 
-    fn pan(&mut self, view: ViewName, px: DVec2, grid: &Grid) -> Result<(), DocumentError> {
-        let bounds = grid.world_bounds();
+    fn pan(&mut self, view: ViewName, px: DVec2, ground: &Ground<'_>) -> Result<(), DocumentError> {
+        let (grid, bounds) = (ground.grid, ground.bounds);
         match (view.slice(), SlicePlane::new(grid, &self.views, view)) {
             (Some(i), Some(plane)) => {
                 let shift = (plane.right * px.x - plane.up * px.y) * plane.mm_per_px;
@@ -121,8 +121,7 @@ impl Scene {
 
     /// All of a slice, or of what is shown in 3D, as large as the picture holds.
     fn fit(&mut self, view: ViewName, ground: &Ground<'_>) -> Result<(), DocumentError> {
-        let grid = ground.grid;
-        let bounds = grid.world_bounds();
+        let (grid, bounds) = (ground.grid, ground.bounds);
         match (view.slice(), SlicePlane::new(grid, &self.views, view)) {
             (Some(i), Some(plane)) => {
                 let [width, height] =

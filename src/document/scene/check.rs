@@ -4,13 +4,17 @@
 //! was just opened, and that is told: nothing behind the scene meets a number that it cannot use. Knows no files.
 
 use crate::document::error::DocumentError;
-use crate::document::scene::{Layer, Look, Scene, Views, Window};
+use crate::document::scene::volumes::{OwnLook, VolumeLook, VolumeSettings};
+use crate::document::scene::{Layer, Look, Origin, Scene, Views, Window};
 use crate::explode::Explosion;
-use crate::math::{Aabb, Camera, DVec3, Projection};
-use crate::volume::{FieldKind, Grid, Histogram, Lighting, Mode, Segment, Segments, TransferFunction};
+use crate::math::{Aabb, Camera, DVec3, Pose, Projection};
+use crate::volume::{FieldKind, Lighting, Mode, Segment, Segments, TransferFunction, Volume, VolumeId};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Ids of parts count up; no hand gets near this.
 const MOST_PARTS_EVER: u32 = 1 << 30;
+/// Further from where its file puts it a volume lies in no world of numbers that tell its voxels apart.
+const FARTHEST_MM: f64 = 1e9;
 
 impl Look {
     /// # Errors
@@ -123,31 +127,94 @@ pub(crate) fn check_transfer(transfer: &TransferFunction) -> Result<(), Document
     transfer.check().map_err(|found| DocumentError::NotNow(format!("transfer function: {found}")))
 }
 
+impl VolumeSettings {
+    /// # Errors
+    /// The first field that is wrong.
+    pub(crate) fn check(&self) -> Result<(), DocumentError> {
+        if !(0.0..=1.0).contains(&self.opacity) {
+            return Err(DocumentError::invalid("opacity", self.opacity, "0 to 1"));
+        }
+        check_pose(&self.pose)?;
+        check_segments(&self.segments)
+    }
+}
+
+impl VolumeLook {
+    /// # Errors
+    /// The first field that is wrong.
+    pub(crate) fn check(&self) -> Result<(), DocumentError> {
+        self.window.check().map_err(|e| e.within("window"))?;
+        self.own.as_ref().map_or(Ok(()), |own| own.check().map_err(|e| e.within("look")))
+    }
+}
+
+impl OwnLook {
+    /// # Errors
+    /// The first field that is wrong.
+    pub(crate) fn check(&self) -> Result<(), DocumentError> {
+        check_transfer(&self.transfer)?;
+        Look { mode: self.mode, lighting: self.lighting, ..Look::default() }.check()
+    }
+}
+
+/// A volume's own pose: a turn and a shift that numbers can hold.
+pub(crate) fn check_pose(pose: &Pose) -> Result<(), DocumentError> {
+    let length = pose.rotation.length();
+    if !(length.is_finite() && (length - 1.0).abs() < 1e-3) {
+        let found = format!("{:?}", pose.rotation.to_array());
+        return Err(DocumentError::invalid("pose.rotation", found, "a quaternion of length 1: x, y, z, w"));
+    }
+    if !(pose.translation.is_finite() && pose.translation.abs().max_element() <= FARTHEST_MM) {
+        let (found, expected) = (pose.translation, format!("three numbers of at most {FARTHEST_MM:e} mm"));
+        return Err(DocumentError::invalid("pose.translation", found, expected));
+    }
+    Ok(())
+}
+
+/// What of a volume is said where something is wrong: of the first alone its field, as before there were others.
+fn of_volume(id: VolumeId) -> impl Fn(DocumentError) -> DocumentError {
+    move |error| if id == VolumeId::FIRST { error } else { error.within(&format!("volumes.{id}")) }
+}
+
 impl Scene {
-    /// Checks all parts.
+    /// Checks all parts; `bounds` is the box of all volumes, world mm.
     ///
     /// # Errors
     /// The first field that is wrong.
-    pub fn check(&self, grid: &Grid) -> Result<(), DocumentError> {
-        let bounds = grid.world_bounds();
+    pub fn check(&self, bounds: &Aabb) -> Result<(), DocumentError> {
         check_transfer(&self.transfer)?;
-        self.views.check(&bounds).map_err(|e| e.within("views"))?;
-        self.window.check().map_err(|e| e.within("window"))?;
+        self.views.check(bounds).map_err(|e| e.within("views"))?;
         self.look.check().map_err(|e| e.within("look"))?;
         check_layers(&self.layers)?;
-        check_segments(&self.segments)?;
+        self.shown.iter().try_for_each(|(id, shown)| shown.check().map_err(of_volume(*id)))?;
+        self.volumes.all.iter().try_for_each(|(id, volume)| volume.check().map_err(of_volume(*id)))?;
         self.brush.check()?;
-        check_explosion(&self.explosion, &bounds)
+        check_explosion(&self.explosion, bounds)
     }
 
     /// Puts right what was kept and cannot be used; answers what was wrong, in sentences.
-    pub(crate) fn mend(&mut self, grid: &Grid, histogram: &Histogram) -> Vec<String> {
+    pub(crate) fn mend(&mut self, volumes: &BTreeMap<VolumeId, Volume>, bounds: &Aabb) -> Vec<String> {
         let mut told = Vec::new();
-        if self.check(grid).is_ok() {
+        let known: BTreeSet<VolumeId> = volumes.keys().copied().collect();
+        self.shown.retain(|id, _| known.contains(id));
+        if self.volumes.all.keys().any(|id| !known.contains(id)) {
+            told.push("volumes that the project does not hold are gone from the list".to_owned());
+            self.volumes.all.retain(|id, _| known.contains(id));
+        }
+        for (id, volume) in volumes {
+            let window = Window::from_histogram(&volume.histogram);
+            self.shown.entry(*id).or_insert(VolumeLook { window, own: None });
+        }
+        if !known.contains(&self.volumes.active) {
+            self.volumes.active = known.first().copied().unwrap_or_default();
+        }
+        self.volumes.next = self.volumes.next.max(known.last().map_or(0, |last| last.0.saturating_add(1)));
+        if self.check(bounds).is_ok() {
             return told;
         }
-        let bounds = grid.world_bounds();
-        let fresh = Self::new(grid, histogram, self.origin.clone());
+        let fresh = volumes.values().next().map_or_else(Self::empty, |volume| {
+            Self::new(volume.grid(), &volume.histogram, VolumeSettings::new("", Origin::nowhere()))
+        });
         let mut tell = |checked: Result<(), DocumentError>, now: &str| match checked {
             Ok(()) => false,
             Err(error) => {
@@ -158,11 +225,19 @@ impl Scene {
         if tell(check_transfer(&self.transfer), "the transfer function was made anew from the histogram") {
             self.transfer = fresh.transfer;
         }
-        if tell(self.views.check(&bounds).map_err(|e| e.within("views")), "all views show the whole volume") {
+        if tell(self.views.check(bounds).map_err(|e| e.within("views")), "all views show the whole volume") {
             self.views = fresh.views;
         }
-        if tell(self.window.check().map_err(|e| e.within("window")), "the window was made anew from the histogram") {
-            self.window = fresh.window;
+        for (id, shown) in &mut self.shown {
+            let window = shown.window.check().map_err(|e| of_volume(*id)(e.within("window")));
+            if let (true, Some(volume)) = (tell(window, "the window was made anew from the histogram"), volumes.get(id))
+            {
+                shown.window = Window::from_histogram(&volume.histogram);
+            }
+            let own = shown.own.as_ref().map_or(Ok(()), |own| own.check().map_err(of_volume(*id)));
+            if tell(own, "the volume is shown as the document is") {
+                shown.own = None;
+            }
         }
         if tell(self.look.check().map_err(|e| e.within("look")), "the look is that of a new document") {
             self.look = fresh.look;
@@ -170,13 +245,19 @@ impl Scene {
         if tell(check_layers(&self.layers), "layers are shown as in a new document") {
             self.layers = fresh.layers;
         }
-        if tell(check_segments(&self.segments), "segments were put in order, their colours in range") {
-            self.segments = put_in_order(std::mem::take(&mut self.segments));
+        for (id, volume) in &mut self.volumes.all {
+            let checked = check_segments(&volume.segments).map_err(of_volume(*id));
+            if tell(checked, "segments were put in order, their colours in range") {
+                volume.segments = put_in_order(std::mem::take(&mut volume.segments));
+            }
+            if tell(volume.check().map_err(of_volume(*id)), "the volume lies and shows as in its file") {
+                (volume.opacity, volume.pose) = (1.0, Pose::IDENTITY);
+            }
         }
         if tell(self.brush.check().map_err(DocumentError::from), "the brush is that of a new document") {
             self.brush = fresh.brush;
         }
-        if tell(check_explosion(&self.explosion, &bounds), "the volume is one part again") {
+        if tell(check_explosion(&self.explosion, bounds), "the volume is one part again") {
             self.explosion = fresh.explosion;
         }
         told

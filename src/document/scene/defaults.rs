@@ -1,51 +1,67 @@
 //! What a volume that was just opened looks like.
 
+use crate::document::scene::volumes::{VolumeLook, VolumeSettings, Volumes};
 use crate::document::scene::{Layer, Looks, Origin, Scene, SliceView, ViewName, Views, Window, first_look};
 use crate::explode::Explosion;
+use crate::math::DVec3;
 use crate::paint::Brush;
-use crate::volume::{FieldKind, Grid, Histogram, Segments};
+use crate::volume::{FieldKind, Grid, Histogram, VolumeId};
+use std::collections::BTreeMap;
 
 impl Scene {
     /// Seen from the front, a slab from its face, framed, the crosshair in the middle, colours from the histogram, nothing
     /// painted, one part.
-    pub fn new(grid: &Grid, histogram: &Histogram, origin: Origin) -> Self {
+    pub fn new(grid: &Grid, histogram: &Histogram, volume: VolumeSettings) -> Self {
+        let shown = VolumeLook { window: Window::from_histogram(histogram), own: None };
         Self {
-            origin,
+            volumes: Volumes::of_one(volume),
+            shown: BTreeMap::from([(VolumeId::FIRST, shown)]),
             transfer: first_look::transfer(grid, histogram),
             look: first_look::look(grid),
-            window: Window::from_histogram(histogram),
             views: Views::new(grid),
             layers: FieldKind::ALL.map(Layer::new).to_vec(),
-            segments: Segments::default(),
             brush: brush_for(grid),
             explosion: Explosion::whole(grid),
         }
+    }
+
+    /// A scene of no volume: a decimetre of empty room about the origin.
+    pub fn empty() -> Self {
+        let grid = Grid::aligned([100; 3], DVec3::ONE, DVec3::splat(-49.5));
+        let histogram = Histogram { min: 0.0, max: 1.0, bins: vec![1, 1], ids: Vec::new(), voids: [0; 2] };
+        let mut scene = Self::new(&grid, &histogram, VolumeSettings::new("", Origin::nowhere()));
+        (scene.volumes, scene.shown) = (Volumes::default(), BTreeMap::new());
+        scene
     }
 }
 
 impl Scene {
     /// How everything is shown.
     pub fn looks(&self) -> Looks {
-        let Self { transfer, look, window, layers, .. } = self;
-        Looks { transfer: transfer.clone(), look: *look, window: *window, layers: layers.clone() }
+        let Self { transfer, look, shown, layers, .. } = self;
+        Looks { transfer: transfer.clone(), look: *look, shown: shown.clone(), layers: layers.clone() }
     }
 }
 
 impl Looks {
-    /// Whether a scene is shown so.
+    /// Whether a scene is shown so; of volumes those count that both know.
     pub(crate) fn are_of(&self, scene: &Scene) -> bool {
         self.transfer == scene.transfer
             && self.look == scene.look
-            && self.window == scene.window
             && self.layers == scene.layers
+            && self.shown.iter().all(|(id, shown)| scene.shown.get(id).is_none_or(|now| now == shown))
     }
 
-    /// Shows a scene so, and holds how it was shown.
+    /// Shows a scene so, and holds how it was shown. A volume that came or went since is shown as it is.
     pub(crate) fn exchange(&mut self, scene: &mut Scene) {
         std::mem::swap(&mut self.transfer, &mut scene.transfer);
         std::mem::swap(&mut self.look, &mut scene.look);
-        std::mem::swap(&mut self.window, &mut scene.window);
         std::mem::swap(&mut self.layers, &mut scene.layers);
+        for (id, shown) in &mut self.shown {
+            if let Some(now) = scene.shown.get_mut(id) {
+                std::mem::swap(shown, now);
+            }
+        }
     }
 }
 
@@ -75,8 +91,11 @@ impl Scene {
 
     /// The scene as JSON says it: a path that is not UTF-8 comes back with marks in it.
     pub(crate) fn sayable(&self) -> Self {
-        let path = self.origin.path.to_string_lossy().into_owned().into();
-        Self { origin: Origin { path, ..self.origin.clone() }, ..self.clone() }
+        let mut scene = self.clone();
+        for volume in scene.volumes.all.values_mut() {
+            volume.origin.path = volume.origin.path.to_string_lossy().into_owned().into();
+        }
+        scene
     }
 }
 

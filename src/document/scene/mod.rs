@@ -1,4 +1,4 @@
-//! What a project is beside its voxels: everything here is saved and journaled; undo knows segments, parts and forces.
+//! What a project is beside its voxels: everything here is saved and journaled; undo knows volumes with their segments, parts and forces.
 
 pub(crate) mod cause;
 pub(crate) mod check;
@@ -9,12 +9,15 @@ pub(crate) mod kept_poses;
 pub(crate) mod outliers;
 pub(crate) mod past;
 pub(crate) mod slice_plane;
+pub(crate) mod volumes;
 
+use crate::document::scene::volumes::{VolumeLook, Volumes};
 use crate::explode::Explosion;
 use crate::math::{Camera, DVec3};
 use crate::paint::Brush;
-use crate::volume::{FieldKind, Lighting, Mode, Segments, TransferFunction};
+use crate::volume::{FieldKind, Lighting, Mode, TransferFunction, VolumeId};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// The 3D view's appearance.
@@ -105,10 +108,10 @@ pub struct Looks {
     pub transfer: TransferFunction,
     /// The 3D view's appearance.
     pub look: Look,
-    /// Grey window of the slices.
-    pub window: Window,
     /// Fields' display.
     pub layers: Vec<Layer>,
+    /// How each volume is shown.
+    pub shown: BTreeMap<VolumeId, VolumeLook>,
 }
 
 /// The file that the density comes from.
@@ -123,6 +126,13 @@ pub struct Origin {
     pub frame: u32,
 }
 
+impl Origin {
+    /// Of what came from no file.
+    pub(crate) fn nowhere() -> Self {
+        Self { path: PathBuf::new(), component: 0, frame: 0 }
+    }
+}
+
 /// A path as JSON can say it: what is not UTF-8 in it becomes a mark.
 fn in_utf8<S: serde::Serializer>(path: &std::path::Path, to: S) -> Result<S::Ok, S::Error> {
     to.collect_str(&path.display())
@@ -131,20 +141,18 @@ fn in_utf8<S: serde::Serializer>(path: &std::path::Path, to: S) -> Result<S::Ok,
 /// See the module's head.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Scene {
-    /// Where the volume came from.
-    pub origin: Origin,
+    /// Which volumes there are.
+    pub volumes: Volumes,
+    /// How each of them is shown.
+    pub shown: BTreeMap<VolumeId, VolumeLook>,
     /// Colour and opacity.
     pub transfer: TransferFunction,
     /// The 3D view's appearance.
     pub look: Look,
-    /// Grey window of the slices.
-    pub window: Window,
     /// Views.
     pub views: Views,
     /// Fields' display.
     pub layers: Vec<Layer>,
-    /// Segments.
-    pub segments: Segments,
     /// The brush.
     pub brush: Brush,
     /// Parts and forces.

@@ -95,7 +95,7 @@ impl App {
         ui.label(RichText::new(why).color(theme::TEXT_WEAK));
         ui.add_space(10.0);
         let open = self.opened().map(|open| {
-            let path = self.snapshot.project.as_deref().unwrap_or(&open.scene.origin.path);
+            let path = self.snapshot.place(open);
             path.file_name().map_or_else(|| "the open volume".into(), shown)
         });
         let mut answer = None;

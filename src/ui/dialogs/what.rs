@@ -101,7 +101,7 @@ impl What {
 /// The document's name without its ending.
 fn stem(app: &App) -> OsString {
     let Some(open) = app.opened() else { return OsString::new() };
-    let path = app.snapshot.project.as_deref().unwrap_or(&open.scene.origin.path);
+    let path = app.snapshot.place(open);
     let Some(name) = path.file_name() else { return "volume".into() };
     // Endings are text, whatever the rest is.
     let Some(text) = name.to_str() else { return path.file_stem().unwrap_or(name).to_owned() };
@@ -115,7 +115,7 @@ impl App {
     /// The folder where a dialog begins: for what is written beside the document, else where something was opened last.
     pub(super) fn folder_for(&self, what: &What) -> PathBuf {
         let beside = self.opened().map(|open| {
-            let path = self.snapshot.project.as_deref().unwrap_or(&open.scene.origin.path);
+            let path = self.snapshot.place(open);
             path.parent().map(Path::to_path_buf).unwrap_or_default()
         });
         // The sample lies where nobody looks for his work.

@@ -55,7 +55,7 @@ impl App {
         let Some(scene) = &self.scene else { return };
         let old = scene.brush;
         let mut new = old;
-        let middle = scene.window.level;
+        let middle = scene.window().level;
         let voxel = self.opened().map_or(1.0, |o| o.grid.voxel_mm());
         let ends = self.opened().map_or([0.0, 1.0], Opened::ends);
         self.last_paint.insert(kind(old.target), old.target);
@@ -161,21 +161,22 @@ fn target_row(ui: &mut Ui, scene: &Scene, span: f64, new: &mut Brush) {
 }
 
 fn label_box(ui: &mut Ui, scene: &Scene, id: &mut u16) {
-    let named =
-        |id: u16| scene.segments.get(id).map_or_else(|| format!("{id}  new segment"), |s| format!("{id}  {}", s.name));
+    let named = |id: u16| {
+        scene.segments().get(id).map_or_else(|| format!("{id}  new segment"), |s| format!("{id}  {}", s.name))
+    };
     let (swatch, shown) = ui.allocate_exact_size(vec2(14.0, 14.0), egui::Sense::hover());
     let colour = crate::ui::views::overlay::paint_colour(Target::Label(*id), scene);
     ui.painter().rect_filled(swatch, 2.0, colour);
     shown.widget_info(|| {
         let mut info = egui::WidgetInfo::labeled(egui::Role::Image, true, "Colour of the label to paint");
-        info.current_text_value = Some(crate::ui::style::colour::hex(scene.segments.colour_of(*id)));
+        info.current_text_value = Some(crate::ui::style::colour::hex(scene.segments().colour_of(*id)));
         info
     });
     shown.on_hover_text("What is painted gets this colour; it is changed in the list of segments");
     let width = ui.available_width();
     let response =
         ComboBox::from_id_salt("label").width(width).truncate().selected_text(named(*id)).show_ui(ui, |ui| {
-            for option in scene.segments.0.iter().map(|s| s.id).chain(scene.segments.free()) {
+            for option in scene.segments().0.iter().map(|s| s.id).chain(scene.segments().free()) {
                 ui.selectable_value(id, option, named(option)).on_hover_text("Paint this segment");
             }
         });

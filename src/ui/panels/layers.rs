@@ -32,7 +32,7 @@ const WINDOWS: [(&str, f64, f64); 6] = [
 impl App {
     pub(super) fn layer_panel(&mut self, ui: &mut Ui) {
         let Some(scene) = &self.scene else { return };
-        let (layers, window) = (FieldKind::ALL.map(|field| scene.layer(field)), scene.window);
+        let (layers, window) = (FieldKind::ALL.map(|field| scene.layer(field)), scene.window());
         for layer in layers {
             self.layer_row(ui, layer, window);
         }

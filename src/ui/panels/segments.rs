@@ -15,7 +15,7 @@ use egui::{Rect, Sense, Ui, vec2};
 impl App {
     pub(super) fn segment_panel(&mut self, ui: &mut Ui, height: f32) {
         let Some(scene) = &self.scene else { return };
-        let segments = scene.segments.0.clone();
+        let segments = scene.segments().0.clone();
         let painted = match scene.brush.target {
             Target::Label(id) => Some(id),
             _ => None,
@@ -37,7 +37,7 @@ impl App {
     /// At the end of the list's heading.
     pub(super) fn add_segment(&mut self, ui: &mut Ui, place: Rect) {
         let Some(scene) = &self.scene else { return };
-        let free = scene.segments.free();
+        let free = scene.segments().free();
         let mut corner = ui.new_child(egui::UiBuilder::new().id_salt("add segment").max_rect(place));
         let face = Face::small(Icon::Add, "Add segment", "A new, empty segment; the brush paints it from now on");
         if icon_button(&mut corner, face).clicked()

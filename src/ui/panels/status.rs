@@ -81,7 +81,7 @@ impl App {
             .map_or_else(String::new, |(open, v)| format!("value {}", readout::value(v.density, open.voxel_type)));
         let mut extra = Vec::new();
         if let Some(id) = values.map(|v| v.label).filter(|&id| id != 0) {
-            let name = self.scene.as_ref().and_then(|s| s.segments.get(id)).map_or("unnamed", |s| s.name.as_str());
+            let name = self.scene.as_ref().and_then(|s| s.segments().get(id)).map_or("unnamed", |s| s.name.as_str());
             extra.push(format!("{id} {name}"));
         }
         if let Some(selected) = values.map(|v| v.selection).filter(|&s| s > 0.0) {

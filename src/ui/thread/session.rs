@@ -10,7 +10,7 @@ use crate::explode::Poses;
 use crate::math::{Camera, DVec2};
 use crate::ui::thread::progress::Stop;
 use crate::volume::{Grid, Histogram, Statistics, VoxelType};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
@@ -65,6 +65,14 @@ pub struct Snapshot {
     pub forward: Option<String>,
 }
 
+impl Snapshot {
+    /// Where what is open is kept: its project, or the file that it began with.
+    pub fn place<'a>(&'a self, open: &'a Opened) -> &'a Path {
+        let file = || open.scene.origin().map_or(Path::new(""), |origin| &origin.path);
+        self.project.as_deref().unwrap_or_else(file)
+    }
+}
+
 /// The open volume.
 #[derive(Clone, Debug)]
 pub struct Opened {
@@ -85,7 +93,7 @@ pub struct Opened {
 impl Opened {
     /// What reducers are given beside the scene.
     pub fn ground(&self) -> Ground<'_> {
-        Ground { grid: &self.grid, histogram: &self.histogram, poses: &self.poses }
+        Ground { grid: &self.grid, bounds: self.grid.world_bounds(), histogram: &self.histogram, poses: &self.poses }
     }
 
     /// The smallest and the largest value; of a volume without any the ends of its histogram.

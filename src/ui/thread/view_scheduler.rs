@@ -76,7 +76,7 @@ impl Studio {
     fn basis(&self, document: &Document, view: ViewName) -> Option<Basis> {
         let state = document.state()?;
         let views = &state.scene.views;
-        let plane = SlicePlane::new(state.grid(), views, view);
+        let plane = SlicePlane::new(state.at(None).ok()?.grid(), views, view);
         let size = views.slice(view).map_or(views.size, |s| s.size);
         let changes = if view == ViewName::ThreeD { self.three_d } else { self.slices };
         Some(Basis { changes, size, plane, camera: views.camera })

@@ -374,17 +374,17 @@ impl Worker {
         if self.told == Some(now) {
             return;
         }
-        let open = self.document.state().map(|state| {
+        let open = self.document.state().and_then(|state| state.at(None).ok()).map(|subject| {
             let histogram = match &self.histogram {
-                Some(known) if **known == state.histogram => known.clone(),
-                _ => Arc::new(state.histogram.clone()),
+                Some(known) if **known == subject.histogram => known.clone(),
+                _ => Arc::new(subject.histogram.clone()),
             };
             Opened {
-                scene: Arc::new(state.scene.clone()),
+                scene: Arc::new(subject.scene.clone()),
                 poses: Arc::new(self.document.poses().clone()),
-                grid: *state.grid(),
-                voxel_type: state.source.voxel_type(),
-                statistics: state.statistics,
+                grid: *subject.grid(),
+                voxel_type: subject.source.voxel_type(),
+                statistics: subject.statistics,
                 histogram,
             }
         });
@@ -400,7 +400,7 @@ impl Worker {
             unsaved: self.document.is_unsaved(),
             gpu: self.gpu.clone(),
             moving: self.moving,
-            selected: self.document.state().is_some_and(|s| !s.selection.is_blank()),
+            selected: self.document.state().is_some_and(|s| s.subjects().any(|volume| !volume.selection.is_blank())),
             back: past(true),
             forward: past(false),
         };

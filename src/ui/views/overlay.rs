@@ -88,7 +88,7 @@ impl App {
 /// What a brush paints, as a colour.
 pub(crate) fn paint_colour(target: Target, scene: &crate::document::Scene) -> Color32 {
     match target {
-        Target::Label(id) => theme::rgb(scene.segments.colour_of(id)),
+        Target::Label(id) => theme::rgb(scene.segments().colour_of(id)),
         Target::Colour([r, g, b, _]) => theme::rgb([r, g, b]),
         Target::Selection(_) => theme::rgb(crate::document::SELECTION_COLOUR),
         Target::Density(_) => Color32::WHITE,

@@ -301,7 +301,7 @@ impl App {
     /// The document's name, with a star while there is something to lose.
     pub(crate) fn document_title(&self) -> String {
         let Some(open) = self.opened() else { return "Nothing open".into() };
-        let path = self.snapshot.project.as_deref().unwrap_or(&open.scene.origin.path);
+        let path = self.snapshot.place(open);
         let name = shown(path.file_name().unwrap_or(path.as_os_str()));
         if self.snapshot.unsaved { format!("{name}*") } else { name }
     }

@@ -1,0 +1,149 @@
+//! A volume: a grid, the values measured on it, and what was painted over them.
+//!
+//! Owns the four fields and the source behind the density. Any number of volumes lie beside each other; `VolumeId` names one,
+//! `FieldKey` one of its fields, everywhere. What a person calls it, where it is shown and how is the document's, as are files.
+
+use super::{BrickSource, DensityMap, Field, FieldKind, Grid, Histogram, SourceError, Statistics, TexelFormat, unit};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Of a stroke in floats: of what was there, what is painted, their difference, its share and the sum, each half a unit in the last
+/// place of up to twice the largest number.
+const ROUNDINGS: f64 = 4.0;
+
+/// Names a volume of a document; one that is gone never gives its name to another.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, schemars::JsonSchema,
+)]
+#[serde(transparent)]
+pub struct VolumeId(pub u32);
+
+impl VolumeId {
+    /// The volume that a document begins with.
+    pub const FIRST: Self = Self(0);
+}
+
+impl std::fmt::Display for VolumeId {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+/// Names a field of a volume.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct FieldKey {
+    /// The volume.
+    pub volume: VolumeId,
+    /// Which of its fields.
+    pub kind: FieldKind,
+}
+
+impl FieldKey {
+    /// The key of a field.
+    pub const fn new(volume: VolumeId, kind: FieldKind) -> Self {
+        Self { volume, kind }
+    }
+}
+
+/// See the module's head. Cheap to clone: bricks are shared.
+#[derive(Clone, Debug)]
+pub struct Volume {
+    /// The values with their edits.
+    pub density: Field,
+    /// Painted colour.
+    pub colour: Field,
+    /// Degree of interest.
+    pub selection: Field,
+    /// Labels.
+    pub labels: Field,
+    /// Where unedited density comes from.
+    pub source: Arc<dyn BrickSource>,
+    /// Of the source's values.
+    pub statistics: Statistics,
+    /// Of the source's values.
+    pub histogram: Histogram,
+    /// Between which values density was painted, once it was.
+    pub painted: Option<[f64; 2]>,
+}
+
+impl Volume {
+    /// Reads the source once; nothing is painted. `progress` gets the share done and answers whether to go on: `None` if not.
+    ///
+    /// # Errors
+    /// If the source fails.
+    pub fn new(
+        source: Arc<dyn BrickSource>,
+        map: DensityMap,
+        statistics: Statistics,
+        histogram: Histogram,
+        progress: &(dyn Fn(f32) -> bool + Sync),
+    ) -> Result<Option<Self>, SourceError> {
+        let Some(density) = Field::from_source(source.clone(), map, progress)? else { return Ok(None) };
+        let grid = *source.grid();
+        let blank = |kind| Field::blank(kind, &grid);
+        let (colour, selection, labels) =
+            (blank(FieldKind::Colour), blank(FieldKind::Selection), blank(FieldKind::Labels));
+        Ok(Some(Self { density, colour, selection, labels, source, statistics, histogram, painted: None }))
+    }
+
+    /// The lattice that all fields share, where the source has it.
+    pub fn grid(&self) -> &Grid {
+        self.source.grid()
+    }
+
+    /// A field by its kind.
+    pub fn field(&self, kind: FieldKind) -> &Field {
+        match kind {
+            FieldKind::Density => &self.density,
+            FieldKind::Colour => &self.colour,
+            FieldKind::Selection => &self.selection,
+            FieldKind::Labels => &self.labels,
+        }
+    }
+
+    /// The same, to change it; whoever does keeps the history.
+    pub fn field_mut(&mut self, kind: FieldKind) -> &mut Field {
+        match kind {
+            FieldKind::Density => &mut self.density,
+            FieldKind::Colour => &mut self.colour,
+            FieldKind::Selection => &mut self.selection,
+            FieldKind::Labels => &mut self.labels,
+        }
+    }
+
+    /// The most by which a painted value may differ from what comes back of it, anywhere in the volume as it is now. What was not
+    /// painted comes back as the source has it.
+    pub fn half_step(&self) -> f64 {
+        let map = self.density.map();
+        // Extremes are known to 32 bits; codes end where their map does.
+        let painted = match map.format {
+            TexelFormat::R32Float => self.density.extremes().map(f64::from),
+            _ => [map.lo, map.hi()],
+        };
+        let largest = [self.statistics.min, self.statistics.max, painted[0], painted[1]]
+            .into_iter()
+            .map(f64::abs)
+            .filter(|v| v.is_finite())
+            .fold(self.largest_painted(), f64::max);
+        self.half_step_of(largest)
+    }
+
+    /// The same of a voxel that was painted to a value from this one of the source.
+    pub fn half_step_at(&self, value: f64, own: f64) -> f64 {
+        let mixed = value.abs().max(self.largest_painted());
+        // What is so much larger than anything painted leaves no digit of it if it is mixed with that.
+        let from = if own.abs() * f64::from(f32::EPSILON) <= 2.0 * mixed { own.abs() } else { 0.0 };
+        self.half_step_of(if self.density.format() == TexelFormat::R32Float { mixed.max(from) } else { value })
+    }
+
+    fn largest_painted(&self) -> f64 {
+        self.painted.map_or(0.0, |[lo, hi]| lo.abs().max(hi.abs()))
+    }
+
+    /// Of numbers of this size: rounding to the texel, and in the kernel's 32 bits to that of each number which it was made from.
+    fn half_step_of(&self, size: f64) -> f64 {
+        let map = self.density.map();
+        let roundings = if map.format == TexelFormat::R32Float { ROUNDINGS } else { 1.0 };
+        map.error_at(size, unit(self.source.as_ref()).is_some()) * roundings
+    }
+}

@@ -1,0 +1,40 @@
+//! The volume of documents that have one.
+
+use burin::document::{KeptDocument, KeptVolume, Scene, State};
+use burin::volume::{Segments, Volume, VolumeId};
+
+/// A document of one volume.
+pub trait One {
+    type Volume;
+    fn one(&self) -> &Self::Volume;
+    fn one_mut(&mut self) -> &mut Self::Volume;
+}
+
+impl One for State {
+    type Volume = Volume;
+
+    fn one(&self) -> &Volume {
+        self.subject(VolumeId::FIRST).unwrap().volume
+    }
+
+    fn one_mut(&mut self) -> &mut Volume {
+        self.volume_mut(VolumeId::FIRST).unwrap()
+    }
+}
+
+impl One for KeptDocument {
+    type Volume = KeptVolume;
+
+    fn one(&self) -> &KeptVolume {
+        &self.volumes[&VolumeId::FIRST]
+    }
+
+    fn one_mut(&mut self) -> &mut KeptVolume {
+        self.volumes.get_mut(&VolumeId::FIRST).unwrap()
+    }
+}
+
+/// What its labels mean.
+pub fn segments(scene: &mut Scene) -> &mut Segments {
+    scene.segments_mut(VolumeId::FIRST).unwrap()
+}
