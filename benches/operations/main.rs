@@ -36,6 +36,7 @@ const BENCHES: &[Bench] = &[
     ("draw/plain", draw::plain),
     ("draw/pool", draw::pool),
     ("paint/dab", paint::dab),
+    ("paint/click", paint::click),
     ("paint/stamp", paint::stamp),
     ("undo/stroke", undo::undo),
     ("slices/pictures", slices::slices),

@@ -1,5 +1,6 @@
 //! Dabs and what follows: the brush alone by the volume's size, and a stamp with the picture after it.
 
+use super::cube::{apply, document};
 use super::head::{Failure, Volume};
 use super::measure::{Report, measure, measure_by_turns};
 use burin::gpu::{Body, Caster, FieldPools, Frame, Gpu, Overlay, Painter};
@@ -84,6 +85,34 @@ pub fn dab(report: &mut Report) -> Result<(), Failure> {
         report.row(&format!("dab of 64 voxels on {name}, 128³"), small, "");
         let ratio = large.cpu / small.cpu;
         report.row(&format!("dab of 64 voxels on {name}, 512³"), large, &format!("{ratio:.2} of 128³ (CPU)"));
+    }
+    Ok(())
+}
+
+/// A click as the program does it: from the point to a step of history.
+pub fn click(report: &mut Report) -> Result<(), Failure> {
+    let folder = tempfile::tempdir()?;
+    let mut documents = [document(128, folder.path())?, document(512, folder.path())?];
+    let targets = [
+        ("density", json!({"density": 200.0})),
+        ("selection", json!({"selection": 1.0})),
+        ("colour", json!({"colour": [0.9, 0.3, 0.1, 0.8]})),
+        ("labels", json!({"label": 3})),
+    ];
+    for (name, target) in targets {
+        for document in &mut documents {
+            let brush = json!({"radius_mm": 32.0, "falloff": "smooth", "shape": "sphere", "target": target});
+            apply(document, json!({"brush": {"set": brush}}))?;
+        }
+        let [small, large] = measure_by_turns(5, 40, |which, i| -> Result<(), Failure> {
+            let middle = [64.0, 256.0][which];
+            let at = DVec3::splat(middle) + path(24.0, i, 4.0) - 12.0;
+            let points = json!([{"at": {"mm": at.to_array()}}]);
+            apply(&mut documents[which], json!({"stroke": {"paint": {"points": points}}})).map(|_| ())
+        })?;
+        report.row(&format!("click of 64 voxels on {name}, 128³"), small, "");
+        let ratio = large.cpu / small.cpu;
+        report.row(&format!("click of 64 voxels on {name}, 512³"), large, &format!("{ratio:.2} of 128³ (CPU)"));
     }
     Ok(())
 }

@@ -3,6 +3,8 @@
 // A stroke gathers coverage and is applied once to the texels at its start. One invocation takes a row of a slot's box, twelve
 // texels at a time: what it reads of its item and its dabs costs more on software Vulkan than what it calculates with them.
 // Apron texels are computed like all others, from the voxel they repeat, so neighbouring slots agree without exchange.
+// A stroke's first dab is laid by itself (ONE_DAB): most strokes are one click, which needs to remember no coverage, and a dab that
+// all invocations read at the same place is read once.
 
 #import burin::constants::{GATE_WORDS, ROWS_AT_ONCE, ROW_PITCH_BYTES, SLOT}
 #import burin::coverage::{cover_of, g_of, gathered, kept_of, state_of}
@@ -114,21 +116,34 @@ fn brush(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
     for (var first = item.lo.x; first < end; first += 3u) {
         // Loads beyond the box are of no use and do no harm.
         let kept = row.line * QUADS + first;
-        var a = state_of(coverage[kept], does);
-        var b = state_of(coverage[kept + 1u], does);
-        var c = state_of(coverage[kept + 2u], does);
+        var a = state_of(vec4<u32>(0u), does);
+        var b = a;
+        var c = a;
+#ifndef ONE_DAB
+        a = state_of(coverage[kept], does);
+        b = state_of(coverage[kept + 1u], does);
+        c = state_of(coverage[kept + 2u], does);
+#endif
         let x = shown(row, first);
         let xb = shown(row, first + 1u);
         let xc = shown(row, first + 2u);
+#ifdef ONE_DAB
+        a = gathered(a, g_of(0u, x, row.yz, does.falloff), does);
+        b = gathered(b, g_of(0u, xb, row.yz, does.falloff), does);
+        c = gathered(c, g_of(0u, xc, row.yz, does.falloff), does);
+#else
         for (var i = item.first_dab; i < item.first_dab + item.dab_count; i += 1u) {
             a = gathered(a, g_of(i, x, row.yz, does.falloff), does);
             b = gathered(b, g_of(i, xb, row.yz, does.falloff), does);
             c = gathered(c, g_of(i, xc, row.yz, does.falloff), does);
         }
+#endif
         for (var n = 0u; n < min(3u, end - first); n += 1u) {
             let quad = first + n;
             let state = select(select(a, b, n == 1u), c, n == 2u);
+#ifndef ONE_DAB
             coverage[kept + n] = kept_of(state, does);
+#endif
             let cover = cover_of(state, does);
             let old = texels(start[source + quad]);
             let paints = (cover > vec4<f32>(0.0)) & open(row, within, item.place, quad, does);

@@ -17,7 +17,11 @@ fn g_of(i: u32, x: vec4<i32>, yz: vec2<i32>, falloff: u32) -> vec4<f32> {
     var dx = a.x * ox + b.x * o.x + c.x * o.y;
     var dy = a.y * ox + b.y * o.x + c.y * o.y;
     var dz = a.z * ox + b.z * o.x + c.z * o.y;
-    let n = dab.normal;
+    let axis = (dab.form >> 1u) & 3u;
+    // A ball is a disc without a normal.
+    var n = select(vec3<f32>(0.0), stroke.normals[0].xyz, axis == 1u);
+    n = select(n, stroke.normals[1].xyz, axis == 2u);
+    n = select(n, stroke.normals[2].xyz, axis == 3u);
     let lift = dots(dx, dy, dz, vec4<f32>(n.x), vec4<f32>(n.y), vec4<f32>(n.z));
     dx -= n.x * lift;
     dy -= n.y * lift;
@@ -27,11 +31,13 @@ fn g_of(i: u32, x: vec4<i32>, yz: vec2<i32>, falloff: u32) -> vec4<f32> {
     let rest = 1.0 - r * r;
     let f = select(select(vec4<f32>(1.0), 1.0 - r, falloff == LINEAR), rest * rest, falloff == SMOOTH);
     var g = select(dab.gain * f, vec4<f32>(0.0), squared > vec4<f32>(dab.edge));
-    let held = dab.thin != 0u && all(o > vec2<f32>(-0.5)) && all(o <= vec2<f32>(0.5));
+    // Not `&&` here: a branch must not hang on a uniform's value alone (see the kernel's choices).
+    let held = ((dab.form & 1u) != 0u) & all(o > vec2<f32>(-0.5)) & all(o <= vec2<f32>(0.5));
     let holds = vec4<bool>(held) & (ox > vec4<f32>(-0.5)) & (ox <= vec4<f32>(0.5));
     g = select(g, vec4<f32>(dab.gain), holds);
-    let beside = (dab.axis == 1 && yz.x != dab.layer) || (dab.axis == 2 && yz.y != dab.layer);
-    let off = vec4<bool>(beside) | (vec4<bool>(dab.axis == 0) & (x != vec4<i32>(dab.layer)));
+    let layer = i32(dab.form >> 3u);
+    let beside = ((axis == 2u) & (yz.x != layer)) | ((axis == 3u) & (yz.y != layer));
+    let off = vec4<bool>(beside) | (vec4<bool>(axis == 1u) & (x != vec4<i32>(layer)));
     return select(g, vec4<f32>(0.0), off);
 }
 

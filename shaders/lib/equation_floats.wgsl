@@ -35,7 +35,7 @@ fn arrived(old: u32, back: u32, cover: f32, mixed: f32, does: Choices) -> u32 {
     if does.to_end && p != end {
         // Near the end as 16-bit codes would: no less than a step at a time, and the end from within one. Near is where a tenth of
         // the way is under half a step: a weaker brush goes by equation 1 until there.
-        let outlying = stroke.least < stroke.greatest && (end < stroke.least || end > stroke.greatest);
+        let outlying = (stroke.least < stroke.greatest) & ((end < stroke.least) | (end > stroke.greatest));
         let step = select(stroke.step, abs(end) / TOP, outlying);
         let way = abs(end - p);
         if way <= 5.0 * step && abs(value - p) < 0.5 * step {

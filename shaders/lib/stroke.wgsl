@@ -18,6 +18,8 @@ const SMOOTH: u32 = 2u;
 struct BrushStroke {
     // Columns of world_from_index in radii.
     columns: array<vec4<f32>, 3>,
+    // Unit normals of the layers of voxels.
+    normals: array<vec4<f32>, 3>,
     // C; colour in 0..1; a label's id in x.
     paint: vec4<f32>,
     dims: vec3<i32>,
@@ -33,20 +35,17 @@ struct BrushStroke {
 struct BrushDab {
     // Centre = base + fraction, continuous index.
     base: vec3<i32>,
-    // Across which a disc lies; -1 for a ball.
-    axis: i32,
+    // Bit 0: whether the voxel that holds the centre has all of the gain, however near it comes to it. Bits 1 and 2: across which
+    // axis a disc lies, from 1; 0 for a ball. From bit 3 on: its layer.
+    form: u32,
     fraction: vec3<f32>,
-    layer: i32,
-    // Unit normal of a disc's layer of voxels; 0 for a ball.
-    normal: vec3<f32>,
     // Strength times pressure.
     gain: f32,
     // Largest squared distance inside; 0 for a dab that is one voxel.
     edge: f32,
-    // Whether the voxel that holds the centre has all of the gain, however near it comes to it.
-    thin: u32,
     unused_a: u32,
     unused_b: u32,
+    unused_c: u32,
 }
 
 struct BrushItem {

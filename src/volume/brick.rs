@@ -67,6 +67,21 @@ impl Brick {
         }
     }
 
+    /// The same brick with other texels; becomes `Uniform` if all are equal.
+    #[must_use]
+    pub(crate) fn edited(&self, bytes_per_texel: usize, edit: impl FnOnce(&mut [u8])) -> Self {
+        let mut texels: Arc<[u8]> = match self {
+            Self::Uniform(value) => value[..bytes_per_texel].repeat(BRICK_VOXELS).into(),
+            Self::Dense(texels) => Arc::from(&texels[..]),
+        };
+        // Copied once, and this one is nobody else's.
+        edit(Arc::make_mut(&mut texels));
+        match shared_texel(&texels, bytes_per_texel) {
+            Some(value) => Self::Uniform(value),
+            None => Self::Dense(texels),
+        }
+    }
+
     /// All 32³ texels.
     pub fn to_texels(&self, bytes_per_texel: usize) -> Vec<u8> {
         self.texels(bytes_per_texel).into_owned()
@@ -91,6 +106,29 @@ impl Brick {
                 value
             }
         }
+    }
+
+    /// How many of the first `valid` texels along each axis differ from another brick's of the same format.
+    pub fn differing(&self, other: &Self, valid: [u32; 3], bytes_per_texel: usize) -> u64 {
+        fn count<const N: usize>(a: &[u8], b: &[u8]) -> u64 {
+            let (a, b) = (a.as_chunks::<N>().0, b.as_chunks::<N>().0);
+            a.iter().zip(b).map(|(a, b)| u64::from(a != b)).sum()
+        }
+        if self == other {
+            return 0;
+        }
+        let (a, b) = (self.texels(bytes_per_texel), other.texels(bytes_per_texel));
+        let row = valid[0] as usize * bytes_per_texel;
+        let rows = (0..valid[2]).flat_map(|z| (0..valid[1]).map(move |y| (BRICK * (y + BRICK * z)) as usize));
+        rows.map(|first| {
+            let at = first * bytes_per_texel..first * bytes_per_texel + row;
+            match bytes_per_texel {
+                1 => count::<1>(&a[at.clone()], &b[at]),
+                2 => count::<2>(&a[at.clone()], &b[at]),
+                _ => count::<4>(&a[at.clone()], &b[at]),
+            }
+        })
+        .sum()
     }
 
     /// Memory of the texels in bytes, 0 for a uniform brick.

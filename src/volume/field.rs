@@ -325,8 +325,8 @@ impl Field {
         };
         let source = self.source().filter(|_| level == 0);
         let mut parts = Vec::new();
-        // The least box of voxels that only the source has.
-        let mut unedited: Option<Region> = None;
+        // What only the source has.
+        let mut unedited: Vec<Region> = Vec::new();
         for z in first[2] / BRICK..=last[2] / BRICK {
             for y in first[1] / BRICK..=last[1] / BRICK {
                 for x in first[0] / BRICK..=last[0] / BRICK {
@@ -338,25 +338,31 @@ impl Field {
                     };
                     match held(index) {
                         Some(brick) => parts.push((brick, origin, part)),
-                        None => unedited = Some(unedited.map_or(part, |u| u.union(&part))),
+                        None => unedited.push(part),
                     }
                 }
             }
         }
+        // The box around it in one go, unless most of that was painted over.
+        if let Some(around) = unedited.iter().copied().reduce(|a, b| a.union(&b))
+            && around.count() <= 2 * unedited.iter().map(Region::count).sum::<usize>()
+        {
+            unedited = vec![around];
+        }
         let mut block = Vec::new();
-        match (source, unedited) {
-            (Some(source), Some(box_)) if parts.is_empty() => {
-                block.reserve_exact(box_.count() * bytes);
-                self.map.encode_voxels(&source.read(box_.lo, box_.size())?, source.scaling(), &mut block);
-            }
-            (Some(source), Some(box_)) => {
-                let mut texels = Vec::with_capacity(box_.count() * bytes);
-                self.map.encode_voxels(&source.read(box_.lo, box_.size())?, source.scaling(), &mut texels);
-                block.resize(inner.iter().map(|&s| s as usize).product::<usize>() * bytes, 0);
-                let at = std::array::from_fn(|a| box_.lo[a] - first[a]);
-                copy_box(&texels, box_.size(), [0; 3], &mut block, inner, at, box_.size(), bytes);
+        match source {
+            Some(source) if parts.is_empty() => {
+                block.reserve_exact(inner.iter().map(|&s| s as usize).product::<usize>() * bytes);
+                self.map.encode_voxels(&source.read(first, inner)?, source.scaling(), &mut block);
             }
             _ => block.resize(inner.iter().map(|&s| s as usize).product::<usize>() * bytes, 0),
+        }
+        for part in unedited.iter().filter(|_| !parts.is_empty()) {
+            let Some(source) = source else { break };
+            let mut texels = Vec::with_capacity(part.count() * bytes);
+            self.map.encode_voxels(&source.read(part.lo, part.size())?, source.scaling(), &mut texels);
+            let at = std::array::from_fn(|a| part.lo[a] - first[a]);
+            copy_box(&texels, part.size(), [0; 3], &mut block, inner, at, part.size(), bytes);
         }
         for (brick, origin, part) in parts {
             let in_brick: [u32; 3] = std::array::from_fn(|a| part.lo[a] - origin[a]);

@@ -176,12 +176,17 @@ impl Field {
     fn refined(&self, level: u8, parent: BrickIndex, children: &[(BrickIndex, Region)]) -> Result<Brick, SourceError> {
         let bytes = self.format.bytes();
         let key = BrickKey { level, index: parent };
-        let mut texels = self.coarse.get(&key).map_or_else(|| vec![0; BRICK_VOXELS * bytes], |b| b.to_texels(bytes));
-        for (child, region) in children {
-            let brick = self.brick(BrickKey { level: level - 1, index: *child })?;
-            coarsen(self.format, &brick, self.valid(level - 1, *child), region, octant(*child), &mut texels);
-        }
-        Ok(Brick::from_texels(texels, bytes))
+        let below = |&(child, region): &(BrickIndex, Region)| {
+            let brick = self.brick(BrickKey { level: level - 1, index: child })?;
+            Ok((brick, self.valid(level - 1, child), region, octant(child)))
+        };
+        let below = children.iter().map(below).collect::<Result<Vec<_>, SourceError>>()?;
+        let before = self.coarse.get(&key).unwrap_or(&Brick::Uniform([0; 4]));
+        Ok(before.edited(bytes, |texels| {
+            for (brick, valid, region, octant) in &below {
+                coarsen(self.format, brick, *valid, region, *octant, texels);
+            }
+        }))
     }
 
     fn summarise_all(&mut self, keys: Vec<BrickKey>) -> Result<(), SourceError> {

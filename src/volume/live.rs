@@ -56,18 +56,28 @@ pub fn selected_cells(brick: &Brick, valid: [u32; 3]) -> Vec<SelectedCell> {
         }
         brick => brick.texels(1),
     };
-    let mut cells = vec![SelectedCell::NOTHING; CELLS_PER_BRICK];
-    for z in 0..valid[2] {
-        for y in 0..valid[1] {
-            let row = &texels[(BRICK * (y + BRICK * z)) as usize..][..valid[0] as usize];
-            let first = (BRICK / CELL * (y / CELL + BRICK / CELL * (z / CELL))) as usize;
-            for (cell, codes) in cells[first..].iter_mut().zip(row.chunks(CELL as usize)) {
-                *cell = codes.iter().fold(*cell, |cell, &code| SelectedCell {
-                    min: cell.min.min(code),
-                    max: cell.max.max(code),
-                    sum: cell.sum + u16::from(code),
-                });
+    let mut cells = Vec::with_capacity(CELLS_PER_BRICK);
+    let (edge, valid) = (CELL as usize, valid.map(|v| v as usize));
+    for cell_z in 0..BRICK as usize / edge {
+        for cell_y in 0..BRICK as usize / edge {
+            // All rows of the cells against each other first, many codes at once.
+            let mut least = [u8::MAX; BRICK as usize];
+            let mut greatest = [0_u8; BRICK as usize];
+            let mut sums = [0_u16; BRICK as usize];
+            for z in cell_z * edge..((cell_z + 1) * edge).min(valid[2]) {
+                for y in cell_y * edge..((cell_y + 1) * edge).min(valid[1]) {
+                    let row = &texels[BRICK as usize * (y + BRICK as usize * z)..][..valid[0]];
+                    least.iter_mut().zip(row).for_each(|(least, &code)| *least = code.min(*least));
+                    greatest.iter_mut().zip(row).for_each(|(greatest, &code)| *greatest = code.max(*greatest));
+                    sums.iter_mut().zip(row).for_each(|(sum, &code)| *sum += u16::from(code));
+                }
             }
+            let rows = least.chunks_exact(edge).zip(greatest.chunks_exact(edge)).zip(sums.chunks_exact(edge));
+            cells.extend(rows.map(|((least, greatest), sums)| SelectedCell {
+                min: least.iter().copied().min().unwrap_or(u8::MAX),
+                max: greatest.iter().copied().max().unwrap_or(0),
+                sum: sums.iter().sum(),
+            }));
         }
     }
     cells

@@ -4,6 +4,7 @@ use super::blocks::{Region, fill_box};
 use super::brick::shared_texel;
 use super::field::{BrickSummary, Cells};
 use super::{BRICK, BRICK_VOXELS, Brick, CELL, CELLS_PER_BRICK, DensityMap, TexelFormat};
+use std::borrow::Cow;
 
 /// What is known of a slot.
 pub(super) type About = (BrickSummary, Cells);
@@ -70,11 +71,10 @@ fn fold(acc: [f32; 2], [lo, hi]: &[f32; 2]) -> [f32; 2] {
 fn ranges(format: TexelFormat, map: &DensityMap, texels: &[u8], n: [usize; 3]) -> Vec<[f32; 2]> {
     // Codes rise with values, so integer formats are compared as they are and decoded once a cell.
     let density = |raw: f64| (map.lo + raw / map.codes_per_unit) as f32;
-    let half = |t: &[u8]| u16::from_le_bytes([t[0], t[1]]);
     let float = |t: &[u8]| f32::from_le_bytes([t[0], t[1], t[2], t[3]]);
     match format {
-        TexelFormat::R16Unorm => extremes(&each_texel::<2, _>(texels, half), n, |raw| density(f64::from(raw))),
-        TexelFormat::R16Uint => extremes(&each_texel::<2, _>(texels, half), n, f32::from),
+        TexelFormat::R16Unorm => extremes(&halves(texels), n, |raw| density(f64::from(raw))),
+        TexelFormat::R16Uint => extremes(&halves(texels), n, f32::from),
         TexelFormat::R32Float => extremes(&each_texel::<4, _>(texels, float), n, |raw| density(f64::from(raw))),
         TexelFormat::R8Unorm => extremes(texels, n, |raw| f32::from(raw) / 255.0),
         TexelFormat::Rgba8Unorm => extremes(&each_texel::<4, _>(texels, |t| t[3]), n, |raw| f32::from(raw) / 255.0),
@@ -83,6 +83,14 @@ fn ranges(format: TexelFormat, map: &DensityMap, texels: &[u8], n: [usize; 3]) -
 
 fn each_texel<const N: usize, T>(texels: &[u8], read: impl Fn(&[u8]) -> T) -> Vec<T> {
     texels.chunks_exact(N).map(read).collect()
+}
+
+/// Texels of 16 bits, where they lie if they lie so that they can be read there.
+fn halves(texels: &[u8]) -> Cow<'_, [u16]> {
+    match bytemuck::try_cast_slice(texels) {
+        Ok(halves) if cfg!(target_endian = "little") => Cow::Borrowed(halves),
+        _ => Cow::Owned(each_texel::<2, _>(texels, |t| u16::from_le_bytes([t[0], t[1]]))),
+    }
 }
 
 /// Numbers of which the least and the greatest are sought; NaN counts for nothing.
@@ -172,10 +180,53 @@ pub(super) fn coarsen(
             fill_box(&mean(format, &[*value])[..format.bytes()], parent, [BRICK; 3], at.lo, at.size());
         }
         Brick::Dense(texels) => match format.bytes() {
+            _ if halve(format, texels, valid, &part, to, parent) => {}
             1 => means::<1>(format, texels, valid, &part, to, parent),
             2 => means::<2>(format, texels, valid, &part, to, parent),
             _ => means::<4>(format, texels, valid, &part, to, parent),
         },
+    }
+}
+
+/// [`coarsen`] of numbers in codes whose voxels all have their eight children, which is nearly all of every edit; answers false, and
+/// does nothing, for others.
+fn halve(format: TexelFormat, child: &[u8], valid: [u32; 3], part: &Region, to: [u32; 3], parent: &mut [u8]) -> bool {
+    if (0..3).any(|a| 2 * part.end[a] > valid[a]) {
+        return false;
+    }
+    match format {
+        TexelFormat::R8Unorm => averages(child, part, to, parent, |[code]| u32::from(code), |code| [code as u8]),
+        TexelFormat::R16Unorm => {
+            let read = |code| u32::from(u16::from_le_bytes(code));
+            averages(child, part, to, parent, read, |code| (code as u16).to_le_bytes());
+        }
+        _ => return false,
+    }
+    true
+}
+
+fn averages<const N: usize>(
+    child: &[u8],
+    part: &Region,
+    to: [u32; 3],
+    parent: &mut [u8],
+    read: impl Fn([u8; N]) -> u32,
+    write: impl Fn(u32) -> [u8; N],
+) {
+    let row = |texels: [u32; 3]| (texels[0] + BRICK * (texels[1] + BRICK * texels[2])) as usize * N;
+    let width = (part.end[0] - part.lo[0]) as usize * N;
+    for z in part.lo[2]..part.end[2] {
+        for y in part.lo[1]..part.end[1] {
+            let beside = [[0, 0], [1, 0], [0, 1], [1, 1]];
+            let rows = beside.map(|[dy, dz]| &child[row([2 * part.lo[0], 2 * y + dy, 2 * z + dz])..][..2 * width]);
+            let start = row([to[0] + part.lo[0], to[1] + y, to[2] + z]);
+            let (out, _) = parent[start..start + width].as_chunks_mut::<N>();
+            let [a, b, c, d] = rows.map(|row| row.as_chunks::<N>().0.as_chunks::<2>().0);
+            for ((((out, a), b), c), d) in out.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+                let pair = |texels: &[[u8; N]; 2]| read(texels[0]) + read(texels[1]);
+                *out = write((pair(a) + pair(b) + pair(c) + pair(d) + 4) / 8);
+            }
+        }
     }
 }
 
@@ -234,6 +285,9 @@ fn mean(format: TexelFormat, taps: &[[u8; 4]]) -> [u8; 4] {
             if alpha == 0 {
                 return [0; 4];
             }
+            if alike(taps) {
+                return taps[0];
+            }
             let channel = |i: usize| {
                 let sum: u32 = taps.iter().map(|t| u32::from(t[i]) * u32::from(t[3])).sum();
                 ((sum + alpha / 2) / alpha) as u8
@@ -241,6 +295,9 @@ fn mean(format: TexelFormat, taps: &[[u8; 4]]) -> [u8; 4] {
             [channel(0), channel(1), channel(2), ((alpha + n / 2) / n) as u8]
         }
         TexelFormat::R16Uint => {
+            if alike(taps) {
+                return taps[0];
+            }
             let label = |t: &[u8; 4]| u16::from_le_bytes([t[0], t[1]]);
             let count = |id: u16| taps.iter().filter(|t| label(t) == id).count();
             let best =
@@ -249,4 +306,8 @@ fn mean(format: TexelFormat, taps: &[[u8; 4]]) -> [u8; 4] {
             [a, b, 0, 0]
         }
     }
+}
+
+fn alike(taps: &[[u8; 4]]) -> bool {
+    taps.iter().all(|tap| *tap == taps[0])
 }

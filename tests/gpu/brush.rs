@@ -1,5 +1,6 @@
 //! Strokes on the GPU against equations 1 and 2 over dense arrays, in the form P′ = P + G·((C op P) − P).
 
+mod clicks;
 mod live;
 mod reference;
 mod slots;

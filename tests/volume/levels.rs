@@ -49,6 +49,116 @@ fn a_coarser_selection_is_the_mean_to_the_nearest_step() {
 }
 
 #[test]
+fn a_coarser_density_in_codes_is_the_mean_to_the_nearest_step_after_edits_too() {
+    let dims = [37, 70, 33];
+    let value = |v: [u32; 3]| (scramble(v) >> 7) as u16;
+    let mut field = crate::common::volumes::density_u16(Grid::aligned(dims, DVec3::ONE, DVec3::ZERO), value);
+    // An edit in the middle of a brick, at odd voxels, and one up to the volume's border.
+    let edited = |v: [u32; 3]| (0..3).all(|a| (5..12).contains(&v[a])) || v[1] > 66 && v[0] > 30;
+    let now = |v: [u32; 3]| if edited(v) { !value(v) } else { value(v) };
+    let brick = |index: BrickIndex| {
+        let (origin, valid) = (index.origin(), field.valid(0, index));
+        let mut texels = vec![0; BRICK_VOXELS * 2];
+        for i in 0..BRICK_VOXELS as u32 {
+            let at = [i % BRICK, i / BRICK % BRICK, i / (BRICK * BRICK)];
+            if (0..3).all(|a| at[a] < valid[a]) {
+                let code = now(std::array::from_fn(|a| origin[a] + at[a]));
+                texels[i as usize * 2..][..2].copy_from_slice(&code.to_le_bytes());
+            }
+        }
+        (index, Some(Brick::from_texels(texels, 2)))
+    };
+    let changes = field.brick_indices(0).into_iter().map(brick).collect();
+    field.swap(changes).unwrap();
+    let [nx, ny, nz] = field.dims(1);
+    let texels = field.read(1, [0; 3], [nx, ny, nz]).unwrap();
+    for (i, found) in texels.chunks_exact(2).enumerate() {
+        let i = i as u32;
+        let taps = covered([i % nx, i / nx % ny, i / (nx * ny)], dims);
+        let mean = taps.iter().map(|&v| f64::from(now(v))).sum::<f64>() / taps.len() as f64;
+        let found = f64::from(u16::from_le_bytes([found[0], found[1]]));
+        assert!((found - mean).abs() <= 0.5 && (mean.fract() != 0.5 || found > mean), "{found} for {mean}");
+    }
+}
+
+#[test]
+fn a_coarser_colour_is_the_mean_by_alpha() {
+    let dims = [37, 34, 33];
+    // Eight alike in every second place along x.
+    let place = |v: [u32; 3]| if (v[0] / 2).is_multiple_of(2) { v.map(|i| i / 2) } else { v };
+    let value = |v: [u32; 3]| {
+        let [r, g, b, a] = (scramble(place(v)) | 1 << 30).to_le_bytes();
+        if a % 3 == 0 { [0; 4] } else { [r, g, b, a] }
+    };
+    let field = painted(FieldKind::Colour, dims, value);
+    let [nx, ny, nz] = field.dims(1);
+    let texels = field.read(1, [0; 3], [nx, ny, nz]).unwrap();
+    for (i, found) in texels.chunks_exact(4).enumerate() {
+        let i = i as u32;
+        let taps: Vec<_> = covered([i % nx, i / nx % ny, i / (nx * ny)], dims).into_iter().map(value).collect();
+        let alpha: f64 = taps.iter().map(|t| f64::from(t[3])).sum();
+        let mean = |channel: usize| match channel {
+            3 => alpha / taps.len() as f64,
+            _ => taps.iter().map(|t| f64::from(t[channel]) * f64::from(t[3])).sum::<f64>() / alpha.max(1.0),
+        };
+        for (channel, &found) in found.iter().enumerate() {
+            assert!((f64::from(found) - mean(channel)).abs() <= 0.5, "{taps:?}: {found} for {}", mean(channel));
+        }
+    }
+}
+
+#[test]
+fn voxels_become_the_codes_of_their_values() {
+    let maps = [
+        DensityMap::codes(0.0, 255.0, Some(1.0)),
+        DensityMap::codes(-128.0, 127.0, Some(1.0)),
+        DensityMap::codes(-32_768.0, 32_767.0, Some(1.0)),
+        DensityMap::codes(-1000.0, 3000.0, Some(1.0)),
+        DensityMap::codes(0.0, 2.0, Some(1.0)),
+        DensityMap::codes(0.25, 3.75, None),
+        DensityMap::codes(-7.5, 1000.0, Some(0.5)),
+        DensityMap { lo: -1e12, ..DensityMap::codes(0.0, 1.0, Some(1.0)) },
+        DensityMap::FLOAT,
+    ];
+    let bytes: Vec<u8> = (0..=255).collect();
+    let halves: Vec<u16> = (0..=65_535).collect();
+    let signed = |v: &[u16]| v.iter().map(|&v| v as i16).collect::<Vec<_>>();
+    let all = [
+        Voxels::U8(bytes.clone()),
+        Voxels::I8(bytes.iter().map(|&v| v as i8).collect()),
+        Voxels::U16(halves.clone()),
+        Voxels::I16(signed(&halves)),
+    ];
+    for map in maps {
+        for voxels in &all {
+            for (slope, intercept) in [(1.0, 0.0), (2.0, -1024.0), (0.5, 0.25), (-1.0, 255.0), (1e9, 0.0)] {
+                let mut texels = vec![7];
+                map.encode_voxels(voxels, (slope, intercept), &mut texels);
+                let size = map.format.bytes();
+                assert_eq!((texels[0], texels.len()), (7, 1 + voxels.len() * size));
+                for (i, texel) in texels[1..].chunks_exact(size).enumerate() {
+                    let stored = match voxels {
+                        Voxels::U8(v) => f64::from(v[i]),
+                        Voxels::I8(v) => f64::from(v[i]),
+                        Voxels::U16(v) => f64::from(v[i]),
+                        Voxels::I16(v) => f64::from(v[i]),
+                        _ => unreachable!(),
+                    };
+                    let code = (slope * stored + intercept - map.lo) * map.codes_per_unit;
+                    if map.format == TexelFormat::R32Float {
+                        assert_eq!(texel, (code as f32).to_le_bytes());
+                        continue;
+                    }
+                    let found = f64::from(u16::from_le_bytes([texel[0], texel[1]]));
+                    let off = (found - code.clamp(0.0, 65_535.0)).abs();
+                    assert!(off <= 0.5 + 1e-9, "{map:?} {slope} {intercept}: {stored} became {found}, not {code}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn a_coarser_label_is_the_most_frequent_one_and_the_lowest_of_equals() {
     let dims = [37, 34, 33];
     let value = |v: [u32; 3]| [0_u16, 0, 0, 7, 300, 65_535][(scramble(v) >> 11) as usize % 6];

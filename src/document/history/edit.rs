@@ -121,33 +121,14 @@ fn judge(field: &Field, index: BrickIndex, brick: Option<Brick>) -> Result<Judge
     if field.edit(index) == brick.as_ref() {
         return Ok(None);
     }
-    let bytes = field.format().bytes();
+    let (bytes, valid) = (field.format().bytes(), field.valid(0, index));
     let base = field.base_brick(index)?;
-    let old = field.edit(index).unwrap_or(&base);
+    let edited = field.edit(index);
     let new = brick.as_ref().unwrap_or(&base);
-    let differing = differing_texels(old, new, field.valid(0, index), bytes);
-    let brick = if differing_texels(&base, new, field.valid(0, index), bytes) == 0 { None } else { brick };
-    Ok((field.edit(index) != brick.as_ref()).then_some((index, brick, differing)))
-}
-
-fn differing_texels(a: &Brick, b: &Brick, valid: [u32; 3], bytes: usize) -> u64 {
-    if a == b {
-        return 0;
-    }
-    let (a, b) = (a.to_texels(bytes), b.to_texels(bytes));
-    let edge = crate::volume::BRICK as usize;
-    let row = valid[0] as usize * bytes;
-    let mut count = 0;
-    for z in 0..valid[2] as usize {
-        for y in 0..valid[1] as usize {
-            let start = (z * edge + y) * edge * bytes;
-            let (a, b) = (&a[start..start + row], &b[start..start + row]);
-            if a != b {
-                count += a.chunks_exact(bytes).zip(b.chunks_exact(bytes)).filter(|(a, b)| a != b).count() as u64;
-            }
-        }
-    }
-    count
+    let unlike_base = new.differing(&base, valid, bytes);
+    let differing = edited.map_or(unlike_base, |old| new.differing(old, valid, bytes));
+    let brick = if unlike_base == 0 { None } else { brick };
+    Ok((edited != brick.as_ref()).then_some((index, brick, differing)))
 }
 
 /// An edited brick in the codes of another map: unedited texels are the source's own, the others keep their value.

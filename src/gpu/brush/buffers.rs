@@ -6,7 +6,7 @@ use crate::gpu::brush::kernel::{QUADS, SLOT_PITCH_BYTES, Variant, tight_bytes};
 use crate::gpu::device::constants::{MOST_ITEMS, ROW_PITCH_BYTES};
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
-use crate::volume::{BrickIndex, SLOT, TexelFormat};
+use crate::volume::{BrickIndex, Region, SLOT, TexelFormat};
 
 /// Slots of the smallest and of the largest buffers; the latter is what one dispatch can take.
 const CAPACITY: [u32; 2] = [16, MOST_ITEMS];
@@ -22,6 +22,23 @@ pub(crate) struct Extras {
     pub(crate) gate: bool,
 }
 
+/// The slot of a touched brick, and where what is kept of it is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StrokeSlot {
+    /// Number of its buffers among the stroke's.
+    pub(crate) buffers: usize,
+    /// Within those.
+    pub(crate) place: u32,
+    /// Its first texel in the pool, which keeps it for as long as it is pinned.
+    pub(crate) texel: [u32; 3],
+    /// What of it is kept, in its own texels from the apron on: the stroke changes nothing else.
+    pub(crate) kept: Region,
+}
+
+/// All of a slot.
+pub(crate) const WHOLE_SLOT: Region = Region { lo: [0; 3], end: [SLOT; 3] };
+
+/// See the file's head.
 #[derive(Debug)]
 pub(crate) struct StrokeBuffers {
     variant: Variant,
@@ -97,25 +114,37 @@ impl StrokeBuffers {
         self.capacity as usize - self.bricks.len()
     }
 
-    /// Gives a slot the next place: takes its texels from the pool and clears what it has gathered.
-    pub(crate) fn take(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        brick: BrickIndex,
-        pool: &wgpu::Texture,
-        slot: [u32; 3],
-    ) -> u32 {
-        let place = self.bricks.len() as u32;
+    /// Gives a slot of a brick the next place.
+    pub(crate) fn place(&mut self, brick: BrickIndex) -> u32 {
         self.bricks.push(brick);
-        encoder.copy_texture_to_buffer(at(pool, slot), self.rows(&self.start, place), SLOT_EXTENT);
-        encoder.clear_buffer(&self.coverage, u64::from(place) * COVERAGE_BYTES, Some(COVERAGE_BYTES));
-        encoder.clear_buffer(&self.changed, u64::from(place) * 4, Some(4));
-        place
+        self.bricks.len() as u32 - 1
+    }
+
+    /// Slots at these places differ from their start in nothing.
+    pub(crate) fn clear_changed(&self, encoder: &mut wgpu::CommandEncoder, places: std::ops::Range<usize>) {
+        if !places.is_empty() {
+            encoder.clear_buffer(&self.changed, places.start as u64 * 4, Some(places.len() as u64 * 4));
+        }
+    }
+
+    /// Slots at these places have gathered nothing.
+    pub(crate) fn clear_coverage(&self, encoder: &mut wgpu::CommandEncoder, places: std::ops::Range<usize>) {
+        if !places.is_empty() {
+            let (first, bytes) = (places.start as u64 * COVERAGE_BYTES, places.len() as u64 * COVERAGE_BYTES);
+            encoder.clear_buffer(&self.coverage, first, Some(bytes));
+        }
+    }
+
+    /// Keeps a slot's texels as they are now as those of the stroke's start.
+    pub(crate) fn keep(&self, encoder: &mut wgpu::CommandEncoder, slot: &StrokeSlot, pool: &wgpu::Texture) {
+        let (from, extent) = slot.texels(pool);
+        encoder.copy_texture_to_buffer(from, self.rows(&self.start, slot), extent);
     }
 
     /// Puts a slot's texels back as they were at the stroke's start.
-    pub(crate) fn restore(&self, encoder: &mut wgpu::CommandEncoder, place: u32, pool: &wgpu::Texture, slot: [u32; 3]) {
-        encoder.copy_buffer_to_texture(self.rows(&self.start, place), at(pool, slot), SLOT_EXTENT);
+    pub(crate) fn restore(&self, encoder: &mut wgpu::CommandEncoder, slot: &StrokeSlot, pool: &wgpu::Texture) {
+        let (to, extent) = slot.texels(pool);
+        encoder.copy_buffer_to_texture(self.rows(&self.start, slot), to, extent);
     }
 
     /// Makes room for [`put_aside`](Self::put_aside).
@@ -133,40 +162,39 @@ impl StrokeBuffers {
     }
 
     /// Keeps a slot's texels as they are now, until [`put_back`](Self::put_back).
-    pub(crate) fn put_aside(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        place: u32,
-        pool: &wgpu::Texture,
-        slot: [u32; 3],
-    ) {
+    pub(crate) fn put_aside(&self, encoder: &mut wgpu::CommandEncoder, slot: &StrokeSlot, pool: &wgpu::Texture) {
         if let Some(aside) = &self.aside {
-            encoder.copy_texture_to_buffer(at(pool, slot), self.rows(aside, place), SLOT_EXTENT);
+            let (from, extent) = slot.texels(pool);
+            encoder.copy_texture_to_buffer(from, self.rows(aside, slot), extent);
         }
     }
 
     /// Gives a slot back what was put aside.
-    pub(crate) fn put_back(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        place: u32,
-        pool: &wgpu::Texture,
-        slot: [u32; 3],
-    ) {
+    pub(crate) fn put_back(&self, encoder: &mut wgpu::CommandEncoder, slot: &StrokeSlot, pool: &wgpu::Texture) {
         if let Some(aside) = &self.aside {
-            encoder.copy_buffer_to_texture(self.rows(aside, place), at(pool, slot), SLOT_EXTENT);
+            let (to, extent) = slot.texels(pool);
+            encoder.copy_buffer_to_texture(self.rows(aside, slot), to, extent);
         }
     }
 
-    fn rows<'a>(&self, buffer: &'a wgpu::Buffer, place: u32) -> wgpu::TexelCopyBufferInfo<'a> {
+    /// Where the part of a slot that is kept lies in a buffer of as many slots.
+    fn rows<'a>(&self, buffer: &'a wgpu::Buffer, slot: &StrokeSlot) -> wgpu::TexelCopyBufferInfo<'a> {
         let beside = self.variant.slots_per_row();
-        let offset =
-            u64::from(place / beside) * SLOT_PITCH_BYTES + u64::from(place % beside * self.variant.row_bytes());
+        let [x, y, z] = slot.kept.lo;
+        let pitch = u64::from(slot.place / beside) * SLOT_PITCH_BYTES + u64::from((z * SLOT + y) * ROW_PITCH_BYTES);
+        let offset = pitch + u64::from(slot.place % beside * self.variant.row_bytes() + x * self.variant.bytes());
         rows(buffer, offset, SLOT)
     }
 }
 
-const SLOT_EXTENT: wgpu::Extent3d = wgpu::Extent3d { width: SLOT, height: SLOT, depth_or_array_layers: SLOT };
+impl StrokeSlot {
+    /// The part of it that is kept, in the pool.
+    fn texels<'a>(&self, pool: &'a wgpu::Texture) -> (wgpu::TexelCopyTextureInfo<'a>, wgpu::Extent3d) {
+        let [width, height, depth_or_array_layers] = self.kept.size();
+        let first = std::array::from_fn(|a| self.texel[a] + self.kept.lo[a]);
+        (at(pool, first), wgpu::Extent3d { width, height, depth_or_array_layers })
+    }
+}
 
 /// Rows at the copies' pitch.
 pub(crate) fn rows(buffer: &wgpu::Buffer, offset: u64, rows_per_image: u32) -> wgpu::TexelCopyBufferInfo<'_> {

@@ -30,6 +30,7 @@ shared_struct! {
     /// A stroke's constants.
     pub struct BrushStroke {
         columns: [[f32; 4]; 3],
+        normals: [[f32; 4]; 3],
         paint: [f32; 4],
         dims: [i32; 3],
         low: f32,
@@ -44,15 +45,13 @@ shared_struct! {
     /// One dab.
     pub struct BrushDab {
         base: [i32; 3],
-        axis: i32,
+        form: u32,
         fraction: [f32; 3],
-        layer: i32,
-        normal: [f32; 3],
         gain: f32,
         edge: f32,
-        thin: u32,
         unused_a: u32,
         unused_b: u32,
+        unused_c: u32,
     }
 }
 
@@ -109,8 +108,7 @@ impl Variant {
         }
     }
 
-    /// What the kernel is compiled under.
-    pub(crate) fn condition(self) -> &'static str {
+    fn condition(self) -> &'static str {
         match self {
             Self::Selection => "SELECTION",
             Self::Labels => "LABELS",
@@ -144,6 +142,11 @@ impl Variant {
 /// Bytes of a slot in the host's format, as the kernel reads unedited density.
 pub(crate) fn tight_bytes(format: TexelFormat) -> u64 {
     (SLOT_VOXELS * format.bytes()) as u64
+}
+
+/// What the kernel is compiled under: a stroke's first dab, if it is one, need not gather coverage.
+pub(crate) fn conditions(variant: Variant, gathers: bool) -> Vec<&'static str> {
+    std::iter::once(variant.condition()).chain((!gathers).then_some("ONE_DAB")).collect()
 }
 
 /// The kernel of shaders/brush/brush.wgsl. Its bindings are numbered as there.
@@ -193,11 +196,14 @@ impl BrushStroke {
             _ => [0.0, 255.0],
         }
         .map(|v| v as f32);
+        let rows = grid.index_from_world().matrix3.transpose();
+        let normals = DMat3::from_cols(rows.x_axis.normalize(), rows.y_axis.normalize(), rows.z_axis.normalize());
         let scaled = |v: f64| (v * map.codes_per_unit).clamp(f32::MIN.into(), f32::MAX.into()) as f32;
         // In radii: no unit of the grid then changes a bit of what the kernel calculates.
         let length = if brush.radius_mm > 0.0 { brush.radius_mm } else { grid.voxel_mm() };
         Self {
             columns: columns(&(grid.world_from_index.matrix3 * length.recip())),
+            normals: columns(&normals),
             paint,
             dims: grid.dims.map(|d| d as i32),
             low,
@@ -241,17 +247,16 @@ impl BrushDab {
     pub(crate) fn new(footprint: &Footprint) -> Self {
         let base = footprint.centre.floor();
         let reach = if footprint.radius_mm > 0.0 { 1.0 + EDGE } else { 0.0 };
+        let disc = footprint.layer.map_or(0, |l| (l.axis as u32 + 1) << 1 | l.index << 3);
         Self {
             base: base.to_array().map(|v| v as i32),
-            axis: footprint.layer.map_or(-1, |l| l.axis as i32),
+            form: u32::from(footprint.thin) | disc,
             fraction: (footprint.centre - base).to_array().map(|v| v as f32),
-            layer: footprint.layer.map_or(0, |l| l.index as i32),
-            normal: footprint.layer.map_or([0.0; 3], |l| l.normal.to_array().map(|v| v as f32)),
             gain: footprint.gain,
             edge: (reach * reach) as f32,
-            thin: u32::from(footprint.thin),
             unused_a: 0,
             unused_b: 0,
+            unused_c: 0,
         }
     }
 }

@@ -4,13 +4,14 @@
 //! after a loss of the device. The pools' slots show it in the same frame; the host's fields stay as they are until
 //! [`Painter::finish`]. Knows no history. Direct Volume Editing (2008) section 3, equations 1 and 2.
 
-use crate::gpu::brush::buffers::StrokeBuffers;
+use crate::gpu::brush::buffers::{StrokeBuffers, WHOLE_SLOT};
 use crate::gpu::brush::kernel::{self, BrushStroke, Variant};
+use crate::gpu::brush::live_cells;
 use crate::gpu::brush::live_cells::{CellReader, LiveBricks};
-use crate::gpu::brush::plan::met;
-use crate::gpu::brush::stroke::{SLOTS_AT_ONCE, Stroke, locked_bits};
+use crate::gpu::brush::plan::{self, met};
+use crate::gpu::brush::readback::{Answers, Flags};
+use crate::gpu::brush::stroke::{NewSlot, SLOTS_AT_ONCE, Stroke, locked_bits};
 use crate::gpu::brush::submit::Dispatcher;
-use crate::gpu::brush::{live_cells, readback};
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::device::kernel::{Compute, Kernel};
@@ -31,6 +32,7 @@ pub struct Painter {
     kernel: Kernel<Compute>,
     dispatcher: Dispatcher,
     cells: CellReader,
+    answers: Answers,
     spare: Vec<StrokeBuffers>,
     budget_bytes: u64,
     stroke: Option<Stroke>,
@@ -47,6 +49,7 @@ impl Painter {
                 kernel: kernel::brush(gpu),
                 dispatcher: Dispatcher::new(gpu),
                 cells: CellReader::new(gpu),
+                answers: Answers::default(),
                 gpu: gpu.clone(),
                 spare: Vec::new(),
                 budget_bytes: BUDGET,
@@ -136,6 +139,7 @@ impl Painter {
             locked: locked_bits(segments),
             dabs: Vec::new(),
             buffers: Vec::new(),
+            ungathered: None,
             slots: HashMap::new(),
             live: LiveBricks::default(),
             seen: VoxelSet::default(),
@@ -177,19 +181,31 @@ impl Painter {
             return Ok(bricks);
         }
         let new: Vec<_> = bricks.iter().copied().filter(|b| !stroke.slots.contains_key(b)).collect();
-        let slots = if new.is_empty() { Vec::new() } else { pools.pin(&self.gpu, target, &new)? };
+        let origins = if new.is_empty() { Vec::new() } else { pools.pin(&self.gpu, target, &new)? };
         let (Some(texture), Some(format)) = (pools.texture(kind), pools.format(kind)) else {
             return Err(GpuError::Stroke("the pools hold no slots of the field"));
         };
-        let variant = Variant::of(target.format(), format);
-        if stroke.slots.is_empty() {
+        let begins = stroke.slots.is_empty();
+        if begins {
             self.dispatcher.lock(&self.gpu, &stroke.locked);
         }
-        let submitted = self.lay(fields, variant, texture, &footprints, new.iter().copied().zip(slots));
+        // A dab that is laid twice must find the same voxels open both times.
+        let alone = footprints.len() == 1 && new.len() <= SLOTS_AT_ONCE && !stroke.brush.visible_only;
+        let gathers = !(begins && alone);
+        let dims = stroke.grid.dims;
+        let kept = |brick: BrickIndex| if gathers { WHOLE_SLOT } else { plan::texels(&met[&brick], brick, dims) };
+        let slots = new.iter().zip(origins).map(|(&brick, texel)| NewSlot { brick, texel, kept: kept(brick) });
+        let variant = Variant::of(target.format(), format);
+        let submitted = self.lay(fields, variant, texture, &footprints, &slots.collect::<Vec<_>>(), gathers);
         let Some(stroke) = &mut self.stroke else { return Err(NOT_RUNNING) };
         if let Err(error) = submitted {
             stroke.forget(&new);
             return Err(error);
+        }
+        if gathers {
+            stroke.gathered();
+        } else {
+            stroke.ungathered = footprints.first().copied();
         }
         if live_cells::matters(kind) {
             stroke.live.paint(&met, stroke.grid.dims, kind, pools);
@@ -205,15 +221,15 @@ impl Painter {
         variant: Variant,
         texture: &wgpu::Texture,
         footprints: &[Footprint],
-        new: impl Iterator<Item = (BrickIndex, [u32; 3])>,
+        new: &[NewSlot],
+        gathers: bool,
     ) -> Result<(), GpuError> {
-        let Self { gpu, kernel, dispatcher, cells, spare, budget_bytes, stroke } = self;
+        let Self { gpu, kernel, dispatcher, cells, spare, budget_bytes, stroke, .. } = self;
         let Some(stroke) = stroke else { return Err(NOT_RUNNING) };
-        let new: Vec<_> = new.collect();
-        let pipeline = kernel.pipeline(gpu, &[variant.condition()], &[], &[])?;
+        let pipeline = kernel.pipeline(gpu, &kernel::conditions(variant, gathers), &[], &[])?;
         if live_cells::matters(stroke.kind()) {
             cells.prepare(gpu, variant)?;
-            stroke.live.begin(fields.get(stroke.kind()), new.iter().copied())?;
+            stroke.live.begin(fields.get(stroke.kind()), new.iter().map(|slot| (slot.brick, slot.texel)))?;
         }
         stroke.reserve(gpu, variant, fields.density, new.len(), spare, *budget_bytes)?;
         let begun = || gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("dabs") });
@@ -222,10 +238,16 @@ impl Painter {
             if i > 0 {
                 gpu.queue.submit([std::mem::replace(&mut encoder, begun()).finish()]);
             }
-            stroke.take(gpu, fields, new, &mut encoder, texture)?;
+            stroke.take(gpu, fields, new, gathers, &mut encoder, texture)?;
         }
         stroke.renew_gates(gpu, fields)?;
-        dispatcher.submit(gpu, (kernel, &pipeline), stroke, footprints, encoder, texture)
+        let Some(first) = stroke.ungathered else {
+            return dispatcher.submit(gpu, (kernel, &pipeline), stroke, footprints, encoder, texture);
+        };
+        let slots: Vec<_> = met(&[first], stroke.grid.dims).into_keys().collect();
+        stroke.begin_gathering(&slots, &mut encoder, texture);
+        let all = [&[first], footprints].concat();
+        dispatcher.submit(gpu, (kernel, &pipeline), stroke, &all, encoder, texture)
     }
 
     /// Takes what has come of the minima and maxima of the running stroke's cells, and asks for those of what was painted since:
@@ -267,9 +289,8 @@ impl Painter {
         fields: &Fields<'_>,
     ) -> Result<Vec<(BrickIndex, Brick)>, GpuError> {
         let Some(stroke) = &self.stroke else { return Err(NOT_RUNNING) };
-        let target = fields.get(stroke.kind());
-        let changed = readback::changed(&self.gpu, &stroke.buffers)?;
-        let bricks = readback::bricks(&self.gpu, pools, target, &stroke.texels_of(&changed))?;
+        let (target, touched) = (fields.get(stroke.kind()), stroke.slots.iter().map(|(brick, slot)| (*brick, slot)));
+        let bricks = self.answers.changed(&self.gpu, pools, target, &stroke.buffers, touched.collect())?;
         pools.hand_over(stroke.kind());
         self.end();
         Ok(bricks)
@@ -300,8 +321,9 @@ impl Painter {
     /// As [`finish`](Self::finish).
     pub fn live(&self, pools: &FieldPools, fields: &Fields<'_>, brick: BrickIndex) -> Result<Option<Brick>, GpuError> {
         let Some(stroke) = &self.stroke else { return Ok(None) };
-        let target = fields.get(stroke.kind());
-        Ok(readback::bricks(&self.gpu, pools, target, &stroke.texels_of(&[brick]))?.pop().map(|(_, brick)| brick))
+        let (target, wanted) = (fields.get(stroke.kind()), stroke.slots.get(&brick).map(|slot| (brick, slot)));
+        let shown = Answers::default().bricks(&self.gpu, pools, target, wanted.as_slice(), &Flags(&[]))?;
+        Ok(shown.into_iter().next().map(|(_, brick)| brick))
     }
 
     /// After a loss of the device: paints the running stroke again on a new one, from the host's bricks. Without a running
@@ -324,6 +346,7 @@ impl Painter {
         self.stroke = Some(Stroke {
             dabs: Vec::new(),
             buffers: Vec::new(),
+            ungathered: None,
             slots: HashMap::new(),
             live: LiveBricks::default(),
             ..stroke

@@ -6,7 +6,7 @@ use crate::gpu::brush::kernel::{BrushDab, BrushItem, DABS_BYTES, ITEMS_BYTES, ch
 use crate::gpu::brush::stroke::Stroke;
 use crate::gpu::device::constants::{MOST_DABS, ROW_PITCH_BYTES, ROWS_AT_ONCE};
 use crate::paint::{Footprint, IndexBox};
-use crate::volume::{BrickIndex, SLOT, SLOT_VOXELS};
+use crate::volume::{BrickIndex, Region, SLOT, SLOT_VOXELS};
 use std::collections::BTreeMap;
 
 /// Uniform offsets are multiples of this on every adapter.
@@ -68,22 +68,10 @@ pub(crate) fn groups(footprints: &[Footprint], dims: [u32; 3]) -> Vec<Group<'_>>
 impl Work {
     /// The same in the slot's own texels; where its new texels go and what is done is left open.
     pub(crate) fn item(&self, brick: BrickIndex, dims: [u32; 3], place: u32) -> BrushItem {
-        let origin = brick.origin().map(|o| o as i32 - 1);
-        let mut lo: [u32; 3] = std::array::from_fn(|a| (self.bounds.lo[a] as i32 - origin[a]).max(0) as u32);
-        let mut end: [u32; 3] =
-            std::array::from_fn(|a| (self.bounds.end[a] as i32 - origin[a]).clamp(0, SLOT as i32) as u32);
-        for a in 0..3 {
-            // Texels beyond the volume repeat its border.
-            if self.bounds.lo[a] == 0 {
-                lo[a] = 0;
-            }
-            if self.bounds.end[a] == dims[a] {
-                end[a] = SLOT;
-            }
-        }
+        let Region { mut lo, mut end } = texels(&self.bounds, brick, dims);
         (lo[0], end[0]) = (lo[0] / 4, end[0].div_ceil(4));
         BrushItem {
-            origin,
+            origin: brick.origin().map(|o| o as i32 - 1),
             place,
             lo,
             next: 0,
@@ -95,6 +83,13 @@ impl Work {
             unused: 0,
         }
     }
+}
+
+/// The texels of a brick's slot that dabs within `bounds` may change, in whole fours along x as the kernel takes them.
+pub(crate) fn texels(bounds: &IndexBox, brick: BrickIndex, dims: [u32; 3]) -> Region {
+    let Region { mut lo, mut end } = Region { lo: bounds.lo, end: bounds.end }.in_slot(brick, dims);
+    (lo[0], end[0]) = (lo[0] / 4 * 4, end[0].next_multiple_of(4).min(SLOT));
+    Region { lo, end }
 }
 
 /// A frame's dispatches and the bytes that they read.

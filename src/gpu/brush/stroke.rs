@@ -1,13 +1,13 @@
 //! A stroke while it runs: its constants, its dabs, and where each brick it touched is kept.
 
-use crate::gpu::brush::buffers::{Extras, StrokeBuffers, next_capacity, slot_bytes};
+use crate::gpu::brush::buffers::{Extras, StrokeBuffers, StrokeSlot, WHOLE_SLOT, next_capacity, slot_bytes};
 use crate::gpu::brush::kernel::{BrushStroke, Variant};
 use crate::gpu::brush::live_cells::LiveBricks;
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::fields::pools::{FieldPools, Fields};
-use crate::paint::{Brush, Dab, Gate, Operation, Target, VoxelSet};
-use crate::volume::{BrickIndex, Field, FieldKind, Grid, Segments, SourceError};
+use crate::paint::{Brush, Dab, Footprint, Gate, Operation, Target, VoxelSet};
+use crate::volume::{BrickIndex, Field, FieldKind, Grid, Region, Segments, SourceError};
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap};
 
@@ -24,6 +24,8 @@ pub(crate) struct Stroke {
     pub(crate) locked: Vec<u32>,
     pub(crate) dabs: Vec<Dab>,
     pub(crate) buffers: Vec<StrokeBuffers>,
+    /// The first dab, if coverage was not gathered of it.
+    pub(crate) ungathered: Option<Footprint>,
     /// By touched brick.
     pub(crate) slots: HashMap<BrickIndex, StrokeSlot>,
     pub(crate) live: LiveBricks,
@@ -33,15 +35,14 @@ pub(crate) struct Stroke {
     pub(crate) stale: BTreeSet<BrickIndex>,
 }
 
-/// The slot of a touched brick, and where what is kept of it is.
+/// A slot that a stroke touches for the first time.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct StrokeSlot {
-    /// Number of its buffers among the stroke's.
-    pub(crate) buffers: usize,
-    /// Within those.
-    pub(crate) place: u32,
-    /// Its first texel in the pool, which keeps it for as long as it is pinned.
+pub(crate) struct NewSlot {
+    pub(crate) brick: BrickIndex,
+    /// Its first texel in the pool.
     pub(crate) texel: [u32; 3],
+    /// What of it is to be kept.
+    pub(crate) kept: Region,
 }
 
 impl Stroke {
@@ -85,39 +86,73 @@ impl Stroke {
         }
     }
 
-    /// Places for new slots, with what the kernel reads of them.
+    /// Places for new slots, of which `kept` is all that will change, with what the kernel reads of them.
     pub(crate) fn take(
         &mut self,
         gpu: &Gpu,
         fields: &Fields<'_>,
-        new: &[(BrickIndex, [u32; 3])],
+        new: &[NewSlot],
+        gathers: bool,
         encoder: &mut wgpu::CommandEncoder,
         texture: &wgpu::Texture,
     ) -> Result<(), GpuError> {
         let (density, new_slots) = (fields.density, new.par_iter());
-        let base = match self.buffers.iter().any(|c| c.base.is_some()) {
-            true => new_slots.clone().map(|&(b, _)| density.base_slot(b)).collect::<Result<Vec<_>, _>>()?,
+        let base = match self.buffers.iter().any(|b| b.base.is_some()) {
+            true => new_slots.clone().map(|n| density.base_slot(n.brick)).collect::<Result<Vec<_>, _>>()?,
             false => Vec::new(),
         };
         let gate = match self.brush.range.is_some() || self.brush.visible_only {
-            true => new_slots.map(|&(b, _)| self.gate_of(density, b)).collect::<Result<Vec<_>, _>>()?,
+            true => new_slots.map(|n| self.gate_of(density, n.brick)).collect::<Result<Vec<_>, _>>()?,
             false => Vec::new(),
         };
-        for (i, &(brick, texel)) in new.iter().enumerate() {
-            let Some(number) = self.buffers.iter().position(|c| c.room() > 0) else { continue };
+        let held: Vec<_> = self.buffers.iter().map(|b| b.bricks.len()).collect();
+        for (i, &NewSlot { brick, texel, kept }) in new.iter().enumerate() {
+            let Some(number) = self.buffers.iter().position(|b| b.room() > 0) else { continue };
             let buffers = &mut self.buffers[number];
-            let place = buffers.take(encoder, brick, texture, texel);
+            let slot = StrokeSlot { buffers: number, place: buffers.place(brick), texel, kept };
+            buffers.keep(encoder, &slot, texture);
             let base = base.get(i).map(Vec::as_slice);
             let gate = gate.get(i).map(|bits| bytemuck::cast_slice(bits));
             for (buffer, bytes) in [(&buffers.base, base), (&buffers.gate, gate)] {
                 if let (Some(buffer), Some(bytes)) = (buffer, bytes) {
-                    gpu.queue.write_buffer(buffer, u64::from(place) * bytes.len() as u64, bytes);
+                    gpu.queue.write_buffer(buffer, u64::from(slot.place) * bytes.len() as u64, bytes);
                 }
             }
-            self.slots.insert(brick, StrokeSlot { buffers: number, place, texel });
+            self.slots.insert(brick, slot);
             self.stale.remove(&brick);
         }
+        for (buffers, held) in self.buffers.iter().zip(held) {
+            buffers.clear_changed(encoder, held..buffers.bricks.len());
+            if gathers {
+                buffers.clear_coverage(encoder, held..buffers.bricks.len());
+            }
+        }
         Ok(())
+    }
+
+    /// Before dabs are gathered after a first one that was not: its slots as they were at the start, and all of them kept. It is to
+    /// be laid again in the same submission; [`gathered`](Self::gathered) then.
+    pub(crate) fn begin_gathering(
+        &self,
+        first: &[BrickIndex],
+        encoder: &mut wgpu::CommandEncoder,
+        texture: &wgpu::Texture,
+    ) {
+        let slots: Vec<_> = first.iter().filter_map(|brick| self.slots.get(brick)).collect();
+        // All before the first is kept: slots in place share their aprons.
+        slots.iter().for_each(|slot| self.buffers[slot.buffers].restore(encoder, slot, texture));
+        for slot in slots {
+            let whole = StrokeSlot { kept: WHOLE_SLOT, ..*slot };
+            self.buffers[slot.buffers].keep(encoder, &whole, texture);
+            let place = slot.place as usize;
+            self.buffers[slot.buffers].clear_coverage(encoder, place..place + 1);
+        }
+    }
+
+    /// All dabs are gathered from now on, and all of every slot is kept.
+    pub(crate) fn gathered(&mut self) {
+        self.ungathered = None;
+        self.slots.values_mut().for_each(|slot| slot.kept = WHOLE_SLOT);
     }
 
     /// A bit for every texel of a slot, set where it may be painted.
@@ -187,7 +222,7 @@ impl Stroke {
         pools: &FieldPools,
         what: &str,
         bricks: &[BrickIndex],
-        copy: impl Fn(&StrokeBuffers, &mut wgpu::CommandEncoder, u32, &wgpu::Texture, [u32; 3]),
+        copy: impl Fn(&StrokeBuffers, &mut wgpu::CommandEncoder, &StrokeSlot, &wgpu::Texture),
     ) -> Result<(), GpuError> {
         let Some(texture) = pools.texture(self.kind()) else { return Ok(()) };
         let slots: Vec<_> = bricks.iter().filter_map(|brick| self.slots.get(brick)).collect();
@@ -196,7 +231,7 @@ impl Stroke {
                 let mut encoder =
                     gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some(what) });
                 for slot in part {
-                    copy(&self.buffers[slot.buffers], &mut encoder, slot.place, texture, slot.texel);
+                    copy(&self.buffers[slot.buffers], &mut encoder, slot, texture);
                 }
                 gpu.queue.submit([encoder.finish()]);
             }
@@ -209,11 +244,6 @@ impl Stroke {
         let mut touched: Vec<_> = self.slots.keys().copied().collect();
         touched.sort_unstable();
         touched
-    }
-
-    /// These bricks with the first texels of their slots.
-    pub(crate) fn texels_of(&self, bricks: &[BrickIndex]) -> Vec<(BrickIndex, [u32; 3])> {
-        bricks.iter().filter_map(|b| self.slots.get(b).map(|slot| (*b, slot.texel))).collect()
     }
 }
 

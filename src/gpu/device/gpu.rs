@@ -233,16 +233,30 @@ impl Gpu {
     /// # Errors
     /// [`GpuError::Lost`] or [`GpuError::Refused`].
     pub fn read_buffer(&self, buffer: &wgpu::Buffer, what: &str) -> Result<Vec<u8>, GpuError> {
+        self.look_into(buffer, buffer.size(), what, <[u8]>::to_vec)
+    }
+
+    /// Looks at the first bytes of a buffer with `MAP_READ` where they lie, after everything submitted.
+    ///
+    /// # Errors
+    /// As [`read_buffer`](Self::read_buffer); the buffer is then of no further use.
+    pub(crate) fn look_into<T>(
+        &self,
+        buffer: &wgpu::Buffer,
+        bytes: u64,
+        what: &str,
+        look: impl FnOnce(&[u8]) -> T,
+    ) -> Result<T, GpuError> {
         let refused = |reason: String| GpuError::Refused { what: what.to_string(), reason };
         let (sender, receiver) = std::sync::mpsc::channel();
-        buffer.map_async(wgpu::MapMode::Read, .., move |result| {
+        buffer.map_async(wgpu::MapMode::Read, ..bytes, move |result| {
             // The receiver is gone only if waiting failed first.
             let _ = sender.send(result);
         });
         self.wait()?;
         receiver.recv().map_err(|e| refused(e.to_string()))?.map_err(|e| refused(e.to_string()))?;
-        let bytes = buffer.get_mapped_range(..).map_err(|e| refused(e.to_string()))?.to_vec();
+        let seen = look(&buffer.get_mapped_range(..bytes).map_err(|e| refused(e.to_string()))?);
         buffer.unmap();
-        Ok(bytes)
+        Ok(seen)
     }
 }
