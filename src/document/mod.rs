@@ -28,6 +28,7 @@ pub use command::brush::*;
 pub use command::files::*;
 pub use command::parts::*;
 pub use command::paths::at_home;
+pub use command::resolved::{FileRead, ResolvedCommand};
 pub use command::views::*;
 pub use command::*;
 pub use command::{answers, answers_ask, effects};
@@ -192,6 +193,7 @@ impl Document {
             let remember = !self.history.group_has_explosion();
             self.motion.decided(&before.explosion, &state.scene.explosion, remember);
         }
+        edit.made_by(ResolvedCommand::plain(command.clone()));
         let called = edit.called().to_owned();
         let (step, refreshed) = edit.finish(state);
         self.mirror(&refreshed);

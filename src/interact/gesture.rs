@@ -164,7 +164,7 @@ impl Gesture {
 
 fn stroke_point(e: &PointerEvent) -> StrokePoint {
     let at = Place::Pixel { view: e.view, px: e.px.to_array(), size: Some(e.size) };
-    StrokePoint { at, pressure: e.pressure, breaks: false }
+    StrokePoint { at, pressure: e.pressure, breaks: false, normal: None }
 }
 
 fn zoom_factor(from: DVec2, to: DVec2, height: u32) -> f64 {

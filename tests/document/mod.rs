@@ -40,6 +40,7 @@ mod projects;
 mod reach;
 mod reduce;
 mod replies;
+mod resolved;
 mod rings;
 mod sampling;
 mod script;

@@ -35,7 +35,7 @@ impl Document {
                 }
             }
             Question::Field { field } => sums(&self.open()?.at(None)?, field)?.into(),
-            Question::History {} => {
+            Question::History { commands } => {
                 let (memory, disk) = self.history.bytes();
                 let past = |of| {
                     let (back, forward) = self.state.as_ref().map_or((0, 0), |s| s.past.counts(Some(of)));
@@ -49,6 +49,8 @@ impl Document {
                     budget: self.history.budget_bytes(),
                     views: past(PastOf::Views),
                     looks: past(PastOf::Looks),
+                    undo_commands: if commands { Some(self.history.undo_commands()?) } else { None },
+                    redo_commands: if commands { Some(self.history.redo_commands()?) } else { None },
                 }
                 .into()
             }

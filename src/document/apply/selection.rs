@@ -34,6 +34,7 @@ impl Document {
                 }
                 let opened = io::open(path)?;
                 let other = opened.source(0, 0, &|x| watch.go_on(x * 0.3))?;
+                edit.reads(&opened.files, &|| watch.go_on(0.3))?;
                 let imported = import(&subject, other.as_ref(), threshold, soften_mm, &|x| watch.go_on(0.3 + x * 0.7))?;
                 covered = Some(imported.covered);
                 warnings = Some([opened.warnings, imported.warnings].concat());

@@ -10,10 +10,14 @@ use crate::document::apply::stroke_nothing::why_nothing;
 use crate::document::apply::trail::{Resolved, Trail};
 use crate::document::command::answers::{Answer, CancelledSaid, ExtendedSaid, PaintedSaid, Said};
 use crate::document::command::brush::{StrokeCommand, StrokePoint};
+use crate::document::command::resolved::ResolvedCommand;
 use crate::document::command::{Command, Place};
 use crate::document::error::DocumentError;
 use crate::document::history::edit::Edit;
+use crate::document::place::normal_of;
+use crate::document::scene::ViewName;
 use crate::gpu::GpuError;
+use crate::math::Camera;
 use crate::paint::{Brush, BuildUpBound, Dab, Reach, Sample, StrokePath, Target, VoxelSet};
 use crate::volume::{DensityMap, FieldKey, FieldKind, Volume, VolumeId};
 
@@ -23,6 +27,8 @@ pub(crate) struct Running {
     /// What it paints on.
     volume: VolumeId,
     brush: Brush,
+    /// Where what is visible was seen from, if it keeps to that.
+    camera: Option<Camera>,
     path: StrokePath,
     /// Of a brush that adds up on density: what may have, and for how much of it the map has room.
     build_up: Option<(BuildUpBound, f64)>,
@@ -126,6 +132,18 @@ impl Document {
             let [before, after] = running.reach;
             volume.painted = Some(after.within(before, &volume.density).0);
         }
+        let axial = normal_of(&state.at(Some(key.volume))?, ViewName::Axial);
+        let at = |s: &Sample| {
+            let Sample { position, normal, pressure, breaks } = *s;
+            let normal = (normal != axial).then(|| normal.to_array());
+            StrokePoint { at: Place::Mm(position.to_array()), pressure, breaks, normal }
+        };
+        let done = Command::Stroke(StrokeCommand::Paint { points: running.samples.iter().map(at).collect() });
+        running.edit.made_by(ResolvedCommand {
+            brush: Some(running.brush),
+            camera: running.camera,
+            ..ResolvedCommand::plain(done.clone())
+        });
         let (step, mut refreshed) = running.edit.finish(state);
         // The GPU took a wider map over at the stroke's beginning.
         refreshed.painted = true;
@@ -144,11 +162,6 @@ impl Document {
             self.unsaved = true;
             trouble.extend(self.history.push(step)?);
         }
-        let at = |s: &Sample| {
-            let Sample { position, pressure, breaks, .. } = *s;
-            StrokePoint { at: Place::Mm(position.to_array()), pressure, breaks }
-        };
-        let done = Command::Stroke(StrokeCommand::Paint { points: running.samples.iter().map(at).collect() });
         trouble.extend(self.note(&done, &refreshed.bricks, true));
         self.revision += 1;
         Ok(Answer { trouble, ..Answer::from(Said::from(said)) })
@@ -229,6 +242,7 @@ impl Document {
         self.running = Some(Running {
             volume: id,
             brush,
+            camera: brush.visible_only.then_some(state.scene.views.camera),
             path,
             build_up,
             reach,

@@ -10,10 +10,11 @@ use crate::document::command::Place;
 use crate::document::command::brush::StrokePoint;
 use crate::document::error::DocumentError;
 use crate::document::scene::ViewName;
+use crate::document::scene::check::direction;
 use crate::document::subject::Subject;
 use crate::explode::Poses;
 use crate::gpu::{Frame, Hit};
-use crate::math::{Camera, DVec2, Pose};
+use crate::math::{Camera, DVec2, DVec3, Pose};
 use crate::paint::{Sample, Seen, SurfaceRule};
 use crate::volume::VolumeId;
 
@@ -86,7 +87,12 @@ impl Document {
                     self.follow_pixel(volume, point, DVec2::from_array(px), size, &mut resolved)?;
                 }
                 at => {
-                    let sample = self.resolve(at, Some(volume))?;
+                    let given = match (point.normal, at) {
+                        (Some(normal), Place::Mm(_) | Place::Index(_)) => Some(unit(normal)?),
+                        _ => None,
+                    };
+                    let sample =
+                        self.resolve(at, Some(volume))?.map(|s| Sample { normal: given.unwrap_or(s.normal), ..s });
                     let StrokePoint { pressure, breaks, .. } = *point;
                     resolved.samples.extend(resolved.trail.take().into_iter().flat_map(|trail| trail.end()));
                     resolved.samples.extend(sample.map(|s| Sample { pressure, breaks, ..s }));
@@ -242,4 +248,10 @@ fn looks_per_pixel(pixel_mm: f64, voxel_mm: f64, size: [u32; 2], way: f64) -> f6
         return MOST_LOOKS / longest;
     }
     (pixel_mm / (LOOKS_VOXELS * voxel_mm)).ceil().clamp(1.0, most)
+}
+
+/// A direction of length 1; one that has it already to the last bits stays as it is, so that what was written down comes back.
+fn unit(normal: [f64; 3]) -> Result<DVec3, DocumentError> {
+    let (given, unit) = (DVec3::from_array(normal), direction("normal", normal)?);
+    Ok(if given.distance(unit) < 1e-12 { given } else { unit })
 }

@@ -2,6 +2,7 @@
 
 #![allow(missing_docs)] // fields: what they are called is what they say
 
+use crate::document::command::resolved::ResolvedCommand;
 use crate::explode::{PartId, PartRecord};
 use crate::volume::{Number, TexelFormat, VoxelType};
 use serde::Serialize;
@@ -112,6 +113,11 @@ pub struct HistorySaid {
     pub budget: u64,
     pub views: PastCounts,
     pub looks: PastCounts,
+    /// What made the steps of `undo`, if that was asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub undo_commands: Option<Vec<Vec<ResolvedCommand>>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub redo_commands: Option<Vec<Vec<ResolvedCommand>>>,
 }
 
 /// Changes behind and ahead.

@@ -20,6 +20,9 @@ pub struct StrokePoint {
     /// Whether the path begins anew here instead of coming from the point before. Where pixels of the 3D view need that it is found.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub breaks: bool,
+    /// Of a place in mm or index: where a disc faces, any length; that of the axial slice if left out. A pixel knows it itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub normal: Option<[f64; 3]>,
 }
 
 fn one() -> f32 {

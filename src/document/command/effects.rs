@@ -310,7 +310,7 @@ impl Question {
             Self::Pick { .. } => "ask.pick",
             Self::Field { .. } => "ask.field",
             Self::Visibility { .. } => "ask.visibility",
-            Self::History {} => "ask.history",
+            Self::History { .. } => "ask.history",
         })
     }
 }

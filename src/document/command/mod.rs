@@ -9,6 +9,7 @@ pub(crate) mod brush;
 pub(crate) mod files;
 pub(crate) mod parts;
 pub(crate) mod paths;
+pub(crate) mod resolved;
 pub(crate) mod views;
 
 use crate::document::command::brush::{BrushCommand, StrokeCommand};
@@ -186,5 +187,10 @@ pub enum Question {
         size: Option<[u32; 2]>,
     },
     /// Steps that can be undone and redone.
-    History {},
+    History {
+        /// Also the commands that made them, in `undo_commands` and `redo_commands`: for each step a list, its places in world mm, with
+        /// the brush of strokes and the hashes of files that were read.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        commands: bool,
+    },
 }

@@ -1,8 +1,12 @@
 //! What one command changes while it runs: the recording that becomes a step, or is taken back if the command fails.
 
+use crate::document::command::resolved::{FileRead, ResolvedCommand};
+use crate::document::disk::source_files::{Trouble, hash_one};
+use crate::document::error::DocumentError;
 use crate::document::history::step::{Refreshed, SceneDelta, Step, remap};
 use crate::document::scene::Scene;
 use crate::document::state::State;
+use crate::io::FileMark;
 use crate::volume::{Brick, BrickIndex, Changes, DensityMap, Field, FieldKey, FieldKind, SourceError, VolumeId};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -12,6 +16,7 @@ use std::collections::BTreeMap;
 pub(crate) struct Edit {
     scene: Option<Scene>,
     step: Step,
+    files: Vec<FileRead>,
     refreshed: Refreshed,
     voxels: u64,
     bricks: usize,
@@ -23,6 +28,7 @@ impl Edit {
         Self {
             scene: state.map(|s| s.scene.clone()),
             step: Step { name: "Change".into(), ..Step::default() },
+            files: Vec::new(),
             refreshed: Refreshed::default(),
             voxels: 0,
             bricks: 0,
@@ -32,6 +38,24 @@ impl Edit {
     /// What the step is called in the list of steps.
     pub(crate) fn name(&mut self, name: impl Into<String>) {
         self.step.name = name.into();
+    }
+
+    /// What the step was made by; files that were read come beside it.
+    pub(crate) fn made_by(&mut self, command: ResolvedCommand) {
+        let files = std::mem::take(&mut self.files);
+        self.step.commands = vec![ResolvedCommand { files, ..command }];
+    }
+
+    /// Takes the hashes of files that the command read; `go_on` is asked meanwhile.
+    ///
+    /// # Errors
+    /// If a file is not what it was when it was opened, or `go_on` said no.
+    pub(crate) fn reads(&mut self, files: &[FileMark], go_on: &dyn Fn() -> bool) -> Result<(), DocumentError> {
+        for mark in files {
+            let hash = hash_one(mark, None, &|| !go_on()).map_err(Trouble::error)?.ok_or(DocumentError::Stopped)?;
+            self.files.push(FileRead { path: mark.path.clone(), bytes: mark.bytes, blake3: hash });
+        }
+        Ok(())
     }
 
     /// What the step is called so far.

@@ -8,6 +8,7 @@ pub(crate) mod packed;
 pub(crate) mod spill;
 pub(crate) mod step;
 
+use crate::document::command::resolved::ResolvedCommand;
 use crate::document::error::DocumentError;
 use crate::document::history::packed::Packed;
 use crate::document::history::spill::SpillFolder;
@@ -26,6 +27,12 @@ struct Entry {
     step: Packed,
     /// Volumes that come or go with the step: what was painted on them is packed, their sources are no bytes.
     volumes: BTreeMap<VolumeId, Option<Bare>>,
+}
+
+impl Entry {
+    fn commands(&self) -> Result<Vec<ResolvedCommand>, DocumentError> {
+        self.step.commands(&self.name).map_err(DocumentError::NotNow)
+    }
 }
 
 /// See the module's head.
@@ -73,6 +80,22 @@ impl History {
     /// Names of the steps that redo does again, the next one first.
     pub fn redo_names(&self) -> impl DoubleEndedIterator<Item = &str> + ExactSizeIterator {
         self.redo.iter().rev().map(|e| e.name.as_str())
+    }
+
+    /// What made the steps that undo takes back, the newest first.
+    ///
+    /// # Errors
+    /// If a step on disk cannot be read.
+    pub(crate) fn undo_commands(&self) -> Result<Vec<Vec<ResolvedCommand>>, DocumentError> {
+        self.undo.iter().rev().map(Entry::commands).collect()
+    }
+
+    /// What made the steps that redo does again, the next one first.
+    ///
+    /// # Errors
+    /// If a step on disk cannot be read.
+    pub(crate) fn redo_commands(&self) -> Result<Vec<Vec<ResolvedCommand>>, DocumentError> {
+        self.redo.iter().rev().map(Entry::commands).collect()
     }
 
     /// Memory and disk that the steps take, in bytes.

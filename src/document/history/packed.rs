@@ -1,5 +1,6 @@
-//! A step as bytes, in memory or in a file: a JSON head, then its bricks under LZ4.
+//! A step as bytes, in memory or in a file: a JSON head, the commands that made it as JSON, then its bricks under LZ4.
 
+use crate::document::command::resolved::ResolvedCommand;
 use crate::document::history::step::{SceneDelta, Step};
 use crate::volume::{Brick, BrickIndex, DensityMap, FieldKey, VolumeId};
 use rayon::prelude::*;
@@ -16,6 +17,8 @@ enum Shape {
 
 #[derive(Serialize, Deserialize)]
 struct Head {
+    /// Length of the commands, which nothing depends on: what JSON cannot say of them is left out.
+    commands: usize,
     scene: SceneDelta,
     maps: Vec<(VolumeId, DensityMap)>,
     bricks: Vec<(FieldKey, BrickIndex, Shape)>,
@@ -47,12 +50,19 @@ impl Packed {
             };
             (key, index, shape)
         });
-        let head =
-            Head { scene: step.scene.clone(), maps: step.maps.clone().into_iter().collect(), bricks: shapes.collect() };
+        let commands = serde_json::to_vec(&step.commands).unwrap_or_default();
+        let head = Head {
+            commands: commands.len(),
+            scene: step.scene.clone(),
+            maps: step.maps.clone().into_iter().collect(),
+            bricks: shapes.collect(),
+        };
         let head = serde_json::to_vec(&head).map_err(|e| format!("a step cannot be written down: {e}"))?;
-        let mut bytes = Vec::with_capacity(8 + head.len() + payload.iter().map(Vec::len).sum::<usize>());
+        let mut bytes =
+            Vec::with_capacity(8 + head.len() + commands.len() + payload.iter().map(Vec::len).sum::<usize>());
         bytes.extend_from_slice(&(head.len() as u64).to_le_bytes());
         bytes.extend_from_slice(&head);
+        bytes.extend_from_slice(&commands);
         payload.iter().for_each(|p| bytes.extend_from_slice(p));
         Ok(Self::Memory(bytes))
     }
@@ -88,15 +98,24 @@ impl Packed {
 
     /// The step again, under the name that the list of steps keeps.
     pub(crate) fn load(&self, name: &str) -> Result<Step, String> {
+        self.read(name, |bytes| parse(bytes, name))
+    }
+
+    /// The commands that made it.
+    pub(crate) fn commands(&self, name: &str) -> Result<Vec<ResolvedCommand>, String> {
+        self.read(name, |bytes| Some(head_of(bytes)?.1))
+    }
+
+    fn read<T>(&self, name: &str, parse: impl FnOnce(&[u8]) -> Option<T>) -> Result<T, String> {
         match self {
-            Self::Memory(bytes) => parse(bytes, name).ok_or_else(|| format!("step \"{name}\": its bytes are damaged")),
+            Self::Memory(bytes) => parse(bytes).ok_or_else(|| format!("step \"{name}\": its bytes are damaged")),
             Self::File { path, hash, .. } => {
                 let said = |what: String| format!("step \"{name}\": {}: {what}", path.display());
                 let bytes = std::fs::read(path).map_err(|e| said(e.to_string()))?;
                 if blake3::hash(&bytes) != *hash {
                     return Err(said("the file was changed by another program".into()));
                 }
-                parse(&bytes, name).ok_or_else(|| said("the file is damaged".into()))
+                parse(&bytes).ok_or_else(|| said("the file is damaged".into()))
             }
         }
     }
@@ -111,13 +130,26 @@ impl Drop for Packed {
     }
 }
 
-fn parse(bytes: &[u8], name: &str) -> Option<Step> {
+/// The head, the commands, and where the bricks begin.
+fn head_of(bytes: &[u8]) -> Option<(Head, Vec<ResolvedCommand>, usize)> {
     let length = u64::from_le_bytes(bytes.get(..8)?.try_into().ok()?);
     let end = 8_usize.checked_add(usize::try_from(length).ok()?)?;
     let head: Head = serde_json::from_slice(bytes.get(8..end)?).ok()?;
-    let mut step =
-        Step { name: name.into(), scene: head.scene, maps: head.maps.into_iter().collect(), ..Step::default() };
-    let mut at = end;
+    let begin = end.checked_add(head.commands)?;
+    let commands = serde_json::from_slice(bytes.get(end..begin)?).unwrap_or_default();
+    Some((head, commands, begin))
+}
+
+fn parse(bytes: &[u8], name: &str) -> Option<Step> {
+    let (head, commands, begin) = head_of(bytes)?;
+    let mut step = Step {
+        name: name.into(),
+        commands,
+        scene: head.scene,
+        maps: head.maps.into_iter().collect(),
+        ..Step::default()
+    };
+    let mut at = begin;
     for (key, index, shape) in head.bricks {
         let brick = match shape {
             Shape::Unedited => None,

@@ -3,6 +3,7 @@
 //! So undo and redo are the same swap. A step holds only what changed of what was decided: components of the scene, bricks of
 //! fields, and the density's map when painting widened it. Where a simulation took the parts is in no step.
 
+use crate::document::command::resolved::{ResolvedCommand, join};
 use crate::document::disk::source_files::SourceFiles;
 use crate::document::scene::Scene;
 use crate::document::scene::volumes::{VolumeLook, Volumes};
@@ -121,6 +122,8 @@ pub(crate) struct Bare {
 pub(crate) struct Step {
     /// What the user did.
     pub name: String,
+    /// The same as commands that can be done again elsewhere, in order.
+    pub commands: Vec<ResolvedCommand>,
     /// Scene.
     pub scene: SceneDelta,
     /// Bricks of level 0; `None` is an unedited one.
@@ -250,6 +253,7 @@ impl Step {
     /// Joins a step that came after this one; what was there first comes back.
     pub(crate) fn absorb(&mut self, later: Self) {
         self.name = later.name;
+        join(&mut self.commands, later.commands);
         self.scene.absorb(later.scene);
         let density = |key: &FieldKey| key.kind == FieldKind::Density;
         let whole: BTreeSet<VolumeId> = self.maps.keys().copied().collect();
