@@ -237,6 +237,92 @@ impl Brush {
     }
 }
 
+/// A change of the brush: what is given is changed, the rest is left.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct BrushChange {
+    /// Form.
+    pub shape: Option<Shape>,
+    /// Radius, mm.
+    pub radius_mm: Option<f64>,
+    /// Hard if left out where `target` becomes a label, and what it was before where it is a label no more; labels are painted
+    /// by the hard ball in any case.
+    pub falloff: Option<Falloff>,
+    /// 0..1.
+    pub strength: Option<f32>,
+    /// Operation.
+    pub operation: Option<Operation>,
+    /// Wash or build-up.
+    pub tip: Option<Tip>,
+    /// What it paints.
+    pub target: Option<Target>,
+    /// Distance of dabs as a share of the radius.
+    pub spacing: Option<f64>,
+    /// Closed range of densities that may be painted, compared in the source's own type: integers to the last digit; `"inf"`
+    /// and `"-inf"` are ends too.
+    pub range: Option<[Number; 2]>,
+    /// Takes the range away.
+    pub any_value: bool,
+    /// Whether the brush takes away.
+    pub erase: Option<bool>,
+    /// What erasing does to density: `"restore"` takes edits back, `{"to": value}` removes by painting that value.
+    pub erase_density: Option<EraseDensity>,
+    /// Whether strokes keep to the surface that the 3D view shows.
+    pub visible_only: Option<bool>,
+}
+
+impl BrushChange {
+    /// What makes `new` of `old`.
+    pub fn between(old: &Brush, new: &Brush) -> Self {
+        fn changed<T: PartialEq + Copy>(old: T, new: T) -> Option<T> {
+            (old != new).then_some(new)
+        }
+        Self {
+            shape: changed(old.shape, new.shape),
+            radius_mm: changed(old.radius_mm, new.radius_mm),
+            falloff: changed(old.falloff, new.falloff),
+            strength: changed(old.strength, new.strength),
+            operation: changed(old.operation, new.operation),
+            tip: changed(old.tip, new.tip),
+            target: changed(old.target, new.target),
+            spacing: changed(old.spacing, new.spacing),
+            range: changed(old.range, new.range).flatten(),
+            any_value: old.range.is_some() && new.range.is_none(),
+            erase: changed(old.erase, new.erase),
+            erase_density: changed(old.erase_density, new.erase_density),
+            visible_only: changed(old.visible_only, new.visible_only),
+        }
+    }
+
+    /// The brush after it.
+    #[must_use]
+    pub fn applied_to(&self, old: &Brush) -> Brush {
+        let is_label = |target: &Target| matches!(target, Target::Label(_));
+        let (was, is) = (is_label(&old.target), is_label(&self.target.unwrap_or(old.target)));
+        let (falloff, falloff_before_labels) = match (self.falloff, was, is) {
+            (Some(chosen), ..) => (chosen, None),
+            (None, false, true) => (Falloff::Hard, Some(old.falloff)),
+            (None, true, false) => (old.falloff_before_labels.unwrap_or(old.falloff), None),
+            (None, ..) => (old.falloff, old.falloff_before_labels),
+        };
+        Brush {
+            shape: self.shape.unwrap_or(old.shape),
+            radius_mm: self.radius_mm.unwrap_or(old.radius_mm),
+            falloff,
+            falloff_before_labels,
+            strength: self.strength.unwrap_or(old.strength),
+            operation: self.operation.unwrap_or(old.operation),
+            tip: self.tip.unwrap_or(old.tip),
+            target: self.target.unwrap_or(old.target),
+            spacing: self.spacing.unwrap_or(old.spacing),
+            range: self.range.or(if self.any_value { None } else { old.range }),
+            erase: self.erase.unwrap_or(old.erase),
+            erase_density: self.erase_density.unwrap_or(old.erase_density),
+            visible_only: self.visible_only.unwrap_or(old.visible_only),
+        }
+    }
+}
+
 /// One input point of a stroke, in the frame of the voxels at rest.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Sample {

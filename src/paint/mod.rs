@@ -15,7 +15,7 @@ mod room;
 mod surface;
 mod voxel_set;
 
-pub use brush::{Brush, EraseDensity, Falloff, Operation, Sample, Shape, Target, Tip};
+pub use brush::{Brush, BrushChange, EraseDensity, Falloff, Operation, Sample, Shape, Target, Tip};
 pub use build_up::BuildUpBound;
 pub use dab::{Dab, EDGE, Footprint, IndexBox, half_diagonal_mm};
 pub use error::PaintError;

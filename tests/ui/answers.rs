@@ -5,7 +5,7 @@ use burin::document::{
     BrushCommand, Command, HistoryCommand, PastOf, StrokeCommand, StrokePoint, ViewCommand, ViewName,
 };
 use burin::interact::Tool;
-use burin::paint::Target;
+use burin::paint::{BrushChange, Target};
 use burin::ui::{Picture, Report, Request};
 use egui::accesskit::Toggled;
 use egui::{Modifiers, PointerButton, Pos2, vec2};
@@ -66,7 +66,7 @@ fn choosing_what_to_paint_takes_the_brush() {
     window.click("Navigate");
     let sent = window.key(Modifiers::NONE, egui::Key::Num2);
     assert!(
-        matches!(sent[..], [Command::Brush(BrushCommand::Set { target: Some(Target::Label(2)), .. })])
+        matches!(sent[..], [Command::Brush(BrushCommand::Set(BrushChange { target: Some(Target::Label(2)), .. }))])
             && is_in_hand(&window, Tool::Brush)
     );
 }

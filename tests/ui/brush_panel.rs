@@ -2,7 +2,7 @@
 
 use super::driver::{SMALL, Window};
 use burin::document::{BrushCommand, Command};
-use burin::paint::{EraseDensity, Falloff, Target};
+use burin::paint::{BrushChange, EraseDensity, Falloff, Target};
 use burin::volume::Number;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -86,7 +86,9 @@ fn erasing_density_says_what_it_leaves() {
         assert!(window.harness.query_by_label("Value after erasing").is_none());
         window.click(name);
         let sent = window.click("sets to a value");
-        let [Command::Brush(BrushCommand::Set { erase_density: Some(EraseDensity::To(value)), .. })] = sent[..] else {
+        let [Command::Brush(BrushCommand::Set(BrushChange { erase_density: Some(EraseDensity::To(value)), .. }))] =
+            sent[..]
+        else {
             panic!("{sent:?}")
         };
         assert_eq!(value, 0.0, "the least value that there is");
@@ -120,7 +122,9 @@ fn the_end_of_a_range_that_is_typed_is_the_one_that_is_meant() {
         let mut sent = window.sent();
         sent.extend(window.key(Modifiers::NONE, Key::Enter));
         let set = sent.iter().rev().find_map(|c| match c {
-            Command::Brush(BrushCommand::Set { range: Some(range), .. }) => Some(range.map(Number::to_f64)),
+            Command::Brush(BrushCommand::Set(BrushChange { range: Some(range), .. })) => {
+                Some(range.map(Number::to_f64))
+            }
             _ => None,
         });
         assert_eq!(set, Some(wanted), "{name} {typed}: {sent:?}");

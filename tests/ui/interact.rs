@@ -10,6 +10,7 @@ use burin::interact::{
     Action, Button, Context, Event, Hit, Interaction, Key, Modifiers, PointerEvent, SHORTCUTS, Tool, Wheel, action_of,
 };
 use burin::math::{DVec2, DVec3, Plane};
+use burin::paint::BrushChange;
 use burin::volume::Grid;
 
 const SIZE: [u32; 2] = [400, 300];
@@ -121,12 +122,18 @@ fn held_e_erases_for_one_stroke_only() {
     let mut hand = Hand::new(Tool::Brush, ViewName::Coronal);
     hand.modifiers.erase = true;
     let begin = hand.press(Button::Primary, 1.0, 2.0);
-    assert!(matches!(begin[0], Command::Brush(BrushCommand::Set { erase: Some(true), radius_mm: None, .. })));
+    assert!(matches!(
+        begin[0],
+        Command::Brush(BrushCommand::Set(BrushChange { erase: Some(true), radius_mm: None, .. }))
+    ));
     hand.modifiers.erase = false;
     let end = hand.release(Button::Primary, 1.0, 2.0);
     assert!(matches!(
         end[..],
-        [Command::Stroke(StrokeCommand::End {}), Command::Brush(BrushCommand::Set { erase: Some(false), .. })]
+        [
+            Command::Stroke(StrokeCommand::End {}),
+            Command::Brush(BrushCommand::Set(BrushChange { erase: Some(false), .. }))
+        ]
     ));
     hand.scene.brush.erase = true;
     hand.modifiers.erase = true;
@@ -143,7 +150,9 @@ fn e_in_mid_stroke_makes_another_stroke_of_the_other_sign_from_there_on() {
         let commands = hand.drag(to, 20.0);
         assert_eq!(commands.len(), 4, "{commands:?}");
         assert_eq!(commands[0], Command::Stroke(StrokeCommand::End {}));
-        assert!(matches!(commands[1], Command::Brush(BrushCommand::Set { erase: Some(e), .. }) if e == held));
+        assert!(
+            matches!(commands[1], Command::Brush(BrushCommand::Set(BrushChange { erase: Some(e), .. })) if e == held)
+        );
         assert!(matches!(commands[2], Command::Stroke(StrokeCommand::Begin { .. })));
         assert_eq!(pixel_of(&commands[2]), [from, 20.0], "nothing is left out between the two");
         assert_eq!(pixel_of(&commands[3]), [to, 20.0]);
@@ -158,7 +167,10 @@ fn e_in_mid_stroke_makes_another_stroke_of_the_other_sign_from_there_on() {
     let aborted = hand.send(Event::Abort);
     assert!(matches!(
         aborted[..],
-        [Command::Stroke(StrokeCommand::Cancel {}), Command::Brush(BrushCommand::Set { erase: Some(false), .. })]
+        [
+            Command::Stroke(StrokeCommand::Cancel {}),
+            Command::Brush(BrushCommand::Set(BrushChange { erase: Some(false), .. }))
+        ]
     ));
     // Letting go of the key a moment before the button paints nothing.
     hand.press(Button::Primary, 10.0, 20.0);
@@ -168,7 +180,10 @@ fn e_in_mid_stroke_makes_another_stroke_of_the_other_sign_from_there_on() {
     let end = hand.release(Button::Primary, 42.0, 21.0);
     assert!(matches!(
         end[..],
-        [Command::Stroke(StrokeCommand::End {}), Command::Brush(BrushCommand::Set { erase: Some(false), .. })]
+        [
+            Command::Stroke(StrokeCommand::End {}),
+            Command::Brush(BrushCommand::Set(BrushChange { erase: Some(false), .. }))
+        ]
     ));
     // A brush that erases anyway goes on.
     hand.scene.brush.erase = true;
@@ -263,7 +278,7 @@ fn the_wheel_steps_slices_by_whole_voxels_and_modifiers_change_its_meaning() {
     hand.modifiers = Modifiers { shift: true, ..Modifiers::default() };
     let radius = hand.scene.brush.radius_mm;
     assert!(
-        matches!(hand.wheel(1.0)[..], [Command::Brush(BrushCommand::Set { radius_mm: Some(r), erase: None, .. })] if r > radius)
+        matches!(hand.wheel(1.0)[..], [Command::Brush(BrushCommand::Set(BrushChange { radius_mm: Some(r), erase: None, .. }))] if r > radius)
     );
     let mut hand = Hand::new(Tool::Navigate, ViewName::ThreeD);
     assert!(matches!(hand.wheel(-1.0)[..], [Command::View(ViewCommand::Zoom { factor, .. })] if factor > 1.0));
@@ -276,7 +291,7 @@ fn a_brush_never_shrinks_below_half_a_voxel_and_can_grow_from_nothing() {
         factor,
         &Context { scene, poses: &Poses::default(), grid: &grid, voxel_mm: 2.0 },
     ) {
-        Command::Brush(BrushCommand::Set { radius_mm: Some(r), .. }) => r,
+        Command::Brush(BrushCommand::Set(BrushChange { radius_mm: Some(r), .. })) => r,
         other => panic!("{other:?}"),
     };
     scene.brush.radius_mm = 0.0;
@@ -293,7 +308,7 @@ fn a_brush_for_voxels_of_metres_and_of_nanometres_grows_and_shrinks() {
         for radius in [0.0, voxel_mm * 0.5, voxel_mm * 3.0] {
             scene.brush.radius_mm = radius;
             for factor in [1.15, 1.0 / 1.15] {
-                let Command::Brush(BrushCommand::Set { radius_mm: Some(new), .. }) = Interaction::sized(
+                let Command::Brush(BrushCommand::Set(BrushChange { radius_mm: Some(new), .. })) = Interaction::sized(
                     factor,
                     &Context { scene: &scene, poses: &Poses::default(), grid: &grid, voxel_mm },
                 ) else {
@@ -540,13 +555,14 @@ fn only_what_changed_of_a_brush_is_sent() {
     assert_eq!(burin::interact::brush_change(&old, &old), None);
     let mut new = old;
     new.range = Some([1.0, 2.0].map(burin::volume::Number::Real));
-    let Some(Command::Brush(BrushCommand::Set { range, radius_mm, any_value, .. })) =
+    let Some(Command::Brush(BrushCommand::Set(BrushChange { range, radius_mm, any_value, .. }))) =
         burin::interact::brush_change(&old, &new)
     else {
         panic!()
     };
     assert_eq!((range, radius_mm, any_value), (Some([1.0, 2.0].map(burin::volume::Number::Real)), None, false));
-    let Some(Command::Brush(BrushCommand::Set { range, any_value, .. })) = burin::interact::brush_change(&new, &old)
+    let Some(Command::Brush(BrushCommand::Set(BrushChange { range, any_value, .. }))) =
+        burin::interact::brush_change(&new, &old)
     else {
         panic!()
     };

@@ -2,7 +2,7 @@
 
 use super::driver::{SMALL, Window};
 use burin::document::{BrushCommand, Command, TransferCommand};
-use burin::paint::Target;
+use burin::paint::{BrushChange, Target};
 use burin::volume::TransferFunction;
 use egui::{Modifiers, PointerButton, Pos2, pos2};
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -132,7 +132,9 @@ fn paint_is_mixed_of_what_was_picked() {
     window.click("Paint colour");
     for (name, of) in [("Pick red", 0), ("Pick green", 1), ("Pick blue", 2)] {
         let sent = window.click(name);
-        let [Command::Brush(BrushCommand::Set { target: Some(Target::Colour([r, g, b, a])), .. })] = &sent[..] else {
+        let [Command::Brush(BrushCommand::Set(BrushChange { target: Some(Target::Colour([r, g, b, a])), .. }))] =
+            &sent[..]
+        else {
             panic!("{name}: {sent:?}")
         };
         let rgb = [*r, *g, *b];

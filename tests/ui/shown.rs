@@ -3,7 +3,7 @@
 use super::driver::{SMALL, Window};
 use burin::document::{BrushCommand, Command, PartCommand, StrokeCommand};
 use burin::explode::PartId;
-use burin::paint::{Target, Tip};
+use burin::paint::{BrushChange, Target, Tip};
 use burin::volume::Mode;
 use egui::accesskit::Toggled;
 use egui::{Modifiers, vec2};
@@ -46,7 +46,7 @@ fn how_dabs_overlap_is_what_was_clicked() {
     assert!(lit(&window, "Overlap: Even"));
     for (name, wanted) in names {
         let sent = window.click(name);
-        let set = matches!(&sent[..], [Command::Brush(BrushCommand::Set { tip: Some(tip), .. })] if *tip == wanted);
+        let set = matches!(&sent[..], [Command::Brush(BrushCommand::Set(BrushChange { tip: Some(tip), .. }))] if *tip == wanted);
         assert!(set, "{name}: {sent:?}");
         assert!(names.iter().all(|(other, _)| lit(&window, other) == (*other == name)), "{name}");
     }
@@ -114,7 +114,7 @@ fn e_that_is_held_before_the_button_erases_for_this_stroke() {
     window.harness.run_steps(2);
     key(&mut window, false);
     let erases = |command: &Command| match command {
-        Command::Brush(BrushCommand::Set { erase: Some(erase), .. }) => Some(*erase),
+        Command::Brush(BrushCommand::Set(BrushChange { erase: Some(erase), .. })) => Some(*erase),
         _ => None,
     };
     let sent = window.sent();
@@ -148,8 +148,10 @@ fn sliders_of_the_paint_set_what_they_show() {
         window.snapshot(|_| {});
         let sent = slide(&mut window, name, 0.25);
         let painted = sent.iter().rev().find_map(|c| match c {
-            Command::Brush(BrushCommand::Set { target: Some(Target::Selection(x)), .. }) => Some(*x),
-            Command::Brush(BrushCommand::Set { target: Some(Target::Colour([0.1, 0.2, 0.3, x])), .. }) => Some(*x),
+            Command::Brush(BrushCommand::Set(BrushChange { target: Some(Target::Selection(x)), .. })) => Some(*x),
+            Command::Brush(BrushCommand::Set(BrushChange {
+                target: Some(Target::Colour([0.1, 0.2, 0.3, x])), ..
+            })) => Some(*x),
             _ => None,
         });
         let painted = painted.unwrap_or_else(|| panic!("{name}: {sent:?}"));

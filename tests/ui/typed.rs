@@ -2,6 +2,7 @@
 
 use super::driver::{SMALL, Window};
 use burin::document::{BrushCommand, Command, ExplosionCommand, TransferCommand};
+use burin::paint::BrushChange;
 use burin::volume::Number;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
@@ -41,7 +42,10 @@ fn a_number_is_taken_once_when_it_is_entered() {
     window.harness.drop_at(at);
     window.harness.run_steps(3);
     let sent = window.sent();
-    assert!(matches!(sent[..], [Command::Brush(BrushCommand::Set { radius_mm: Some(12.0), .. })]), "{sent:?}");
+    assert!(
+        matches!(sent[..], [Command::Brush(BrushCommand::Set(BrushChange { radius_mm: Some(12.0), .. }))]),
+        "{sent:?}"
+    );
 }
 
 #[test]
@@ -51,7 +55,7 @@ fn a_number_whose_first_digits_are_out_of_order_can_be_typed() {
     window.snapshot(|_| {});
     let sent = enter(&mut window, "Highest value to paint", "77", Key::Enter);
     let range = sent.iter().find_map(|c| match c {
-        Command::Brush(BrushCommand::Set { range, .. }) => *range,
+        Command::Brush(BrushCommand::Set(BrushChange { range, .. })) => *range,
         _ => None,
     });
     assert_eq!(range, Some([40.0, 77.0].map(Number::from)), "{sent:?}");

@@ -4,7 +4,7 @@ use super::driver::{SMALL, Window};
 use crate::common::one::segments;
 use burin::document::{BrushCommand, Command, Scene, SegmentCommand, ViewCommand};
 use burin::explode::Forces;
-use burin::paint::{EraseDensity, Target};
+use burin::paint::{BrushChange, EraseDensity, Target};
 use burin::volume::{Histogram, Mode, Number, Statistics};
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable;
@@ -23,7 +23,7 @@ fn what_lies_beyond_a_sliders_ends_is_shown_and_left_alone() {
     // From the end, where it stands, a hand takes it.
     let moved = window.drag("Brush radius", vec2(5.0, 0.0));
     let radius = moved.iter().find_map(|c| match c {
-        Command::Brush(BrushCommand::Set { radius_mm, .. }) => *radius_mm,
+        Command::Brush(BrushCommand::Set(BrushChange { radius_mm, .. })) => *radius_mm,
         _ => None,
     });
     assert!(radius.is_some_and(|r| r >= 0.5), "{moved:?}");
@@ -75,7 +75,7 @@ fn a_segment_is_added_beside_the_last_label_there_can_be() {
             sent[..],
             [
                 Command::Segment(SegmentCommand::Set { id: 3, .. }),
-                Command::Brush(BrushCommand::Set { target: Some(Target::Label(3)), .. }),
+                Command::Brush(BrushCommand::Set(BrushChange { target: Some(Target::Label(3)), .. })),
             ]
         ),
         "{sent:?}"

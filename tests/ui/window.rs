@@ -6,7 +6,7 @@ use burin::document::{
     StrokeCommand, TransferCommand, ViewCommand,
 };
 use burin::explode::PartId;
-use burin::paint::Target;
+use burin::paint::{BrushChange, Target};
 use burin::ui::{Gravity, Report};
 use burin::volume::FieldKind;
 use egui::accesskit::Toggled;
@@ -42,10 +42,10 @@ fn keys_become_commands() {
     assert_eq!(window.key(Modifiers::COMMAND, egui::Key::Y), std::slice::from_ref(&redo));
     assert_eq!(window.key(Modifiers::COMMAND | Modifiers::SHIFT, egui::Key::Z), [redo]);
     assert!(matches!(window.key(Modifiers::NONE, egui::Key::CloseBracket)[..],
-        [Command::Brush(BrushCommand::Set { radius_mm: Some(r), .. })] if r > 5.0));
+        [Command::Brush(BrushCommand::Set(BrushChange { radius_mm: Some(r), .. }))] if r > 5.0));
     assert!(matches!(
         window.key(Modifiers::NONE, egui::Key::Num2)[..],
-        [Command::Brush(BrushCommand::Set { target: Some(Target::Label(2)), .. })]
+        [Command::Brush(BrushCommand::Set(BrushChange { target: Some(Target::Label(2)), .. }))]
     ));
     window.snapshot(|s| s.project = Some("/data/head.burin".into()));
     assert!(matches!(
@@ -59,13 +59,13 @@ fn a_name_is_chosen_by_a_click_and_edited_by_two() {
     let mut window = Window::open(SMALL);
     let chosen = window.click("Name of segment 2");
     assert!(
-        matches!(chosen[..], [Command::Brush(BrushCommand::Set { target: Some(Target::Label(2)), .. })]),
+        matches!(chosen[..], [Command::Brush(BrushCommand::Set(BrushChange { target: Some(Target::Label(2)), .. }))]),
         "{chosen:?}"
     );
     // Keys stay the tools' until the name is edited.
     assert!(matches!(
         window.key(Modifiers::NONE, egui::Key::Num1)[..],
-        [Command::Brush(BrushCommand::Set { target: Some(Target::Label(1)), .. })]
+        [Command::Brush(BrushCommand::Set(BrushChange { target: Some(Target::Label(1)), .. }))]
     ));
     assert_eq!(window.click("Name of part 1"), [], "parts have nothing to choose");
     for (name, entered) in [("Name of segment 2", "liver"), ("Name of part 1", "lid")] {
@@ -112,7 +112,10 @@ fn a_control_reached_by_tab_takes_its_own_keys_and_no_others() {
     window.harness.get_by_label("Brush strength").focus();
     window.harness.run_steps(2);
     let grown = window.key(Modifiers::NONE, egui::Key::CloseBracket);
-    assert!(matches!(grown[..], [Command::Brush(BrushCommand::Set { radius_mm: Some(_), .. })]), "{grown:?}");
+    assert!(
+        matches!(grown[..], [Command::Brush(BrushCommand::Set(BrushChange { radius_mm: Some(_), .. }))]),
+        "{grown:?}"
+    );
     // Over a slice an arrow moves that; under the keyboard's control it is the slider's.
     let slice = window.harness.get_by_label("Axial view").rect().center();
     window.harness.hover_at(slice);
@@ -222,7 +225,7 @@ fn parts_and_segments_are_hidden_pinned_and_locked_by_name() {
     ));
     let label = window.click("Paint segment Segment 1");
     assert!(
-        matches!(label[..], [Command::Brush(BrushCommand::Set { target: Some(Target::Label(1)), .. })]),
+        matches!(label[..], [Command::Brush(BrushCommand::Set(BrushChange { target: Some(Target::Label(1)), .. }))]),
         "{label:?}"
     );
 }
@@ -233,7 +236,7 @@ fn the_window_follows_before_the_document_answers() {
     assert_eq!(window.key(Modifiers::NONE, egui::Key::CloseBracket).len(), 1);
     let second = window.key(Modifiers::NONE, egui::Key::CloseBracket);
     assert!(
-        matches!(second[..], [Command::Brush(BrushCommand::Set { radius_mm: Some(r), .. })] if r > 5.0 * 1.15 * 1.1),
+        matches!(second[..], [Command::Brush(BrushCommand::Set(BrushChange { radius_mm: Some(r), .. }))] if r > 5.0 * 1.15 * 1.1),
         "the second press grows what the first one made: {second:?}"
     );
 }
@@ -297,8 +300,8 @@ fn e_between_two_samples_of_a_frame_divides_the_stroke_there() {
             Command::Stroke(StrokeCommand::Begin { .. }) => "begin",
             Command::Stroke(StrokeCommand::Extend { .. }) => "extend",
             Command::Stroke(StrokeCommand::End {}) => "end",
-            Command::Brush(BrushCommand::Set { erase: Some(true), .. }) => "erase",
-            Command::Brush(BrushCommand::Set { erase: Some(false), .. }) => "paint",
+            Command::Brush(BrushCommand::Set(BrushChange { erase: Some(true), .. })) => "erase",
+            Command::Brush(BrushCommand::Set(BrushChange { erase: Some(false), .. })) => "paint",
             other => panic!("{other:?}"),
         })
         .collect();

@@ -3,8 +3,7 @@
 #![allow(missing_docs)] // fields: the command's own text says what they are
 
 use crate::document::command::Place;
-use crate::paint::{Brush, EraseDensity, Falloff, Operation, Shape, Target, Tip};
-use crate::volume::Number;
+use crate::paint::BrushChange;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -34,85 +33,7 @@ fn one() -> f32 {
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum BrushCommand {
     /// Changes what is given and leaves the rest.
-    Set {
-        #[serde(default)]
-        shape: Option<Shape>,
-        #[serde(default)]
-        radius_mm: Option<f64>,
-        /// Hard if left out where `target` becomes a label, and what it was before where it is a label no more; labels are painted
-        /// by the hard ball in any case.
-        #[serde(default)]
-        falloff: Option<Falloff>,
-        #[serde(default)]
-        strength: Option<f32>,
-        #[serde(default)]
-        operation: Option<Operation>,
-        #[serde(default)]
-        tip: Option<Tip>,
-        #[serde(default)]
-        target: Option<Target>,
-        #[serde(default)]
-        spacing: Option<f64>,
-        /// Closed range of densities that may be painted, compared in the source's own type: integers to the last digit; `"inf"`
-        /// and `"-inf"` are ends too.
-        #[serde(default)]
-        range: Option<[Number; 2]>,
-        /// Takes the range away.
-        #[serde(default)]
-        any_value: bool,
-        #[serde(default)]
-        erase: Option<bool>,
-        /// What erasing does to density: `"restore"` takes edits back, `{"to": value}` removes by painting that value.
-        #[serde(default)]
-        erase_density: Option<EraseDensity>,
-        /// Whether strokes keep to the surface that the 3D view shows.
-        #[serde(default)]
-        visible_only: Option<bool>,
-    },
-}
-
-impl BrushCommand {
-    /// The brush after the command.
-    pub fn applied_to(&self, old: &Brush) -> Brush {
-        let Self::Set {
-            shape,
-            radius_mm,
-            falloff,
-            strength,
-            operation,
-            tip,
-            target,
-            spacing,
-            range,
-            any_value,
-            erase,
-            erase_density,
-            visible_only,
-        } = self;
-        let is_label = |target: &Target| matches!(target, Target::Label(_));
-        let (was, is) = (is_label(&old.target), target.as_ref().map_or_else(|| is_label(&old.target), is_label));
-        let (falloff, falloff_before_labels) = match (*falloff, was, is) {
-            (Some(chosen), ..) => (chosen, None),
-            (None, false, true) => (Falloff::Hard, Some(old.falloff)),
-            (None, true, false) => (old.falloff_before_labels.unwrap_or(old.falloff), None),
-            (None, ..) => (old.falloff, old.falloff_before_labels),
-        };
-        Brush {
-            shape: shape.unwrap_or(old.shape),
-            radius_mm: radius_mm.unwrap_or(old.radius_mm),
-            falloff,
-            falloff_before_labels,
-            strength: strength.unwrap_or(old.strength),
-            operation: operation.unwrap_or(old.operation),
-            tip: tip.unwrap_or(old.tip),
-            target: target.unwrap_or(old.target),
-            spacing: spacing.unwrap_or(old.spacing),
-            range: range.or(if *any_value { None } else { old.range }),
-            erase: erase.unwrap_or(old.erase),
-            erase_density: erase_density.unwrap_or(old.erase_density),
-            visible_only: visible_only.unwrap_or(old.visible_only),
-        }
-    }
+    Set(BrushChange),
 }
 
 /// See [`Command::Stroke`].

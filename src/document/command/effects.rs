@@ -211,7 +211,7 @@ impl ViewCommand {
 impl BrushCommand {
     fn effects(&self) -> Effects {
         match self {
-            Self::Set { .. } => Effects { redraws: Redraws::NONE, ..Effects::change("brush.set") },
+            Self::Set(_) => Effects { redraws: Redraws::NONE, ..Effects::change("brush.set") },
         }
     }
 }

@@ -84,11 +84,11 @@ impl Scene {
     }
 
     pub(crate) fn apply_brush(&mut self, command: &BrushCommand) -> Result<Changed, DocumentError> {
-        let BrushCommand::Set { range, any_value, .. } = command;
-        if *any_value && range.is_some() {
+        let BrushCommand::Set(change) = command;
+        if change.any_value && change.range.is_some() {
             return Err(DocumentError::invalid("any_value", "true beside a range", "either one or the other"));
         }
-        let brush = command.applied_to(&self.brush);
+        let brush = change.applied_to(&self.brush);
         brush.check()?;
         self.brush = brush;
         Ok(Changed::new("Brush", BrushSaid { brush }))
