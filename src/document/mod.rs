@@ -189,10 +189,10 @@ impl Document {
             }
         };
         let (voxels, bricks) = edit.counts();
-        if let Some(before) = edit.before() {
+        let mut stand_anew = edit.before().is_some_and(|before| {
             let remember = !self.history.group_has_explosion();
-            self.motion.decided(&before.explosion, &state.scene.explosion, remember);
-        }
+            self.motion.decided(&before.explosion, &state.scene.explosion, remember)
+        });
         edit.made_by(ResolvedCommand::plain(command.clone()));
         let called = edit.called().to_owned();
         let (step, refreshed) = edit.finish(state);
@@ -211,11 +211,13 @@ impl Document {
             self.unsaved = true;
             answer.trouble.extend(self.history.push(step)?);
         }
-        if effects.journal != Noted::Never {
-            answer.trouble.extend(self.note(command, &refreshed.bricks, synced));
+        match effects.journal {
+            // What the simulation finds was decided by nobody: frames of an animation are worth nothing, where it ends is noted
+            // for whoever comes after a crash.
+            Noted::Never => stand_anew = !answer.said.is_moving(),
+            _ => answer.trouble.extend(self.note(command, &refreshed.bricks, synced)),
         }
-        // Frames of an animation are worth nothing to anybody; where it ends is.
-        if !answer.said.is_moving() {
+        if stand_anew {
             self.note_poses();
         }
         Ok(answer)

@@ -76,9 +76,17 @@ fn a_moving_explosion_writes_nothing_to_scene_history_and_journal() {
     };
     let before = known(&mut document);
     step_to_rest(&mut document);
+    let noted = std::fs::read(project.join("journal-000001.poses")).unwrap();
     let apart = poses(&document);
     assert!(!are_home(&document));
     assert!(known(&mut document) == before);
+    // Neither do views that turn meanwhile, nor what is on its way beside its poses.
+    for _ in 0..5 {
+        say(&mut document, json!({"view":{"orbit":{"azimuth_deg":9,"elevation_deg":3}}}));
+        say(&mut document, json!({"explosion":{"step":{"steps":2}}}));
+    }
+    assert_ne!(poses(&document), apart);
+    assert!(std::fs::read(project.join("journal-000001.poses")).unwrap() == noted);
     say(&mut document, json!({"view":{"frame":{"from":[1,1,1]}}}));
     let before = known(&mut document);
     settle(&mut document);

@@ -173,14 +173,16 @@ impl Motion {
     }
 
     /// Somebody decided something about the parts: what stood under the scene of `before` stands as it did, halves where the whole
-    /// stood. With `remember` undo can bring back how it is now.
-    pub(crate) fn decided(&mut self, before: &Explosion, now: &Explosion, remember: bool) {
-        if before != now {
-            if remember {
-                self.remember(before);
-            }
-            self.poses = self.poses.carried(before, now);
+    /// stood. With `remember` undo can bring back how it is now. Answers whether that says something new of where parts stand.
+    pub(crate) fn decided(&mut self, before: &Explosion, now: &Explosion, remember: bool) -> bool {
+        if before == now {
+            return false;
         }
+        if remember {
+            self.remember(before);
+        }
+        let carried = self.poses.carried(before, now);
+        carried != std::mem::replace(&mut self.poses, carried.clone())
     }
 
     /// History brought other parts or another degree: they stand where they stood when that was left, or, if nobody remembers, in
