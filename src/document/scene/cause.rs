@@ -1,12 +1,14 @@
 //! What rest poses depend on: the one place that says it.
 //!
 //! Whoever searches rest poses, asks whether parts have to move, or wants to know whether poses that were kept are the right ones,
-//! compares this. Names and colours are not in it, nor is the camera where no force looks along rays. Knows no poses.
+//! compares this: parts, forces, camera, and how each volume is shown and lies. Names and colours are not in it, nor is the camera where
+//! no force looks along rays. Knows no poses.
 
 use crate::document::scene::Scene;
+use crate::document::scene::volumes::VolumeSettings;
 use crate::explode::{Explosion, Face, Forces, Part, PartId};
 use crate::math::{Camera, DVec3, Pose};
-use crate::volume::TransferFunction;
+use crate::volume::{TransferFunction, VolumeId};
 use serde::Serialize;
 
 /// See the module's head.
@@ -14,7 +16,7 @@ use serde::Serialize;
 pub(crate) struct Cause {
     explosion: Explosion,
     camera: Option<Camera>,
-    transfer: TransferFunction,
+    matter: Vec<Matter>,
     /// How often voxels had changed that explosion points stand on.
     voxels: u64,
 }
@@ -22,8 +24,8 @@ pub(crate) struct Cause {
 impl Cause {
     /// As it is now.
     pub(crate) fn of(scene: &Scene, voxels: u64) -> Self {
-        let (explosion, transfer) = (scene.explosion.clone(), scene.transfer.clone());
-        Self { explosion, camera: camera_of(scene).copied(), transfer, voxels }
+        let (explosion, matter) = (scene.explosion.clone(), matter_of(scene));
+        Self { explosion, camera: camera_of(scene).copied(), matter, voxels }
     }
 
     /// Whether it is this now.
@@ -31,20 +33,36 @@ impl Cause {
         self.voxels == voxels
             && pushes_alike(&self.explosion, &scene.explosion)
             && self.camera.as_ref() == camera_of(scene)
-            && self.transfer == scene.transfer
+            && self.matter == matter_of(scene)
     }
 
     /// Whether rest poses are the same, if explosion points are.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
-        pushes_alike(&self.explosion, &other.explosion)
-            && self.camera == other.camera
-            && self.transfer == other.transfer
+        pushes_alike(&self.explosion, &other.explosion) && self.camera == other.camera && self.matter == other.matter
     }
 
     /// The parts and what pushes them.
     pub(crate) fn explosion(&self) -> &Explosion {
         &self.explosion
     }
+}
+
+/// A volume, as far as it can hide something or be selected.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Matter {
+    volume: VolumeId,
+    transfer: TransferFunction,
+    visible: bool,
+    opacity: f32,
+    pose: Pose,
+}
+
+fn matter_of(scene: &Scene) -> Vec<Matter> {
+    let one = |(&volume, settings): (&VolumeId, &VolumeSettings)| {
+        let VolumeSettings { visible, opacity, pose, .. } = *settings;
+        Matter { volume, transfer: scene.transfer_of(volume).clone(), visible, opacity, pose }
+    };
+    scene.volumes.all.iter().map(one).collect()
 }
 
 fn camera_of(scene: &Scene) -> Option<&Camera> {
@@ -98,7 +116,7 @@ pub(crate) fn mark_of_parts(explosion: &Explosion) -> String {
 
 /// A name for all that a scene says of where its parts rest: the same wherever it says the same. Voxels are not in it.
 pub(crate) fn mark_of_scene(scene: &Scene) -> String {
-    mark_of(&(mark_of_parts(&scene.explosion), camera_of(scene), &scene.transfer))
+    mark_of(&(mark_of_parts(&scene.explosion), camera_of(scene), matter_of(scene)))
 }
 
 fn mark_of(said: &impl Serialize) -> String {
