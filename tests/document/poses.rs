@@ -412,4 +412,16 @@ fn painting_and_looking_about_move_nothing_until_steps_are_made() {
     }
     step_to_rest(&mut document);
     assert!(!document.must_move());
+    run(&mut document, r#"{"view":{"orbit":{"azimuth_deg":40,"elevation_deg":0}}}"#).unwrap();
+    assert!(document.must_move(), "the viewing force looks along other rays");
+    let mut forces = json!(document.state().unwrap().scene.explosion.forces);
+    forces["viewing"] = json!(false);
+    say(&mut document, json!({"explosion":{"forces":{"forces":forces}}}));
+    settle(&mut document);
+    run(&mut document, r#"{"view":{"orbit":{"azimuth_deg":40,"elevation_deg":0}}}"#).unwrap();
+    assert!(!document.must_move(), "no force looks along rays");
+    degree(&mut document, 0.0);
+    assert!(document.must_move(), "the way home");
+    step_to_rest(&mut document);
+    assert!(!document.must_move() && are_home(&document));
 }
