@@ -172,10 +172,18 @@ impl Document {
         let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
         let mut edit = Edit::new(Some(state));
         let (views, looks) = (state.scene.views.clone(), state.scene.looks());
-        let (subject, bounds) = (state.at(None)?, state.bounds());
-        let (grid, histogram) = (*subject.grid(), subject.histogram.clone());
-        let ground = Ground { grid: &grid, bounds, histogram: &histogram, poses: self.motion.poses() };
-        let said = state.scene.apply(command, &ground).and_then(|changed| {
+        let bounds = state.bounds();
+        let ground = state.at(None).map(|subject| (*subject.grid(), subject.histogram.clone()));
+        let changed = match (&ground, command) {
+            (Ok((grid, histogram)), _) => {
+                let ground = Ground { grid, bounds, histogram, poses: self.motion.poses() };
+                state.scene.apply(command, &ground)
+            }
+            // Volumes come to a document that has none.
+            (Err(_), Command::Volume(_)) => Ok(Changed::default()),
+            (Err(_), _) => Err(DocumentError::NothingOpen),
+        };
+        let said = changed.and_then(|changed| {
             edit.name(changed.name);
             beyond(self, changed.said, &mut edit)
         });

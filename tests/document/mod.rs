@@ -24,6 +24,7 @@ mod keep_zarr;
 mod labels;
 pub mod maker;
 pub mod maker_gpu;
+mod many_volumes;
 mod masks;
 mod memory;
 mod motion;

@@ -161,6 +161,13 @@ impl Opened {
         Ok(Self { state, poses, keeper, recovered: Recovered::default(), warnings, labels, selected_voxels })
     }
 
+    /// What was read, and what is to be said of it.
+    pub(crate) fn into_parts(self) -> (State, OpenedSaid) {
+        let Self { state, warnings, labels, selected_voxels, .. } = self;
+        let volume = state.at(None).map(|subject| crate::document::apply::ask::volume(&subject)).ok();
+        (state, OpenedSaid { volume, labels, selected_voxels, warnings, recovered: None })
+    }
+
     /// A project, with what its journal holds beyond the last save.
     ///
     /// # Errors

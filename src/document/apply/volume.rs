@@ -2,12 +2,18 @@
 
 use crate::document::Document;
 use crate::document::apply::open::Opened;
-use crate::document::command::answers::{Answer, ExportedSaid, Said};
+use crate::document::command::Command;
+use crate::document::command::answers::{AddedSaid, Answer, ExportedSaid, Said, VolumeRemovedSaid, VolumeSetSaid};
 use crate::document::command::files::VolumeCommand;
 use crate::document::command::paths::check_target;
 use crate::document::error::DocumentError;
+use crate::document::history::edit::Edit;
+use crate::document::history::step::Bare;
 use crate::document::scene::Origin;
+use crate::document::scene::Scene;
+use crate::document::scene::volumes::{OwnLook, VolumeLook};
 use crate::io::{Compression, export};
+use crate::volume::VolumeId;
 
 impl Document {
     pub(crate) fn volume(&mut self, command: &VolumeCommand) -> Result<Answer, DocumentError> {
@@ -17,6 +23,13 @@ impl Document {
                 let watch = self.watch.clone();
                 let opened = Opened::volume(origin, range, open_as, self.unsaved_in.as_deref(), &|x| watch.go_on(x))?;
                 Ok(self.take(opened))
+            }
+            VolumeCommand::Add { path, component, frame, range, open_as, .. } if self.state.is_none() => {
+                self.volume(&VolumeCommand::Open { path, component, frame, range, open_as })
+            }
+            altering @ (VolumeCommand::Add { .. } | VolumeCommand::Remove { .. } | VolumeCommand::Set { .. }) => {
+                let said = Command::Volume(altering.clone());
+                self.record(&said, |document, _, edit| document.alter_volumes(altering, edit))
             }
             VolumeCommand::Export { field, path } => {
                 let state = self.open()?;
@@ -34,5 +47,95 @@ impl Document {
                 Ok(Said::from(ExportedSaid { exported, warnings }).into())
             }
         }
+    }
+
+    fn alter_volumes(&mut self, command: VolumeCommand, edit: &mut Edit) -> Result<Said, DocumentError> {
+        edit.takes_looks();
+        match command {
+            VolumeCommand::Add { path, component, frame, range, open_as, name } => {
+                let watch = self.watch.clone();
+                let origin = Origin { path, component, frame };
+                let opened = Opened::volume(origin, range, open_as, None, &|x| watch.go_on(x))?;
+                self.put_beside(opened, name, edit)
+            }
+            VolumeCommand::Remove { volume } => {
+                let state = self.open_mut()?;
+                edit.name(format!("Remove volume {}", state.at(Some(volume))?.settings.name));
+                edit.remove(state, volume)?;
+                let volumes = &mut state.scene.volumes;
+                volumes.all.remove(&volume);
+                let next = volumes.all.keys().next().copied();
+                if volumes.active == volume {
+                    volumes.active = next.unwrap_or_default();
+                }
+                let active = next.map(|_| volumes.active);
+                state.scene.shown.remove(&volume);
+                Ok(VolumeRemovedSaid { removed: volume, active }.into())
+            }
+            VolumeCommand::Set { volume, name, visible, opacity, look, shared_look, pose, active } => {
+                let state = self.open_mut()?;
+                let mut settings = state.at(Some(volume))?.settings.clone();
+                if look.is_some() && shared_look {
+                    return Err(DocumentError::invalid("shared_look", "true beside a look", "one of the two"));
+                }
+                edit.name(match (&name, visible) {
+                    (Some(_), _) => format!("Rename volume {}", settings.name),
+                    (_, Some(true)) => format!("Show volume {}", settings.name),
+                    (_, Some(false)) => format!("Hide volume {}", settings.name),
+                    _ if pose.is_some() => format!("Move volume {}", settings.name),
+                    _ => format!("Change volume {}", settings.name),
+                });
+                settings.name = name.unwrap_or(settings.name);
+                settings.visible = visible.unwrap_or(settings.visible);
+                settings.opacity = opacity.unwrap_or(settings.opacity);
+                settings.pose = pose.unwrap_or(settings.pose);
+                settings.check()?;
+                settings.pose.rotation = settings.pose.rotation.normalize();
+                if let Some(shown) = state.scene.shown.get_mut(&volume) {
+                    let own = if shared_look { None } else { look.map(|look| *look).or_else(|| shown.own.clone()) };
+                    own.as_ref().map_or(Ok(()), OwnLook::check)?;
+                    shown.own = own;
+                }
+                state.scene.volumes.all.insert(volume, settings.clone());
+                if active {
+                    state.scene.volumes.active = volume;
+                }
+                let look = state.scene.shown.get(&volume).and_then(|shown| shown.own.clone());
+                let active = state.scene.volumes.active == volume;
+                Ok(VolumeSetSaid { volume, settings, look, active }.into())
+            }
+            // They change no volume of the document.
+            VolumeCommand::Open { .. } | VolumeCommand::Export { .. } => Ok(Said::Nothing),
+        }
+    }
+
+    /// Puts a volume that was read as a document of its own beside those of this one.
+    fn put_beside(&mut self, opened: Opened, name: Option<String>, edit: &mut Edit) -> Result<Said, DocumentError> {
+        let (mut read, about) = opened.into_parts();
+        let state = self.open_mut()?;
+        let first = VolumeId::FIRST;
+        let (Some(volume), Some(mut settings)) = (read.volumes.remove(&first), read.scene.volumes.all.remove(&first))
+        else {
+            return Err(DocumentError::NothingOpen);
+        };
+        settings.name = name.unwrap_or(settings.name);
+        edit.name(format!("Add volume {}", settings.name));
+        let id = VolumeId(state.scene.volumes.next);
+        let mut shown = VolumeLook { window: read.scene.window_of(first), own: None };
+        if state.volumes.is_empty() {
+            // What is seen was that of nothing.
+            let Scene { transfer, look, views, explosion, brush, .. } = read.scene;
+            let scene = &mut state.scene;
+            (scene.transfer, scene.look, scene.views) = (transfer, look, views);
+            (scene.explosion, scene.brush, scene.volumes.active) = (explosion, brush, id);
+        } else {
+            let Scene { transfer, look, .. } = read.scene;
+            shown.own = Some(OwnLook { transfer, mode: look.mode, lighting: look.lighting });
+        }
+        state.scene.volumes.next = id.0.saturating_add(1);
+        state.scene.volumes.all.insert(id, settings);
+        state.scene.shown.insert(id, shown);
+        edit.add(state, id, Bare { volume, files: read.files.remove(&first) });
+        Ok(AddedSaid { volume: id, about }.into())
     }
 }

@@ -9,12 +9,14 @@ use crate::document::command::answers_ask::{
     FieldSaid, HistorySaid, PartsSaid, PickSaid, VisibilitySaid, VolumeSaid, VoxelSaid,
 };
 use crate::document::scene::past::PastOf;
+use crate::document::scene::volumes::{OwnLook, VolumeSettings};
 use crate::document::scene::{Layer, Look, Scene, SliceView, ViewName, Window};
 use crate::explode::{Forces, PartId, PartPose, PartRecord};
 use crate::io::Exported;
 use crate::math::Camera;
 use crate::paint::Brush;
 use crate::volume::Segment;
+use crate::volume::VolumeId;
 use serde::ser::{Error, SerializeStruct};
 use serde::{Serialize, Serializer};
 use serde_json::Value;
@@ -135,6 +137,9 @@ pub enum Said {
     Budget(BudgetSaid),
     Group(GroupSaid),
     Volume(Box<VolumeSaid>),
+    Added(Box<AddedSaid>),
+    VolumeRemoved(VolumeRemovedSaid),
+    VolumeSet(Box<VolumeSetSaid>),
     Scene(Box<SceneSaid>),
     Parts(PartsSaid),
     Voxel(Box<VoxelSaid>),
@@ -170,7 +175,8 @@ said! {
     Extended(ExtendedSaid), Cancelled(CancelledSaid), Selected(SelectedSaid), Segment(SegmentSaid),
     SegmentRemoved(SegmentRemovedSaid), ImportedSegments(ImportedSegmentsSaid), Split(SplitSaid), Part(PartSaid),
     Whole(WholeSaid), Degree(DegreeSaid), Forces(ForcesSaid), Seed(SeedSaid), Settled(SettledSaid), Moved(MovedSaid),
-    Travelled(TravelledSaid), Budget(BudgetSaid), Group(GroupSaid), Volume(VolumeSaid), Scene(SceneSaid),
+    Travelled(TravelledSaid), Budget(BudgetSaid), Group(GroupSaid), Volume(VolumeSaid), Added(AddedSaid),
+    VolumeRemoved(VolumeRemovedSaid), VolumeSet(VolumeSetSaid), Scene(SceneSaid),
     Parts(PartsSaid), Voxel(VoxelSaid), Pick(PickSaid), Field(FieldSaid), Visibility(VisibilitySaid),
     History(HistorySaid), Picture(PictureSaid),
 }
@@ -190,6 +196,33 @@ pub struct OpenedSaid {
     pub warnings: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recovered: Option<RecoveredSaid>,
+}
+
+/// `volume.add`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AddedSaid {
+    /// Its number.
+    pub volume: VolumeId,
+    #[serde(flatten)]
+    pub about: OpenedSaid,
+}
+
+/// `volume.remove`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct VolumeRemovedSaid {
+    pub removed: VolumeId,
+    /// The one that commands mean now which name none.
+    pub active: Option<VolumeId>,
+}
+
+/// `volume.set`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct VolumeSetSaid {
+    pub volume: VolumeId,
+    #[serde(flatten)]
+    pub settings: VolumeSettings,
+    pub look: Option<OwnLook>,
+    pub active: bool,
 }
 
 /// What an earlier end of the program had left, and what became of it.

@@ -166,11 +166,16 @@ impl ProjectCommand {
 
 impl VolumeCommand {
     fn effects(&self) -> Effects {
+        // How volumes are shown goes with their step.
+        let undone = |name| Effects { past: Remembered::Nothing, ..Effects::change(name) };
         match self {
             Self::Open { .. } => Effects {
                 journal: Noted::Opening,
                 ..Effects::opening("volume.open").lasting(Lasts::AWhileWith("Opening"))
             },
+            Self::Add { .. } => undone("volume.add").lasting(Lasts::AWhileWith("Opening")),
+            Self::Remove { .. } => undone("volume.remove"),
+            Self::Set { .. } => undone("volume.set"),
             Self::Export { .. } => Effects::of_files("volume.export").lasting(Lasts::AWhileWith("Exporting")),
         }
     }

@@ -3,8 +3,10 @@
 #![allow(missing_docs)] // fields: the command's own text says what they are
 
 use crate::document::scene::ViewName;
+use crate::document::scene::volumes::OwnLook;
 use crate::math::Camera;
-use crate::volume::FieldKind;
+use crate::math::Pose;
+use crate::volume::{FieldKind, VolumeId};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -69,6 +71,48 @@ pub enum VolumeCommand {
         /// What its values mean. They become the density all the same.
         #[serde(default, rename = "as", skip_serializing_if = "OpenAs::is_image")]
         open_as: OpenAs,
+    },
+    /// Opens a file as one more volume beside those that are there, on its own grid with its own fields, segments and look. In a
+    /// program that has nothing open it opens it. The answer says its number.
+    Add {
+        path: PathBuf,
+        /// As of `open`.
+        #[serde(default = "usual_component")]
+        component: u32,
+        #[serde(default)]
+        frame: u32,
+        #[serde(default)]
+        range: Option<[f64; 2]>,
+        #[serde(default, rename = "as", skip_serializing_if = "OpenAs::is_image")]
+        open_as: OpenAs,
+        /// The file's if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        name: Option<String>,
+    },
+    /// Takes a volume away, with all that was painted on it.
+    Remove { volume: VolumeId },
+    /// Changes what is given of a volume.
+    Set {
+        volume: VolumeId,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        name: Option<String>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        visible: Option<bool>,
+        /// 0 to 1.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        opacity: Option<f32>,
+        /// A look of its own in 3D.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        look: Option<Box<OwnLook>>,
+        /// Takes its own look away: it is shown as the document is.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        shared_look: bool,
+        /// From where its file puts it to where it lies.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pose: Option<Pose>,
+        /// `true`: commands that name no volume mean this one from now on.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        active: bool,
     },
     /// Writes a field to NRRD (`.nrrd`; labels also `.seg.nrrd`) or NIfTI (`.nii`, `.nii.gz`) on the original grid. Density keeps
     /// the source's type, unedited voxels bit for bit; labels have the ids of the file that they came from.

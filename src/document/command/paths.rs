@@ -25,12 +25,15 @@ impl Command {
                 ProjectCommand::Save { path, .. } => path.as_mut().into_iter().collect(),
                 ProjectCommand::Lost {} | ProjectCommand::Recover { .. } | ProjectCommand::Forget { .. } => Vec::new(),
             },
-            Self::Volume(VolumeCommand::Open { path, .. } | VolumeCommand::Export { path, .. })
+            Self::Volume(
+                VolumeCommand::Open { path, .. } | VolumeCommand::Add { path, .. } | VolumeCommand::Export { path, .. },
+            )
             | Self::Selection(SelectionCommand::Import { path, .. })
             | Self::Segment(SegmentCommand::Import { path, .. })
             | Self::Render(RenderCommand::Image { path, .. }) => vec![path],
             Self::Selection(SelectionCommand::FromLabel { .. } | SelectionCommand::Clear {})
             | Self::Segment(SegmentCommand::Set { .. } | SegmentCommand::Remove { .. })
+            | Self::Volume(VolumeCommand::Remove { .. } | VolumeCommand::Set { .. })
             | Self::Transfer(_)
             | Self::View(_)
             | Self::Brush(_)

@@ -3,7 +3,7 @@
 use crate::document::command::resolved::{FileRead, ResolvedCommand};
 use crate::document::disk::source_files::{Trouble, hash_one};
 use crate::document::error::DocumentError;
-use crate::document::history::step::{Refreshed, SceneDelta, Step, remap};
+use crate::document::history::step::{Bare, Refreshed, SceneDelta, Step, remap};
 use crate::document::scene::Scene;
 use crate::document::state::State;
 use crate::io::FileMark;
@@ -20,6 +20,7 @@ pub(crate) struct Edit {
     refreshed: Refreshed,
     voxels: u64,
     bricks: usize,
+    with_looks: bool,
 }
 
 impl Edit {
@@ -32,6 +33,7 @@ impl Edit {
             refreshed: Refreshed::default(),
             voxels: 0,
             bricks: 0,
+            with_looks: false,
         }
     }
 
@@ -116,10 +118,41 @@ impl Edit {
         Ok(())
     }
 
+    /// How volumes are shown changes with this step, and is taken back with it.
+    pub(crate) fn takes_looks(&mut self) {
+        self.with_looks = true;
+    }
+
+    /// Puts a volume beside the others, with what is painted on it.
+    pub(crate) fn add(&mut self, state: &mut State, id: VolumeId, bare: Bare) {
+        let edits = FieldKind::ALL.into_iter().flat_map(|kind| {
+            let key = FieldKey::new(id, kind);
+            bare.volume.field(kind).edits().into_keys().map(move |index| ((key, index), None))
+        });
+        let bricks = edits.collect();
+        let volumes = BTreeMap::from([(id, None)]);
+        self.refreshed.exchanged.insert(id);
+        state.volumes.insert(id, bare.volume);
+        if let Some(files) = bare.files {
+            state.files.insert(id, files);
+        }
+        self.step.absorb(Step { name: self.step.name.clone(), bricks, volumes, ..Step::default() });
+    }
+
+    /// Takes a volume away, with what is painted on it.
+    pub(crate) fn remove(&mut self, state: &mut State, id: VolumeId) -> Result<(), SourceError> {
+        let volumes = BTreeMap::from([(id, None)]);
+        let mut step = Step { name: self.step.name.clone(), volumes, ..Step::default() };
+        let refreshed = step.exchange(state)?;
+        self.refreshed.join(refreshed);
+        self.step.absorb(step);
+        Ok(())
+    }
+
     /// The step, unless nothing changed, and what is new for whoever mirrors fields.
     pub(crate) fn finish(mut self, state: &State) -> (Option<Step>, Refreshed) {
         if let Some(before) = self.scene.take() {
-            self.step.scene = SceneDelta::between(before, &state.scene, false);
+            self.step.scene = SceneDelta::between(before, &state.scene, self.with_looks);
         }
         self.refreshed.bricks = self.step.bricks.keys().copied().collect();
         let step = (!self.step.is_empty()).then_some(self.step);

@@ -1,0 +1,117 @@
+//! Volumes beside each other: added, set, removed, taken back byte for byte, killed, saved and opened again.
+
+use super::maker::{run, write_nrrd};
+use burin::document::Document;
+use burin::math::DVec3;
+use burin::volume::{FieldKind, Grid, VolumeId};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+fn file(dir: &Path, name: &str, dims: [u32; 3], spacing: f64) -> PathBuf {
+    let path = dir.join(name);
+    let grid = Grid::aligned(dims, DVec3::splat(spacing), DVec3::new(-3.0, 2.0, 1.0));
+    write_nrrd(&path, &grid, |[x, y, z]| ((x + 2 * y + 3 * z) % 7) as f32);
+    path
+}
+
+fn say(document: &mut Document, line: Value) -> Value {
+    run(document, &line.to_string()).unwrap_or_else(|e| panic!("{line}: {e}"))
+}
+
+/// Every byte of every field of every volume, and what was decided about them.
+fn all(document: &Document) -> (Vec<(VolumeId, Vec<u8>)>, String) {
+    let state = document.state().unwrap();
+    let mut bytes = Vec::new();
+    for (id, volume) in &state.volumes {
+        for kind in FieldKind::ALL {
+            let field = volume.field(kind);
+            bytes.push((*id, field.read(0, [0; 3], field.dims(0)).unwrap()));
+        }
+    }
+    (bytes, serde_json::to_string(&(&state.scene.volumes, &state.scene.shown)).unwrap())
+}
+
+fn three(dir: &Path) -> Document {
+    let mut document = Document::new();
+    document.keep_unsaved_in(dir.join("unsaved"));
+    say(&mut document, json!({"volume": {"open": {"path": file(dir, "a.nrrd", [40, 20, 10], 1.0)}}}));
+    let b = say(&mut document, json!({"volume": {"add": {"path": file(dir, "b.nrrd", [12, 35, 9], 2.0)}}}));
+    let path = file(dir, "c.nrrd", [33, 8, 8], 0.5);
+    let c = say(&mut document, json!({"volume": {"add": {"path": path, "as": "labels", "name": "Atlas"}}}));
+    assert_eq!((&b["volume"], &c["volume"], &c["segments"].as_array().unwrap().len()), (&json!(1), &json!(2), &6));
+    document
+}
+
+#[test]
+fn volumes_that_are_added_set_and_removed_come_back_byte_for_byte_each_way() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut document = three(dir.path());
+    let turn = json!({"rotation": [0.0, 0.0, 0.6, 0.8], "translation": [1.0, 2.0, 3.0]});
+    let mut seen = vec![all(&document)];
+    for line in [
+        json!({"volume": {"set": {"volume": 1, "name": "Follow-up", "opacity": 0.25, "pose": turn}}}),
+        json!({"volume": {"set": {"volume": 2, "visible": false, "active": true}}}),
+        json!({"segment": {"remove": {"id": 3}}}),
+        json!({"selection": {"from_label": {"label": 2}}}),
+        json!({"volume": {"remove": {"volume": 2}}}),
+        json!({"volume": {"remove": {"volume": 0}}}),
+        json!({"volume": {"remove": {"volume": 1}}}),
+    ] {
+        say(&mut document, line);
+        seen.push(all(&document));
+    }
+    assert!(seen.last().unwrap().0.is_empty(), "a document of no volume is one");
+    for step in (0..seen.len() - 1).rev() {
+        say(&mut document, json!({"history": {"undo": {}}}));
+        assert!(all(&document) == seen[step], "taken back to {step}");
+    }
+    for (step, there) in seen.iter().enumerate().skip(1) {
+        say(&mut document, json!({"history": {"redo": {}}}));
+        assert!(all(&document) == *there, "done again up to {step}");
+    }
+}
+
+#[test]
+fn volumes_come_back_after_a_crash_and_from_a_project_also_those_that_were_removed_and_brought_back() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut document = three(dir.path());
+    say(&mut document, json!({"volume": {"set": {"volume": 2, "active": true}}}));
+    say(&mut document, json!({"selection": {"from_label": {"label": 2}}}));
+    say(&mut document, json!({"volume": {"remove": {"volume": 2}}}));
+    say(&mut document, json!({"history": {"undo": {}}}));
+    let last = all(&document);
+    // A program that ends without a word.
+    std::mem::drop(document);
+    let mut document = Document::new();
+    document.keep_unsaved_in(dir.path().join("unsaved"));
+    let lost = say(&mut document, json!({"project": {"lost": {}}}))["lost"].clone();
+    say(&mut document, json!({"project": {"recover": {"id": lost[0]["id"]}}}));
+    assert!(all(&document) == last, "after a crash");
+    let project = dir.path().join("p");
+    say(&mut document, json!({"project": {"save": {"path": project}}}));
+    // Saved without it, its voxels are in no file that was opened from now on but in the project: they come back all the same.
+    say(&mut document, json!({"volume": {"remove": {"volume": 1}}}));
+    say(&mut document, json!({"project": {"save": {}}}));
+    say(&mut document, json!({"history": {"undo": {}}}));
+    assert!(all(&document) == last, "brought back after a save without it");
+    drop(document);
+    let mut document = Document::new();
+    say(&mut document, json!({"project": {"open": {"path": project}}}));
+    assert!(all(&document) == last, "from the project and its journal");
+}
+
+#[test]
+fn a_volume_that_is_not_there_is_refused_by_name() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut document = three(dir.path());
+    let before = all(&document);
+    for line in [
+        json!({"volume": {"remove": {"volume": 7}}}),
+        json!({"volume": {"set": {"volume": 9, "visible": false}}}),
+        json!({"volume": {"set": {"volume": 1, "opacity": 2.0}}}),
+        json!({"volume": {"set": {"volume": 1, "pose": {"rotation": [0, 0, 0, 0], "translation": [0, 0, 0]}}}}),
+    ] {
+        assert!(run(&mut document, &line.to_string()).is_err(), "{line}");
+        assert!(all(&document) == before, "{line}");
+    }
+}
