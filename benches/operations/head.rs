@@ -134,6 +134,7 @@ pub fn frame(camera: Camera, mode: Mode, shaded: bool, bodies: Vec<Body>) -> Fra
         camera,
         size: [512; 2],
         step_mm: 1.0,
+        refine: false,
         mode,
         lighting: shaded.then(Lighting::default),
         transfer: transfer(),

@@ -35,6 +35,7 @@ const BENCHES: &[Bench] = &[
     ("draw/forms", draw::forms),
     ("draw/plain", draw::plain),
     ("draw/pool", draw::pool),
+    ("draw/refine", explode::refine),
     ("paint/dab", paint::dab),
     ("paint/click", paint::click),
     ("paint/stamp", paint::stamp),

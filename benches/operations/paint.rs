@@ -132,6 +132,7 @@ pub fn stamp(report: &mut Report) -> Result<(), Failure> {
         camera,
         size: [512; 2],
         step_mm: 1.0,
+        refine: false,
         mode: Mode::Dvr,
         lighting: None,
         transfer: TransferFunction {

@@ -18,10 +18,12 @@
 #endif
 
 // An interval of a body's ray.
-fn pass_through(r: BodyRay, ray: Ray, within: vec2<f32>) {
-    let span = mode::enter(r, ray, within);
+fn pass_through(whole: BodyRay, within: vec2<f32>) {
+    var r = whole;
+    r.within = within;
+    let span = mode::enter(r);
     march(r, span.x, span.y);
-    mode::leave(r, within);
+    mode::leave(r);
 }
 
 // The picture at a pixel's centre.
@@ -42,11 +44,11 @@ fn picture_of(px: vec2<f32>) -> Picture {
 #ifdef CUTS
         var piece = layers::next_piece(within.x, within.y);
         while (piece.x < piece.y && !mode::over(listed.merge)) {
-            pass_through(r, ray, piece);
+            pass_through(r, piece);
             piece = layers::next_piece(piece.y, within.y);
         }
 #else
-        pass_through(r, ray, within);
+        pass_through(r, within);
 #endif
         if (mode::over(listed.merge)) {
             break;

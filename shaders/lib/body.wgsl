@@ -68,6 +68,7 @@ struct BodyRay {
     cell_o: vec3<f32>,
     cell_d: vec3<f32>,
     cell_i: vec3<f32>,          // 1 / cell_d
+    within: vec2<f32>,          // where it is inside the body, in steps, once that is known
 }
 
 fn ray_through(px: vec2<f32>) -> Ray {

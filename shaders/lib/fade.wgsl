@@ -20,7 +20,11 @@ fn begin(limit_at: f32) {
     faded_at = FAR;
 }
 
-fn meet(texel: f32) -> vec4<f32> {
+fn after(k: f32) -> f32 {
+    return k + 1.0;
+}
+
+fn meet(r: BodyRay, run: Run, k: f32, texel: f32) -> vec4<f32> {
     return table_at(texel);
 }
 
@@ -35,6 +39,12 @@ fn add(r: BodyRay, run: Run, k: f32, texel: f32, c: vec4<f32>) {
     if (clear <= limit) {
         faded_at = k;
     }
+}
+
+fn open(r: BodyRay, k: f32) {}
+
+fn inside() -> bool {
+    return false;
 }
 
 fn done() -> bool {

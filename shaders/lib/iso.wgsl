@@ -42,27 +42,31 @@ fn dense(p: vec3<f32>) -> bool {
     return reaches(density_texel(page, address(page, p)));
 }
 
-fn inside(r: BodyRay, k: f32) -> bool {
+fn holds(r: BodyRay, k: f32) -> bool {
     let p = r.o + r.d * k;
     return dense(p) && owns(r.mask, selected(p));
 }
 
 // What a sample finds lies after the sample before it: an entry belongs to the pass of the sample that follows it, and the sample
 // that follows the nearest hit so far may still find something before it.
-fn enter(r: BodyRay, ray: Ray, within: vec2<f32>) -> vec2<f32> {
+fn enter(r: BodyRay) -> vec2<f32> {
     hit = FAR;
     hit_caps = false;
-    let follows = ceil(within.x);
-    let enters = within.x < within.y && within.x <= nearest && follows >= view.k_from && follows < view.k_to;
-    if (enters && inside(r, within.x)) {
-        hit = within.x;
+    let follows = ceil(r.within.x);
+    let enters = r.within.x < r.within.y && r.within.x <= nearest && follows >= view.k_from && follows < view.k_to;
+    if (enters && holds(r, r.within.x)) {
+        hit = r.within.x;
         hit_caps = true;
         return vec2<f32>(0.0);
     }
-    return vec2<f32>(max(follows, view.k_from), min(min(ceil(within.y), ceil(nearest) + 1.0), view.k_to));
+    return vec2<f32>(max(follows, view.k_from), min(min(ceil(r.within.y), ceil(nearest) + 1.0), view.k_to));
 }
 
-fn meet(texel: f32) -> vec4<f32> {
+fn after(k: f32) -> f32 {
+    return k + 1.0;
+}
+
+fn meet(r: BodyRay, run: Run, k: f32, texel: f32) -> vec4<f32> {
     return vec4<f32>(0.0, 0.0, 0.0, select(0.0, 1.0, reaches(texel)));
 }
 
@@ -76,16 +80,22 @@ fn add(r: BodyRay, run: Run, k: f32, texel: f32, c: vec4<f32>) {
 #endif
 }
 
+fn open(r: BodyRay, k: f32) {}
+
+fn inside() -> bool {
+    return false;
+}
+
 fn done() -> bool {
     return hit < FAR;
 }
 
-fn leave(r: BodyRay, within: vec2<f32>) {
+fn leave(r: BodyRay) {
     if (hit < FAR && !hit_caps) {
-        var outer = max(hit - 1.0, within.x);
+        var outer = max(hit - 1.0, r.within.x);
         for (var i = 0u; i < BISECTIONS; i += 1u) {
             let middle = 0.5 * (outer + hit);
-            if (inside(r, middle)) {
+            if (holds(r, middle)) {
                 hit = middle;
             } else {
                 outer = middle;

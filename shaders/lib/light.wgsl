@@ -48,6 +48,31 @@ fn shine(light: vec4<f32>, rgb: vec3<f32>, cosine: f32) -> vec3<f32> {
     return rgb * (light.x + light.y * c) + light.z * pow(c, light.w);
 }
 
+// Places of a stretch that light is the mean of.
+const LIGHTS: u32 = 6u;
+
+// A gradient in index space as one of the world, and its part along the ray; nothing where `facing` finds none.
+fn slope_of(r: BodyRay, g: vec3<f32>, texel: f32) -> vec4<f32> {
+    let largest = max(abs(g.x), max(abs(g.y), abs(g.z)));
+    let slope = vec4<f32>(g * matrix_of(r.body), dot(g, r.d) / view.step_mm);
+    return select(slope, vec4<f32>(0.0), largest <= 2.4e-7 * abs(texel));
+}
+
+// `lit` on the mean from one share of a way to another, on which the slope goes evenly from `a` to `b`.
+fn lit_evenly(rgb: vec3<f32>, a: vec4<f32>, b: vec4<f32>, first: f32, last: f32) -> vec3<f32> {
+    var plain = 0.0;
+    var white = 0.0;
+    for (var i = 0u; i < LIGHTS; i += 1u) {
+        let slope = mix(a, b, mix(first, last, (f32(i) + 0.5) / f32(LIGHTS)));
+        let square = dot(slope.xyz, slope.xyz);
+        let c = select(min(abs(slope.w) * inverseSqrt(square), 1.0), 1.0, square == 0.0);
+        plain += c;
+        white += pow(c, view.lighting.w);
+    }
+    let many = f32(LIGHTS);
+    return rgb * (view.lighting.x + view.lighting.y * plain / many) + view.lighting.z * white / many;
+}
+
 // Cosine between the ray and the normal of a gradient in index space. A gradient of no more than the noise of arithmetic on
 // values of this size counts as facing the light.
 fn facing(r: BodyRay, g: vec3<f32>, texel: f32) -> f32 {

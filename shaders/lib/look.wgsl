@@ -1,7 +1,7 @@
 #define_import_path burin::look
 // From texels to colour: the table, shares of matter, painted fields.
 
-#import burin::constants::{TABLE_LAST, MASK_SELECTION}
+#import burin::constants::{TABLE_LAST, TABLE_MIDDLE, MASK_SELECTION}
 #import burin::field::{brick_of, is_nan, colour_page, colour_at, label_at}
 #import burin::body::view
 
@@ -18,6 +18,61 @@ fn table_at(texel: f32) -> vec4<f32> {
     return c;
 #endif
 }
+
+#ifdef REFINE
+// Densities nearer to each other than so many entries are told apart by the mean of their extinctions.
+const NARROW: f32 = 8.0;
+// Densities beyond the table's ends go on as far as this, in entries.
+const BEYOND: f32 = 1.0e6;
+
+// The table below a density: the density in entries, ∫τ and ∫τ·(x − MIDDLE) up to it, and τ there, τ the extinction of a step;
+// τ under 0 for NaN.
+fn integrals_at(texel: f32) -> vec4<f32> {
+    let x = clamp(texel * view.table_scale + (view.table_bias - 0.5), -BEYOND, BEYOND);
+    let entry = clamp(floor(x + 0.5), 0.0, TABLE_LAST);
+    let t = textureLoad(table, vec2<i32>(i32(entry), 1), 0);
+    let off = x - entry;
+    let all = vec4<f32>(x, t.x + t.z * off, t.y + t.z * off * (entry - TABLE_MIDDLE + 0.5 * off), t.z);
+#ifdef FLOAT_DENSITY
+    return select(all, vec4<f32>(0.0, 0.0, 0.0, -1.0), is_nan(texel));
+#else
+    return all;
+#endif
+}
+
+// Whether matter shows where density goes from one place of the table to another.
+fn shows_between(a: vec4<f32>, b: vec4<f32>) -> bool {
+    let shows = a.y != b.y || a.w + b.w > 0.0;
+#ifdef FLOAT_DENSITY
+    return shows && a.w >= 0.0 && b.w >= 0.0;
+#else
+    return shows;
+#endif
+}
+
+// Matter in which density goes evenly from one place of the table to another: its centre, in entries and as a share of the way,
+// and the extinction that a step of it has.
+struct Matter {
+    entry: f32,
+    share: f32,
+    extinction: f32,
+}
+
+fn matter_between(a: vec4<f32>, b: vec4<f32>) -> Matter {
+    let width = b.x - a.x;
+    let sum = b.y - a.y;
+    let wide = abs(width) >= NARROW;
+    let centre = (TABLE_MIDDLE + (b.z - a.z) / sum - a.x) / width;
+    let share_of_way = select(0.5, clamp(centre, 0.0, 1.0), wide && sum != 0.0);
+    let extinction = select(0.5 * (a.w + b.w), sum / width, wide);
+    return Matter(a.x + share_of_way * width, share_of_way, max(extinction, 0.0));
+}
+
+// Colour at a place of the table.
+fn colour_of_entry(entry: f32) -> vec3<f32> {
+    return textureLoad(table, vec2<i32>(i32(clamp(entry + 0.5, 0.0, TABLE_LAST)), 0), 0).rgb;
+}
+#endif
 
 // Whether a texel lies at or beyond the surface.
 fn reaches(texel: f32) -> bool {

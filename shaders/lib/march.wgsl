@@ -4,13 +4,17 @@
 // A ray skips to the next sample that may show something, then takes a run that ignores the borders of cells. What a sample
 // means is the mode's, a module of functions over a ray's state:
 //     begin(before) -> bool          a pixel begins; false where earlier passes have finished it
-//     enter(r, ray, within) -> k0 k1 a body begins: the span to march
-//     meet(texel) -> colour          what a texel is to the mode; nothing where its alpha is 0
+//     enter(r) -> k0 k1              a body begins: the span to march
+//     meet(r, run, k, texel)         what a sample is to the mode, as colour; nothing where its alpha is 0
+//     after(k)                       the sample to meet next
 //     add(r, run, k, texel, colour)  takes a sample
 //     done() -> bool                 nothing behind matters to the body's ray
-//     leave(r, within)               a body ends
+//     leave(r)                       a body ends
 //     over(merge) -> bool            nothing behind matters to the pixel; `merge`: the bodies have no order
 //     end(before, ray) -> Picture    a pixel ends
+// and where samples stand for the stretch of the ray that ends at them (REFINE):
+//     open(r, k)                     the stretch that ends at sample k begins anew, not where one before it ended
+//     inside() -> bool               whether what was taken last shows at its end
 // STAGED: samples that are nothing are passed over in a loop of their own, so that `add` may be dear; else each is added.
 
 #import burin::body::BodyRay
@@ -31,20 +35,22 @@
 
 // Where a run shows something next.
 struct Found {
-    k: f32,                     // the sample after it
+    at: f32,
+    k: f32,                     // the sample to meet next
     texel: f32,
     colour: vec4<f32>,          // what it is to the mode; clear if nothing more shows
 }
 
-fn seek(run: Run, first: f32) -> Found {
-    var found = Found(first, 0.0, vec4<f32>(0.0));
+fn seek(r: BodyRay, run: Run, first: f32) -> Found {
+    var found = Found(first, first, 0.0, vec4<f32>(0.0));
     loop {
         if (found.k >= run.end) {
             break;
         }
         found.texel = run_texel(run, found.k);
-        found.colour = mode::meet(found.texel);
-        found.k += 1.0;
+        found.colour = mode::meet(r, run, found.k, found.texel);
+        found.at = found.k;
+        found.k = mode::after(found.k);
         if (found.colour.a > 0.0) {
             break;
         }
@@ -52,30 +58,53 @@ fn seek(run: Run, first: f32) -> Found {
     return found;
 }
 
+// The next sample of a span at or after k; `next` is the sample after the last one that was taken.
+fn further(r: BodyRay, k: f32, next: f32, k1: f32) -> f32 {
+#ifdef REFINE
+    // Matter that a ray is in goes on up to the next sample, whatever that one shows.
+    if (k == next && mode::inside()) {
+        return k;
+    }
+#endif
+    return next_sample(r, k, k1);
+}
+
+// A run begins at sample k.
+fn begin_run(r: BodyRay, k: f32, next: f32) {
+#ifdef REFINE
+    if (k != next) {
+        mode::open(r, k);
+    }
+#endif
+}
+
 fn march(r: BodyRay, k0: f32, k1: f32) {
     var k = k0;
+    var next = -1.0;
     loop {
-        k = next_sample(r, k, k1);
+        k = further(r, k, next, k1);
         if (k >= k1 || mode::done()) {
             break;
         }
         let run = run_from(r, k, min(k1, k + mode::RUN));
+        begin_run(r, k, next);
         // Asked at the end: software Vulkan runs what follows a break once more for nothing.
         loop {
 #ifdef STAGED
-            let found = seek(run, k);
+            let found = seek(r, run, k);
             k = found.k;
             if (found.colour.a > 0.0) {
-                mode::add(r, run, k - 1.0, found.texel, found.colour);
+                mode::add(r, run, found.at, found.texel, found.colour);
             }
 #else
             let texel = run_texel(run, k);
-            mode::add(r, run, k, texel, mode::meet(texel));
-            k += 1.0;
+            mode::add(r, run, k, texel, mode::meet(r, run, k, texel));
+            k = mode::after(k);
 #endif
             continuing {
                 break if k >= run.end || mode::done();
             }
         }
+        next = k;
     }
 }

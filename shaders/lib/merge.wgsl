@@ -7,9 +7,12 @@
 #import burin::constants::{FAR, MOST_BODIES}
 #import burin::body::{Ray, BodyRay, Listed, body_ray, body_at, interval}
 #import burin::layers
-#import burin::dvr::{evaluate, compose, turn_to, done}
-#import burin::span::{next_sample, run_from, samples_in}
-#import burin::march::{march, seek}
+#import burin::dvr::{samples_of, evaluate, compose, turn_to, done}
+#ifdef REFINE
+#import burin::dvr::inside
+#endif
+#import burin::span::{next_sample, run_from}
+#import burin::march::{march, seek, further, begin_run}
 
 // Extinction that stands for an opaque sample: finite, so that overlapping ones share the colour.
 const OPAQUE: f32 = 1.0e6;
@@ -47,24 +50,34 @@ fn mix_in(c: vec4<f32>, i: u32, body: u32) {
 // Adds a body's samples k0 ≤ k < k1, less than SHARED_RUN after `first`, to `matter`.
 fn gather(r: BodyRay, first: f32, k0: f32, k1: f32) {
     var k = k0;
+    var next = -1.0;
     loop {
-        k = next_sample(r, k, k1);
+        k = further(r, k, next, k1);
         if (k >= k1) {
             break;
         }
         let run = run_from(r, k, k1);
+        begin_run(r, k, next);
         loop {
-            let found = seek(run, k);
+            let found = seek(r, run, k);
             k = found.k;
             if (found.colour.a > 0.0) {
-                let c = evaluate(r, run, k - 1.0, found.texel, found.colour);
-                mix_in(c, u32(k - 1.0 - first), r.body);
+                let c = evaluate(r, run, found.at, found.texel, found.colour);
+                mix_in(c, u32(ceil(found.at) - first), r.body);
             }
             if (k >= run.end) {
                 break;
             }
         }
+        next = k;
     }
+}
+
+// A body's ray of which it is known where it is inside the body.
+fn ray_within(body: u32, ray: Ray, within: vec2<f32>) -> BodyRay {
+    var r = body_ray(body, ray);
+    r.within = within;
+    return r;
 }
 
 fn march_merged(listed: Listed, ray: Ray) {
@@ -72,23 +85,29 @@ fn march_merged(listed: Listed, ray: Ray) {
     var ahead: array<f32, CAPACITY>;
     var k1: array<f32, CAPACITY>;
     var who: array<u32, CAPACITY>;
+    var within: array<vec2<f32>, CAPACITY>;
+#ifdef REFINE
+    var inside_at: array<bool, CAPACITY>;
+#endif
     var n = 0u;
     for (var i = 0u; i < listed.count; i += 1u) {
         let body = body_at(listed.first + i);
         let r = body_ray(body, ray);
-        let within = layers::in_front(interval(r, ray));
+        let visible = layers::in_front(interval(r, ray));
 #ifdef CUTS
-        var piece = layers::next_piece(within.x, within.y);
+        var piece = layers::next_piece(visible.x, visible.y);
         while (piece.x < piece.y) {
-            let span = samples_in(piece);
-            piece = layers::next_piece(piece.y, within.y);
+            let part = piece;
+            piece = layers::next_piece(piece.y, visible.y);
 #else
-            let span = samples_in(within);
+            let part = visible;
 #endif
+            let span = samples_of(part);
             if (span.x < span.y && n < CAPACITY) {
-                ahead[n] = next_sample(r, span.x, span.y);
+                ahead[n] = next_sample(ray_within(body, ray, part), span.x, span.y);
                 k1[n] = span.y;
                 who[n] = body;
+                within[n] = part;
                 n += 1u;
             }
 #ifdef CUTS
@@ -115,7 +134,10 @@ fn march_merged(listed: Listed, ray: Ray) {
         var reached = min(second, k1[nearest]);
         if (second - first >= ALONE) {
             turn_to(who[nearest]);
-            march(body_ray(who[nearest], ray), first, reached);
+            march(ray_within(who[nearest], ray, within[nearest]), first, reached);
+#ifdef REFINE
+            inside_at[nearest] = inside();
+#endif
         } else {
             reached = first + f32(SHARED_RUN);
             for (var i = 0u; i < SHARED_RUN; i += 1u) {
@@ -125,7 +147,10 @@ fn march_merged(listed: Listed, ray: Ray) {
             for (var j = 0u; j < n; j += 1u) {
                 let end = min(reached, k1[j]);
                 if (ahead[j] < end) {
-                    gather(body_ray(who[j], ray), first, ahead[j], end);
+                    gather(ray_within(who[j], ray, within[j]), first, ahead[j], end);
+#ifdef REFINE
+                    inside_at[j] = inside();
+#endif
                 }
             }
             for (var i = 0u; i < SHARED_RUN; i += 1u) {
@@ -138,7 +163,13 @@ fn march_merged(listed: Listed, ray: Ray) {
         }
         for (var j = 0u; j < n; j += 1u) {
             if (ahead[j] < reached) {
-                ahead[j] = next_sample(body_ray(who[j], ray), reached, k1[j]);
+#ifdef REFINE
+                if (inside_at[j]) {
+                    ahead[j] = reached;
+                    continue;
+                }
+#endif
+                ahead[j] = next_sample(ray_within(who[j], ray, within[j]), reached, k1[j]);
             }
         }
     }

@@ -30,11 +30,15 @@ fn begin(before: Picture) -> bool {
     return true;
 }
 
-fn enter(r: BodyRay, ray: Ray, within: vec2<f32>) -> vec2<f32> {
-    return samples_in(within);
+fn enter(r: BodyRay) -> vec2<f32> {
+    return samples_in(r.within);
 }
 
-fn meet(texel: f32) -> vec4<f32> {
+fn after(k: f32) -> f32 {
+    return k + 1.0;
+}
+
+fn meet(r: BodyRay, run: Run, k: f32, texel: f32) -> vec4<f32> {
     return vec4<f32>(0.0);
 }
 
@@ -60,11 +64,17 @@ fn add(r: BodyRay, run: Run, k: f32, texel: f32, c: vec4<f32>) {
     largest_body = select(largest_body, r.body, better);
 }
 
+fn open(r: BodyRay, k: f32) {}
+
+fn inside() -> bool {
+    return false;
+}
+
 fn done() -> bool {
     return false;
 }
 
-fn leave(r: BodyRay, within: vec2<f32>) {}
+fn leave(r: BodyRay) {}
 
 fn over(merge: bool) -> bool {
     return false;

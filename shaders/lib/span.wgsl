@@ -6,12 +6,27 @@
 // as many samples as its caller says, whichever comes first, and ignores the borders of cells.
 
 #import burin::constants::{BRICK, MASK_SELECTION, MASK_BACKGROUND}
-#import burin::field::{Page, brick_of, density_page, density_texel, selection_page, skip_all, skip_selection, skip_background, info}
+#import burin::field::{Page, brick_of, density_page, density_texel, address, selection_page, skip_all, skip_selection, skip_background, info}
 #import burin::body::{BodyRay, view}
 
 // The samples of this pass between two places of a ray, in steps: from x on, before y.
 fn samples_in(within: vec2<f32>) -> vec2<f32> {
     return vec2<f32>(max(ceil(within.x), view.k_from), min(ceil(within.y), view.k_to));
+}
+
+// The same where samples end stretches of the ray: the last one lies where the ray leaves the body.
+fn stretches_in(within: vec2<f32>) -> vec2<f32> {
+    let first = max(ceil(within.x), view.k_from);
+    return vec2<f32>(first, select(first, min(ceil(within.y) + 1.0, view.k_to), within.x < within.y));
+}
+
+// The place of sample k.
+fn place_of(r: BodyRay, k: f32) -> vec3<f32> {
+#ifdef REFINE
+    return r.o + r.d * min(k, r.within.y);
+#else
+    return r.o + r.d * k;
+#endif
 }
 
 // The first sample at or after `first` whose cell may show something; k1 or later if there is none before k1.
@@ -22,7 +37,11 @@ fn next_sample(r: BodyRay, first: f32, k1: f32) -> f32 {
         if (k >= k1) {
             break;
         }
+#ifdef REFINE
+        let cell = floor(r.cell_o + r.cell_d * min(k, r.within.y));
+#else
         let cell = floor(r.cell_o + r.cell_d * k);
+#endif
         let at = vec3<i32>(cell);
 #ifdef SELECTION
         var distance = skip_all(at);
@@ -52,23 +71,35 @@ struct Run {
     q: vec3<f32>,
     dq: vec3<f32>,
     end: f32,                   // the first sample that is none of them
+    last: f32,                  // where the ray leaves the body
 }
 
 // The run that begins at sample k and ends at `most` at the latest.
 fn run_from(r: BodyRay, k: f32, most: f32) -> Run {
-    let brick = brick_of(r.o + r.d * k);
+    let brick = brick_of(place_of(r, k));
     let page = density_page(brick);
 #ifdef SELECTION
     let selection = selection_page(brick);
 #else
     let selection = page;
 #endif
-    return Run(brick, page, selection, r.o * page.scale + page.off, r.d * page.scale, run_end(r, brick, k, most));
+    return Run(brick, page, selection, r.o * page.scale + page.off, r.d * page.scale, run_end(r, brick, k, most), r.within.y);
 }
 
 // The texel at sample k of a run.
 fn run_texel(run: Run, k: f32) -> f32 {
+#ifdef REFINE
+    return density_texel(run.page, run.q + run.dq * min(k, run.last));
+#else
     return density_texel(run.page, run.q + run.dq * k);
+#endif
+}
+
+// The texel anywhere on a ray.
+fn texel_on(r: BodyRay, k: f32) -> f32 {
+    let p = r.o + r.d * k;
+    let page = density_page(brick_of(p));
+    return density_texel(page, address(page, p));
 }
 
 // Where a run that begins at sample k of a brick of level 0 ends: with the brick, at `most` at the latest. One sample at least.

@@ -32,7 +32,7 @@ impl Subject<'_> {
     /// voxel apart, however finely pictures are drawn.
     pub(super) fn parted_frame(&self, poses: &Poses, camera: &Camera, size: [u32; 2]) -> Frame {
         let frame = self.frame_of(self.bodies(poses), camera, size);
-        Frame { step_mm: frame.step_mm.max(self.grid().voxel_mm()), ..frame }
+        Frame { step_mm: frame.step_mm.max(self.grid().voxel_mm()), refine: false, ..frame }
     }
 
     fn frame_of(&self, bodies: Vec<Body>, camera: &Camera, size: [u32; 2]) -> Frame {
@@ -41,6 +41,7 @@ impl Subject<'_> {
             camera: *camera,
             size,
             step_mm: look.step_voxels * self.grid().voxel_mm(),
+            refine: look.refine,
             mode: self.mode(),
             lighting: self.scene.lighting_of(self.id),
             transfer: self.transfer().clone(),

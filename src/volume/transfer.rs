@@ -5,6 +5,9 @@ use serde::{Deserialize, Serialize};
 /// Entries of the table that the ray caster reads.
 pub const TABLE_ENTRIES: usize = 4096;
 
+/// Extinction of a step that stands for an opaque one: nothing that counts comes through, and sums of it stay exact.
+pub const MOST_EXTINCTION: f64 = 50.0;
+
 /// Piecewise-linear colour and opacity over density, constant beyond their first and last points. Points rise in value.
 ///
 /// Colour is display-referred (composited as it is, as the field's tools do); opacity is that of `unit_mm` of matter.
@@ -90,6 +93,30 @@ impl TransferFunction {
                 let value = mix(lo, hi, i as f64 / (TABLE_ENTRIES - 1) as f64);
                 let [r, g, b] = self.colour_at(value);
                 [r, g, b, self.opacity_of_step(value, step_mm) as f32]
+            })
+            .collect()
+    }
+
+    /// What lies below each of the table's entries: `∫τ dx` and `∫τ·(x − middle) dx` from the first entry on, x in entries, τ the
+    /// extinction of a step of `step_mm`, at most [`MOST_EXTINCTION`]; τ itself; and 0. The middle is half of [`TABLE_ENTRIES`].
+    pub fn integrals(&self, step_mm: f64) -> Vec<[f32; 4]> {
+        let (lo, hi) = self.domain();
+        let extinction = |i: usize| {
+            let value = mix(lo, hi, i as f64 / (TABLE_ENTRIES - 1) as f64);
+            (-(1.0 - self.opacity_of_step(value, step_mm)).ln()).min(MOST_EXTINCTION)
+        };
+        let (mut sum, mut moment) = (0.0, 0.0);
+        let mut here = extinction(0);
+        (0..TABLE_ENTRIES)
+            .map(|i| {
+                let entry = [sum as f32, moment as f32, here as f32, 0.0];
+                // Extinction is taken as linear from entry to entry.
+                let next = if i + 1 < TABLE_ENTRIES { extinction(i + 1) } else { here };
+                let from = i as f64 - (TABLE_ENTRIES / 2) as f64;
+                sum += (here + next) / 2.0;
+                moment += from * (here + next) / 2.0 + here / 6.0 + next / 3.0;
+                here = next;
+                entry
             })
             .collect()
     }

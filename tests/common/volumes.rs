@@ -63,6 +63,7 @@ pub fn frame(grid: &Grid, transfer: TransferFunction, direction: DVec3, size: [u
         camera: Camera::framing(&grid.world_bounds(), direction, DVec3::Z),
         size,
         step_mm: 1.0,
+        refine: false,
         mode: Mode::Dvr,
         lighting: None,
         transfer,

@@ -4,7 +4,7 @@ use super::maker::{run, write_nrrd};
 use burin::document::Document;
 use burin::math::DVec3;
 use burin::volume::Grid;
-use serde_json::json;
+use serde_json::{Value, json};
 
 #[test]
 fn a_new_volume_shows_less_than_half_of_the_rings_of_one_sample_a_voxel() {
@@ -40,4 +40,34 @@ fn a_new_volume_shows_less_than_half_of_the_rings_of_one_sample_a_voxel() {
     assert!(limit.iter().filter(|&&x| x > 60.0).count() > 1500, "the ball is seen");
     assert!(error(&coarse) > 1.0, "one sample a voxel shows rings: {}", error(&coarse));
     assert!(error(&usual) < 0.5 * error(&coarse), "{} beside {}", error(&usual), error(&coarse));
+}
+
+#[test]
+fn samples_that_are_named_are_plain_ones_and_refining_is_said_kept_and_taken_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("ball.nrrd");
+    write_nrrd(&path, &Grid::aligned([8; 3], DVec3::ONE, DVec3::ZERO), |v| v[0] as f32);
+    let mut document = Document::new();
+    run(&mut document, &json!({"volume":{"open":{"path": path}}}).to_string()).unwrap();
+    assert!(document.state().unwrap().scene.look.refine, "a new volume is drawn without rings");
+    let mut look = |given: Value| {
+        let said = run(&mut document, &json!({"view":{"look": given}}).to_string()).unwrap();
+        (said["look"]["step_voxels"].as_f64().unwrap(), said["look"]["refine"].as_bool().unwrap())
+    };
+    assert_eq!(look(json!({"shaded": false})), (0.5, true), "other things said of a look leave it alone");
+    assert_eq!(look(json!({"step_voxels": 0.25})), (0.25, false));
+    assert_eq!(look(json!({"mode": "mip"})), (0.25, false));
+    assert_eq!(look(json!({"refine": true})), (0.25, true));
+    assert_eq!(look(json!({"step_voxels": 1, "refine": true})), (1.0, true));
+    assert_eq!(look(json!({"refine": false})), (1.0, false));
+    assert_eq!(look(json!({"refine": true})), (1.0, true));
+    let project = folder.path().join("ball.burin");
+    run(&mut document, &json!({"project":{"save":{"path": project}}}).to_string()).unwrap();
+    drop(document);
+    let mut document = Document::new();
+    run(&mut document, &json!({"project":{"open":{"path": project}}}).to_string()).unwrap();
+    let kept = document.state().unwrap().scene.look;
+    assert_eq!((kept.step_voxels, kept.refine), (1.0, true), "saved");
+    assert_eq!(run(&mut document, r#"{"view":{"back":{}}}"#).unwrap()["moved"], true);
+    assert!(!document.state().unwrap().scene.look.refine, "taken back like any look");
 }

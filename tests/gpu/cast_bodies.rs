@@ -43,7 +43,7 @@ fn region_centre(grid: &Grid, region: &[Plane]) -> DVec3 {
     points.iter().sum::<DVec3>() / points.len() as f64
 }
 
-fn exploded(grid: &Grid, n: [u32; 3], spread: f64, mask: Mask) -> Vec<Body> {
+pub(super) fn exploded(grid: &Grid, n: [u32; 3], spread: f64, mask: Mask) -> Vec<Body> {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     let part = |(i, region): (usize, Vec<Plane>)| {
         let middle = region_centre(grid, &region);
@@ -55,7 +55,7 @@ fn exploded(grid: &Grid, n: [u32; 3], spread: f64, mask: Mask) -> Vec<Body> {
 }
 
 /// A soft ball off the middle.
-fn soft_ball(grid: &Grid) -> Field {
+pub(super) fn soft_ball(grid: &Grid) -> Field {
     let grid = *grid;
     painted(FieldKind::Selection, &grid, move |v| {
         let p = DVec3::from_array(std::array::from_fn(|a| f64::from(v[a]) / f64::from(grid.dims[a]) - 0.45));
@@ -69,7 +69,7 @@ fn stage() -> Option<Stage> {
     Some(Stage::new(gpu, grid, lumps(grid)))
 }
 
-fn wide(grid: &Grid, bodies: Vec<Body>) -> Frame {
+pub(super) fn wide(grid: &Grid, bodies: Vec<Body>) -> Frame {
     let mut view = frame(grid, tissue(), DVec3::new(1.0, -1.6, 0.8), [56, 48]);
     view.camera = view.camera.zoomed(1.3);
     view.bodies = bodies;

@@ -4,6 +4,7 @@
 //! −½ and n−½, opacity 1 − (1−α)^(step/unit), rays end under a transmittance of 1/256, overlapping bodies add extinctions.
 
 use super::reference_boxes::Boxes;
+use super::reference_refined::refined;
 use burin::gpu::{Body, Fields, Frame, Image, Mask};
 use burin::math::{DMat3, DVec2, DVec3, Plane, Ray};
 use burin::volume::*;
@@ -52,7 +53,7 @@ fn linear(dims: [i64; 3], values: impl Fn(usize) -> f64, p: DVec3) -> f64 {
     mix(plane(0), plane(1), f.z)
 }
 
-const NOTHING: Pixel = Pixel { colour: [0.0; 4], depth_mm: f64::INFINITY, object: 0 };
+pub(super) const NOTHING: Pixel = Pixel { colour: [0.0; 4], depth_mm: f64::INFINITY, object: 0 };
 
 impl Dense {
     pub fn of(fields: &Fields<'_>, grid: &Grid) -> Self {
@@ -95,7 +96,7 @@ impl Dense {
         linear(self.grid.dims.map(i64::from), values, p)
     }
 
-    fn density(&self, p: DVec3) -> f64 {
+    pub(super) fn density(&self, p: DVec3) -> f64 {
         let Some(coarse) = &self.coarse else { return self.linear(|i| self.density[i], p) };
         let brick = ((p + 0.5) / 32.0).floor();
         let level = coarse.level_of[index(coarse.bricks, [brick.x as i64, brick.y as i64, brick.z as i64])];
@@ -103,11 +104,11 @@ impl Dense {
         linear(*dims, |i| values[i], (p + 0.5) / f64::from(1_u32 << level) - 0.5)
     }
 
-    fn selection(&self, p: DVec3) -> f64 {
+    pub(super) fn selection(&self, p: DVec3) -> f64 {
         self.linear(|i| self.selection[i], p)
     }
 
-    fn gradient(&self, value: impl Fn(DVec3) -> f64, p: DVec3) -> DVec3 {
+    pub(super) fn gradient(&self, value: impl Fn(DVec3) -> f64, p: DVec3) -> DVec3 {
         let along = |axis: DVec3| {
             let d = value(p + axis * 0.5) - value(p - axis * 0.5);
             if d.is_nan() { 0.0 } else { d }
@@ -117,19 +118,19 @@ impl Dense {
 }
 
 /// A body as seen from one ray.
-struct Met<'a> {
-    body: &'a Body,
+pub(super) struct Met<'a> {
+    pub(super) body: &'a Body,
     index: Ray,
-    index_from_world: DMat3,
-    entry: f64,
-    exit: f64,
+    pub(super) index_from_world: DMat3,
+    pub(super) entry: f64,
+    pub(super) exit: f64,
     entry_normal: DVec3,
     /// What layers leave of the interval: from, to, and the outward normal of the face by which the ray comes in.
     pieces: Vec<(f64, f64, DVec3)>,
 }
 
 impl Met<'_> {
-    fn at(&self, t: f64) -> DVec3 {
+    pub(super) fn at(&self, t: f64) -> DVec3 {
         self.index.at(t)
     }
 
@@ -184,7 +185,7 @@ fn meet<'a>(dense: &Dense, frame: &Frame, layers: &Boxes, body: &'a Body, ray: &
 }
 
 /// The share of a body in matter of selection s.
-fn weight(mask: Mask, s: f64) -> f64 {
+pub(super) fn weight(mask: Mask, s: f64) -> f64 {
     match mask {
         Mask::None => 1.0,
         Mask::Selection => s,
@@ -205,7 +206,7 @@ fn cosine(met: &Met<'_>, ray: &Ray, gradient: DVec3) -> f64 {
     if world == DVec3::ZERO { 1.0 } else { world.normalize().dot(ray.dir) }
 }
 
-fn painted(dense: &Dense, frame: &Frame, body: &Body, rgb: [f32; 3], p: DVec3) -> [f64; 3] {
+pub(super) fn painted(dense: &Dense, frame: &Frame, body: &Body, rgb: [f32; 3], p: DVec3) -> [f64; 3] {
     let mut c = rgb.map(f64::from);
     let over = |c: [f64; 3], paint: [f64; 3], a: f64| std::array::from_fn(|i| c[i] + (paint[i] - c[i]) * a);
     let paint: [f64; 4] = std::array::from_fn(|i| dense.linear(|v| dense.colour[v][i], p));
@@ -367,6 +368,7 @@ fn pixel_among(dense: &Dense, frame: &Frame, layers: &Boxes, px: DVec2) -> Pixel
     let ray = frame.camera.ray(px, frame.size);
     let met: Vec<_> = frame.bodies.iter().filter_map(|b| meet(dense, frame, layers, b, &ray)).collect();
     let front = match frame.mode {
+        Mode::Dvr if frame.refine => refined(dense, frame, met, &ray),
         Mode::Dvr => dvr(dense, frame, &met, &ray),
         Mode::Iso(value) => iso(dense, frame, &met, &ray, value),
         Mode::Mip => mip(dense, frame, &met),

@@ -61,10 +61,12 @@ pub(crate) struct Resolved {
 }
 
 impl Subject<'_> {
-    /// What a look into the 3D view is marched by: the picture, with samples dense enough to tell where a surface is.
+    /// What a look into the 3D view is marched by: the picture on its plain lattice, with samples dense enough to tell where a surface
+    /// is.
     pub(crate) fn looking(&self, poses: &Poses, camera: &Camera, size: [u32; 2]) -> Frame {
         let frame = self.frame(poses, camera, size);
-        Frame { step_mm: frame.step_mm.min(STEP_VOXELS * self.grid().voxel_mm()), ..frame }
+        let step_mm = frame.step_mm.min(STEP_VOXELS * self.grid().voxel_mm());
+        Frame { step_mm, refine: false, ..frame }
     }
 }
 

@@ -59,8 +59,12 @@ pub enum ViewCommand {
         shaded: Option<bool>,
         #[serde(default)]
         lighting: Option<Lighting>,
+        /// Distance of samples in voxels of the smallest spacing. Said without `refine` it means plain samples.
         #[serde(default)]
         step_voxels: Option<f64>,
+        /// Whether samples stand for all matter since the one before: no rings on smooth surfaces.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        refine: Option<bool>,
         #[serde(default)]
         background: Option<[f32; 3]>,
     },

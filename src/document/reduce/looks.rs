@@ -10,7 +10,7 @@ use crate::document::scene::{Layer, Look, Scene, Window, first_look};
 use crate::volume::{Lighting, Mode};
 
 /// What of a look is given: mode, shaded, lighting, step, background.
-type Given = (Option<Mode>, Option<bool>, Option<Lighting>, Option<f64>, Option<[f32; 3]>);
+type Given = (Option<Mode>, Option<bool>, Option<Lighting>, (Option<f64>, Option<bool>), Option<[f32; 3]>);
 
 impl Scene {
     pub(crate) fn apply_transfer(
@@ -37,7 +37,7 @@ impl Scene {
     }
 
     pub(crate) fn set_look(&mut self, given: Given) -> Result<Changed, DocumentError> {
-        let (mode, shaded, lighting, step_voxels, background) = given;
+        let (mode, shaded, lighting, (step_voxels, refine), background) = given;
         let name = match (&mode, shaded, background) {
             (Some(Mode::Dvr), ..) => "Look: volume",
             (Some(Mode::Iso(_)), ..) => "Look: surface",
@@ -60,6 +60,8 @@ impl Scene {
                 None => lit,
             },
             step_voxels: step_voxels.unwrap_or(now.step_voxels),
+            // Who names the distance of samples and no more means samples.
+            refine: refine.unwrap_or(now.refine && step_voxels.is_none()),
             background: background.unwrap_or(now.background),
         };
         look.check()?;

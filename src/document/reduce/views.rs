@@ -66,8 +66,8 @@ impl Scene {
                 self.views.crosshair = grid.world_from_index.transform_point3(index);
                 Ok(Changed::new("Slice", self.crosshair_said(grid)))
             }
-            ViewCommand::Look { mode, shaded, lighting, step_voxels, background } => {
-                self.set_look((*mode, *shaded, *lighting, *step_voxels, *background))
+            ViewCommand::Look { mode, shaded, lighting, step_voxels, refine, background } => {
+                self.set_look((*mode, *shaded, *lighting, (*step_voxels, *refine), *background))
             }
             ViewCommand::Window { level, width } => self.set_window(*level, *width),
             ViewCommand::Layer(layer) => self.set_layer(*layer),

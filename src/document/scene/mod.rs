@@ -29,14 +29,19 @@ pub struct Look {
     pub lighting: Option<Lighting>,
     /// Step along the ray in voxels of the smallest spacing.
     pub step_voxels: f64,
+    /// Whether a sample of direct volume rendering stands for all matter since the one before it, so that smooth surfaces show no
+    /// rings. Projects that do not say keep the plain samples that they were seen with.
+    #[serde(default)]
+    pub refine: bool,
     /// Display-referred background of the window and of PNGs without alpha.
     pub background: [f32; 3],
 }
 
 impl Default for Look {
-    /// Two samples a voxel: at one, surfaces that turn away from the eye show rings like the grain of wood.
+    /// Plain samples a voxel apart show rings like the grain of wood on surfaces that turn away from the eye.
     fn default() -> Self {
-        Self { mode: Mode::Dvr, lighting: Some(Lighting::default()), step_voxels: 0.5, background: [0.0; 3] }
+        let lighting = Some(Lighting::default());
+        Self { mode: Mode::Dvr, lighting, step_voxels: 0.5, refine: true, background: [0.0; 3] }
     }
 }
 

@@ -6,7 +6,7 @@
 use crate::gpu::cast::forms::{Begins, Form, Forms, Groups, Share, Work};
 use crate::gpu::cast::merging::{Drawn, drawn, resolve};
 use crate::gpu::cast::tiles::{Tiles, Window};
-use crate::gpu::cast::uniforms::{Scene, View, table};
+use crate::gpu::cast::uniforms::{Scene, TABLE_ROWS, View, table};
 use crate::gpu::device::constants::{LIST_WIDTH, MOST_BODIES, MOST_PLANES};
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
@@ -60,7 +60,7 @@ impl Caster {
                     MOST_BODIES as usize * size_of::<crate::gpu::cast::uniforms::CastBody>(),
                 ),
                 planes: uniform("caster planes", MOST_PLANES as usize * 16),
-                table: (Vec::new(), data(gpu, "transfer table", [TABLE_ENTRIES as u32, 1], COLOUR)),
+                table: (Vec::new(), data(gpu, "transfer table", [TABLE_ENTRIES as u32, TABLE_ROWS], COLOUR)),
                 segments: (None, data(gpu, "segment colours", [256, 1], wgpu::TextureFormat::Rgba8Unorm)),
                 nothing: Targets::new(gpu, [1; 2]),
                 forms: Forms::new(gpu),
@@ -251,7 +251,8 @@ impl Caster {
             ("SELECTION", selection),
             // Samples that show nothing are passed over before those that do are looked at closely: for light and paint, and
             // for the one sample in which a surface lies. A maximum is asked of every sample.
-            ("STAGED", iso || (dvr && (lit || tinted || colour || labels || selection))),
+            ("STAGED", iso || (dvr && (frame.refine || lit || tinted || colour || labels || selection))),
+            ("REFINE", dvr && frame.refine),
             ("MERGE", capacity > 0),
             ("UP_TO_16", capacity == 16),
             ("UP_TO_64", capacity == 64),

@@ -158,14 +158,23 @@ impl Scene {
         let solids: Vec<_> = drawn.iter().map(|d| d.solid.clone()).collect();
         let sight = Sight::of(camera);
         let tiles = Tiles::of(&solids, &Order::of(&solids, sight), camera, window);
-        let passes = passes(drawn, sight, eye, frame.step_mm, &tiles);
+        let passes = passes(drawn, sight, eye, frame.step_mm, &tiles, frame.refine);
         Ok(Self { view: view(frame, window, lo, span), bodies, planes, tiles, passes })
     }
 }
 
-/// The table's entries for a frame: opacity of a step, for MIP as it stands.
+/// Rows of [`table`].
+pub(crate) const TABLE_ROWS: u32 = 2;
+
+/// The table's entries for a frame: a row of colour and opacity of a step, for MIP as it stands; a row of integrals, for a frame
+/// that refines.
 pub(crate) fn table(frame: &Frame) -> Vec<[f32; 4]> {
-    frame.transfer.table(if frame.mode == Mode::Mip { frame.transfer.unit_mm } else { frame.step_mm })
+    let mut rows = frame.transfer.table(if frame.mode == Mode::Mip { frame.transfer.unit_mm } else { frame.step_mm });
+    if frame.refine {
+        rows.extend(frame.transfer.integrals(frame.step_mm));
+    }
+    rows.resize(TABLE_ROWS as usize * TABLE_ENTRIES, [0.0; 4]);
+    rows
 }
 
 fn narrow(v: DVec3) -> [f32; 3] {
@@ -212,7 +221,7 @@ fn view(frame: &Frame, window: &Window, lo: f64, span: f64) -> View {
 }
 
 /// Divides the lattice so that no invocation loops too often.
-fn passes(drawn: &[Drawn], sight: Sight, eye: DVec3, step_mm: f64, tiles: &Tiles) -> Vec<[f32; 2]> {
+fn passes(drawn: &[Drawn], sight: Sight, eye: DVec3, step_mm: f64, tiles: &Tiles, refine: bool) -> Vec<[f32; 2]> {
     let corners = || drawn.iter().flat_map(|d| d.solid.corners());
     let far = |p: &DVec3| match sight {
         Sight::Eye(_) => p.distance(eye),
@@ -230,8 +239,10 @@ fn passes(drawn: &[Drawn], sight: Sight, eye: DVec3, step_mm: f64, tiles: &Tiles
     let nearest = corners().map(|p| (*p - eye).dot(along)).fold(f64::INFINITY, f64::min);
     // A sample before it, since the GPU's narrower numbers may enter a body there.
     let first = ((nearest / step_mm).floor() - 1.0).max(0.0);
-    // A sample costs at most four turns of loops per overlapping body, and five for the run it belongs to.
-    let stride = (ITERATIONS / (4.0 * tiles.longest_merged as f64 + 5.0)).floor().max(1.0);
+    // A sample costs at most four turns of loops per overlapping body, and five for the run it belongs to. One that refines is met
+    // thrice and lit in twelve places.
+    let (per_body, own) = if refine { (24.0, 24.0) } else { (4.0, 5.0) };
+    let stride = (ITERATIONS / (per_body * tiles.longest_merged as f64 + own)).floor().max(1.0);
     let mut passes = Vec::new();
     let mut from = first;
     while from < last {

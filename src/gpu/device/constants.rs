@@ -31,6 +31,8 @@ shared! {
     FAR: f32 = 3e38;
     /// Last entry of the table of colour and opacity.
     TABLE_LAST: f32 = (crate::volume::TABLE_ENTRIES - 1) as f32;
+    /// The table's middle, from which places in it are weighed.
+    TABLE_MIDDLE: f32 = (crate::volume::TABLE_ENTRIES / 2) as f32;
     /// Voxels along an edge of a brick.
     BRICK: u32 = crate::volume::BRICK;
     /// Texels along an edge of a slot: a brick and one voxel of apron on each side.

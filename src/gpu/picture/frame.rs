@@ -65,6 +65,9 @@ pub struct Frame {
     pub size: [u32; 2],
     /// Distance of samples along the ray in mm, positive.
     pub step_mm: f64,
+    /// Whether a sample of direct volume rendering stands for all matter since the sample before it, instead of for a step of what
+    /// lies at it: no rings on smooth surfaces, at the same step. Surfaces and maxima do not change.
+    pub refine: bool,
     /// How rays become colour.
     pub mode: Mode,
     /// `None`: unshaded. MIP is never shaded.

@@ -17,14 +17,13 @@ enum Kind {
     Mip,
 }
 
-fn look(
-    mode: Option<Mode>,
-    shaded: Option<bool>,
-    lighting: Option<Lighting>,
-    step: Option<f64>,
-    background: Option<[f32; 3]>,
-) -> Command {
-    Command::View(ViewCommand::Look { mode, shaded, lighting, step_voxels: step, background })
+fn look(mode: Option<Mode>, shaded: Option<bool>, lighting: Option<Lighting>, background: Option<[f32; 3]>) -> Command {
+    Command::View(ViewCommand::Look { mode, shaded, lighting, step_voxels: None, refine: None, background })
+}
+
+fn sampling(step_voxels: Option<f64>, refine: bool) -> Command {
+    let (mode, shaded, lighting, background) = (None, None, None, None);
+    Command::View(ViewCommand::Look { mode, shaded, lighting, step_voxels, refine: Some(refine), background })
 }
 
 impl App {
@@ -50,7 +49,7 @@ impl App {
                 Kind::Mip => Mode::Mip,
             });
             if mode.is_some() {
-                self.send(look(mode, None, None, None, None));
+                self.send(look(mode, None, None, None));
             }
         });
         ui.add_enabled_ui(kind == Kind::Iso, |ui| {
@@ -60,7 +59,7 @@ impl App {
                 let about = ("Surface value", "The value on the surface (mode Surface)");
                 let response = slider(ui, about, &mut value, min..=max, scale);
                 if response.changed() {
-                    self.edit(&response, look(Some(Mode::Iso(value)), None, None, None, None));
+                    self.edit(&response, look(Some(Mode::Iso(value)), None, None, None));
                 }
             });
         });
@@ -70,17 +69,25 @@ impl App {
             ui.add_enabled_ui(kind != Kind::Mip, |ui| {
                 let tip = "Lit from where you look, so that shapes are seen; mode Maximum needs no light";
                 if tick(ui, &mut shaded, "Headlight", tip) {
-                    self.send(look(None, Some(shaded), None, None, None));
+                    self.send(look(None, Some(shaded), None, None));
                 }
             });
             from_right(ui, |ui| {
                 let mut background = now.background;
                 let response = colour_button(ui, "Background of the 3D view", &mut background);
                 if response.changed() {
-                    self.edit(&response, look(None, None, None, None, Some(background)));
+                    self.edit(&response, look(None, None, None, Some(background)));
                 }
                 ui.label(RichText::new("Background").color(theme::TEXT_WEAK));
             });
+        });
+        ui.add_enabled_ui(kind == Kind::Dvr, |ui| {
+            let mut refine = now.refine;
+            let tip = "No rings like the grain of wood on smooth surfaces: each sample stands for all that lies since the one \
+                       before it, and takes a little longer (mode Volume)";
+            if tick(ui, &mut refine, "Smooth", tip) {
+                self.send(sampling(None, refine));
+            }
         });
         row(ui, "Detail", |ui| {
             let mut detail = 1.0 / now.step_voxels;
@@ -88,7 +95,7 @@ impl App {
             let tip = "Samples along each line of sight, per voxel: more gives a smoother picture and takes longer";
             let response = slider(ui, ("Detail of the 3D view", tip), &mut detail, 0.25..=4.0, scale);
             if response.changed() {
-                self.edit(&response, look(None, None, None, Some(1.0 / detail), None));
+                self.edit(&response, sampling(Some(1.0 / detail), now.refine));
             }
         });
     }
