@@ -61,7 +61,7 @@ fn every_command_without_a_gpu_answers_with_the_same_names_and_values() {
 #[test]
 fn every_command_that_needs_a_gpu_answers_with_the_same_names_and_values() {
     let mut document = Document::new();
-    if document.describe_gpu().is_err() {
+    if crate::common::gpu::gpu().is_none() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();

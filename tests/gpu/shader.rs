@@ -105,7 +105,7 @@ fn every_shader_composes_validates_and_shares_its_structs_with_rust() {
 
 #[test]
 fn every_file_with_entry_points_is_known() {
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+    let root = crate::common::root().join("shaders");
     let mut folders = vec![root.clone()];
     let mut found = std::collections::BTreeSet::new();
     while let Some(folder) = folders.pop() {
@@ -151,7 +151,7 @@ fn shaders_take_shared_numbers_from_rust() {
 #[test]
 fn no_shader_that_draws_repeats_a_shared_number() {
     let folder = crate::common::root().join("shaders");
-    for file in [folder.join("lib"), folder].iter().flat_map(|f| std::fs::read_dir(f).unwrap()) {
+    for file in [folder.join("lib"), folder.join("cast"), folder].iter().flat_map(|f| std::fs::read_dir(f).unwrap()) {
         let path = file.unwrap().path();
         if path.is_dir() || path.file_name().unwrap().to_str().unwrap().starts_with("brush") {
             continue;
