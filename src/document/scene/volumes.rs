@@ -95,6 +95,10 @@ pub struct VolumeLook {
     pub own: Option<OwnLook>,
 }
 
+/// The scene's parts in the order in which scripts were told them when there was one volume.
+const SAID_FIRST: [&str; 9] =
+    ["origin", "transfer", "look", "window", "views", "layers", "segments", "brush", "explosion"];
+
 impl Scene {
     /// What was decided about the active volume; `None` if there is no volume.
     pub fn active(&self) -> Option<&VolumeSettings> {
@@ -171,7 +175,11 @@ impl Scene {
         );
         parts.insert("window".into(), serde_json::json!(self.window()));
         parts.insert("segments".into(), serde_json::json!(active.segments));
-        said
+        // What scripts have always read comes first and in its order.
+        let mut ordered: serde_json::Map<String, serde_json::Value> =
+            SAID_FIRST.iter().filter_map(|name| parts.remove_entry(*name)).collect();
+        ordered.append(parts);
+        ordered.into()
     }
 
     /// How rays through a volume become colour.
