@@ -46,6 +46,7 @@ pub use project::source::ZarrSource;
 pub use reduce::{Changed, Ground};
 pub use scene::kept_poses::KeptPoses;
 pub use scene::past::{Past, PastOf};
+pub use scene::shared::Shared;
 pub use scene::slice_plane::{SlicePlane, side_letter};
 pub use scene::volumes::*;
 pub use scene::*;
@@ -171,7 +172,7 @@ impl Document {
     ) -> Result<Answer, DocumentError> {
         let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
         let mut edit = Edit::new(Some(state));
-        let (views, looks) = (state.scene.views.clone(), state.scene.looks());
+        let (views, looks) = ((*state.scene.views).clone(), state.scene.looks());
         let bounds = state.bounds();
         let ground = state.at(None).map(|subject| (*subject.grid(), subject.histogram.clone()));
         let changed = match (&ground, command) {

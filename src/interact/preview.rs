@@ -46,7 +46,7 @@ pub fn cuts(
         },
     };
     let divides = |cut: &Cut| {
-        let mut copy = scene.explosion.clone();
+        let mut copy = (*scene.explosion).clone();
         copy.split_at_rest(cut.part, &cut.plane).is_ok_and(|halves| halves.is_some())
     };
     cuts.into_iter().filter(divides).collect()

@@ -70,8 +70,8 @@ pub fn bytes(document: &Document) -> (Vec<Vec<u8>>, String) {
         all.push(format!("{:?} {:?}", field.map(), field.edits().keys()).into_bytes());
     }
     let mut scene = state.scene.clone();
-    scene.views = burin::document::Views::new(state.one().grid());
-    scene.brush = burin::paint::Brush::default();
+    scene.views = burin::document::Views::new(state.one().grid()).into();
+    scene.brush = burin::paint::Brush::default().into();
     (all, serde_json::to_string(&scene).unwrap())
 }
 

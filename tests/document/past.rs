@@ -14,7 +14,7 @@ fn looks(document: &Document) -> Looks {
 }
 
 fn views(document: &Document) -> Views {
-    document.state().unwrap().scene.views.clone()
+    (*document.state().unwrap().scene.views).clone()
 }
 
 fn counts(document: &Document, of: PastOf) -> (usize, usize) {

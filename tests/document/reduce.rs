@@ -92,3 +92,30 @@ fn cuts_cut_as_splits_by_planes_do() {
     let parts = |d: &Document| d.state().unwrap().scene.explosion.clone();
     assert_eq!(parts(&by_cuts), parts(&by_planes));
 }
+
+/// A copy of a scene costs a pointer a component: whoever keeps one shares all that a command leaves alone.
+#[test]
+fn a_command_copies_the_component_that_it_changes_and_shares_the_others() {
+    let mut changed = 0;
+    for line in one_of_each() {
+        let document = labelled();
+        let before = document.state().unwrap().scene.clone();
+        let Some(after) = foretold(&document, &line) else { continue };
+        let Scene { volumes, shown, transfer, look, views, layers, brush, explosion } = &before;
+        let shared = [
+            volumes.is_same(&after.volumes),
+            shown.is_same(&after.shown),
+            transfer.is_same(&after.transfer),
+            look.is_same(&after.look),
+            views.is_same(&after.views),
+            layers.is_same(&after.layers),
+            brush.is_same(&after.brush),
+            explosion.is_same(&after.explosion),
+        ];
+        // How a volume is shown is asked to be changed before the document's own look is.
+        let copied = shared.iter().enumerate().filter(|(i, shared)| *i != 1 && !**shared).count();
+        assert!(copied <= 1, "{line}: {shared:?}");
+        changed += copied;
+    }
+    assert!(changed > 20, "only {changed} commands changed the scene");
+}

@@ -551,7 +551,7 @@ fn every_tool_has_its_own_key_and_keys_do_what_the_page_says() {
 
 #[test]
 fn only_what_changed_of_a_brush_is_sent() {
-    let old = scene().1.brush;
+    let old = *scene().1.brush;
     assert_eq!(burin::interact::brush_change(&old, &old), None);
     let mut new = old;
     new.range = Some([1.0, 2.0].map(burin::volume::Number::Real));

@@ -29,7 +29,7 @@ fn set() -> (Camera, DVec3, Explosion) {
     let centre = grid.world_bounds().centre();
     let projection = Projection::Orthographic { height_mm: 60.0 };
     let eye = centre + DVec3::new(10.0, 80.0, 5.0);
-    (Camera { eye, target: centre, up: DVec3::Z, projection }, centre, scene.explosion)
+    (Camera { eye, target: centre, up: DVec3::Z, projection }, centre, (*scene.explosion).clone())
 }
 
 /// World point of the ball under a share of the picture.

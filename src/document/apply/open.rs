@@ -239,7 +239,7 @@ impl Opened {
             poses = KeptPoses::default();
         }
         // Parts are checked already, and not anew with each of the past's views.
-        let whole = state.subjects().next().map(|subject| Explosion::whole(subject.grid()));
+        let whole = state.subjects().next().map(|subject| Explosion::whole(subject.grid()).into());
         let explosion = whole.unwrap_or_else(|| Scene::empty().explosion);
         let plain = Scene { explosion, ..state.scene.clone() };
         state.past.retain(&plain, |scene| scene.check(&bounds).is_ok());

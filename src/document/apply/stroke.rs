@@ -212,7 +212,7 @@ impl Document {
     pub(crate) fn begin_stroke(&mut self, id: VolumeId, resolved: Resolved) -> Result<Answer, DocumentError> {
         let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
         let subject = state.at(Some(id))?;
-        let mut brush = state.scene.brush;
+        let mut brush = *state.scene.brush;
         brush.visible_only &= !resolved.on_slice;
         let path = StrokePath::new(&brush, subject.grid())?;
         // What a straight stroke piles up, since a wider map costs the whole volume; one application without building up.

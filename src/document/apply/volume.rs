@@ -130,7 +130,7 @@ impl Document {
             (scene.explosion, scene.brush, scene.volumes.active) = (explosion, brush, id);
         } else {
             let Scene { transfer, look, .. } = read.scene;
-            shown.own = Some(OwnLook { transfer, mode: look.mode, lighting: look.lighting });
+            shown.own = Some(OwnLook { transfer: (*transfer).clone(), mode: look.mode, lighting: look.lighting });
         }
         state.scene.volumes.next = id.0.saturating_add(1);
         state.scene.volumes.all.insert(id, settings);

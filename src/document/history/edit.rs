@@ -152,7 +152,7 @@ impl Edit {
     /// The step, unless nothing changed, and what is new for whoever mirrors fields.
     pub(crate) fn finish(mut self, state: &State) -> (Option<Step>, Refreshed) {
         if let Some(before) = self.scene.take() {
-            self.step.scene = SceneDelta::between(before, &state.scene, self.with_looks);
+            self.step.scene = SceneDelta::between(&before, &state.scene, self.with_looks);
         }
         self.refreshed.bricks = self.step.bricks.keys().copied().collect();
         let step = (!self.step.is_empty()).then_some(self.step);
@@ -163,7 +163,7 @@ impl Edit {
     pub(crate) fn roll_back(mut self, state: &mut State) -> Result<Refreshed, SourceError> {
         if let Some(before) = self.scene.take() {
             before.looks().exchange(&mut state.scene);
-            SceneDelta::between(before, &state.scene, true).exchange(&mut state.scene);
+            SceneDelta::between(&before, &state.scene, true).exchange(&mut state.scene);
         }
         let mut refreshed = self.step.exchange(state)?;
         refreshed.join(self.refreshed);

@@ -5,10 +5,10 @@
 
 use crate::document::command::resolved::{ResolvedCommand, join};
 use crate::document::disk::source_files::SourceFiles;
-use crate::document::scene::Scene;
-use crate::document::scene::volumes::{VolumeLook, Volumes};
+use crate::document::scene::components::Kept;
+use crate::document::scene::volumes::VolumeLook;
+use crate::document::scene::{Components, Scene};
 use crate::document::state::State;
-use crate::explode::Explosion;
 use crate::volume::{
     Brick, BrickIndex, Changes, DensityMap, Field, FieldKey, FieldKind, Refresh, SourceError, Volume, VolumeId,
 };
@@ -16,19 +16,18 @@ use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// The parts of a scene that undo knows; views and looks have a past of their own, the brush has none.
+/// The components of a scene that undo knows; views and looks have a past of their own, the brush has none.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SceneDelta {
-    volumes: Option<Volumes>,
-    explosion: Option<Explosion>,
+    held: Components,
     /// How volumes are shown, of those that the step itself shows otherwise; `None` where there was no such volume.
     shown: BTreeMap<VolumeId, Option<VolumeLook>>,
 }
 
 impl SceneDelta {
     /// What `before` holds where `after` differs from it; how volumes are shown only `with_looks`.
-    pub(crate) fn between(before: Scene, after: &Scene, with_looks: bool) -> Self {
-        let mut delta = Self { volumes: Some(before.volumes), explosion: Some(before.explosion), ..Self::default() };
+    pub(crate) fn between(before: &Scene, after: &Scene, with_looks: bool) -> Self {
+        let mut delta = Self { held: Components::of(before, Kept::Undo), ..Self::default() };
         if with_looks {
             let ids: BTreeSet<VolumeId> = before.shown.keys().chain(after.shown.keys()).copied().collect();
             delta.shown = ids.into_iter().map(|id| (id, before.shown.get(&id).cloned())).collect();
@@ -39,13 +38,7 @@ impl SceneDelta {
 
     /// Forgets what the scene holds anyway.
     fn prune(&mut self, scene: &Scene) {
-        fn drop_equal<T: PartialEq>(slot: &mut Option<T>, now: &T) {
-            if slot.as_ref() == Some(now) {
-                *slot = None;
-            }
-        }
-        drop_equal(&mut self.volumes, &scene.volumes);
-        drop_equal(&mut self.explosion, &scene.explosion);
+        self.held.prune(scene);
         self.shown.retain(|id, held| held.as_ref() != scene.shown.get(id));
     }
 
@@ -55,18 +48,12 @@ impl SceneDelta {
 
     /// Whether it holds parts, degree and forces.
     pub(crate) fn has_explosion(&self) -> bool {
-        self.explosion.is_some()
+        self.held.explosion.is_some()
     }
 
     /// Exchanges what it holds with what the scene holds.
     pub(crate) fn exchange(&mut self, scene: &mut Scene) {
-        fn swap<T>(slot: &mut Option<T>, now: &mut T) {
-            if let Some(held) = slot {
-                std::mem::swap(held, now);
-            }
-        }
-        swap(&mut self.volumes, &mut scene.volumes);
-        swap(&mut self.explosion, &mut scene.explosion);
+        self.held.exchange(scene);
         for (id, held) in &mut self.shown {
             let now = scene.shown.remove(id);
             if let Some(look) = std::mem::replace(held, now) {
@@ -77,8 +64,7 @@ impl SceneDelta {
 
     /// Joins a later delta: what was there first comes back.
     fn absorb(&mut self, later: Self) {
-        self.volumes = self.volumes.take().or(later.volumes);
-        self.explosion = self.explosion.take().or(later.explosion);
+        self.held.absorb(later.held);
         for (id, held) in later.shown {
             self.shown.entry(id).or_insert(held);
         }

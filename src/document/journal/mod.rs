@@ -23,8 +23,8 @@ use crate::document::journal::record::{
 };
 use crate::document::project::link::Link;
 use crate::document::project::manifest::{JOURNAL_HEADER, Kept, Manifest, VolumeRecord};
-use crate::document::scene::Scene;
 use crate::document::scene::past::{Past, PastDelta};
+use crate::document::scene::{Scene, components};
 use crate::document::state::State;
 use crate::io::disk;
 use crate::paint::Sample;
@@ -239,7 +239,7 @@ impl Journal {
         let noted = command.effects().journal;
         let ends_stroke = noted == Noted::Stroke;
         // Looking about is no step of work. In what was opened and never saved it is nothing to lose: the first step takes it along.
-        let known_parts = changed.keys().all(|part| ["views", "brush"].contains(&part.as_str()));
+        let known_parts = changed.keys().all(|part| Scene::kept(part).is_some_and(components::Kept::is_idle));
         let is_plain = maps.is_empty() && volumes.is_empty() && touched.is_empty();
         let looks_about = known_parts && !ends_stroke && is_plain;
         if looks_about && self.generation == 0 && self.now.steps == 0 && !self.stroke_runs {

@@ -56,7 +56,8 @@ fn look(dir: &Path) -> Option<Lost> {
         return None;
     }
     let changed = about.modified().unwrap_or(SystemTime::UNIX_EPOCH);
-    let origin = manifest.scene.volumes.all.into_values().next().map_or_else(PathBuf::new, |volume| volume.origin.path);
+    let origin =
+        manifest.scene.volumes.all.values().next().map_or_else(PathBuf::new, |volume| volume.origin.path.clone());
     Some(Lost { id, origin, changed, bytes: about.len() })
 }
 

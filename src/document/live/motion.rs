@@ -231,7 +231,7 @@ impl Motion {
     }
 
     fn is_away(&self, state: &State) -> bool {
-        let explosion = &state.scene.explosion;
+        let explosion = &*state.scene.explosion;
         let rests = |found: &Arc<Found>| {
             found.cause.holds(&state.scene, self.voxels) && found.poses == self.poses.in_order(&explosion.parts)
         };
@@ -249,7 +249,7 @@ impl Motion {
         watch: &Watch,
     ) -> Result<Settled, DocumentError> {
         let points = self.points(state)?;
-        let (explosion, camera) = (&state.scene.explosion, state.scene.views.camera);
+        let (explosion, camera) = (&*state.scene.explosion, state.scene.views.camera);
         let mut look = |poses: &[Pose]| measure(state, graphics, poses);
         let mut go_on = |share| if watch.go_on(share) { Ok(()) } else { Err(DocumentError::Stopped) };
         let settled = settle_with_gain(explosion, &points, &camera, &mut look, &mut go_on)?;
@@ -301,7 +301,7 @@ impl Motion {
 
     fn search_on(&mut self, state: &State, graphics: &mut Graphics, steps: u32) -> Result<(), DocumentError> {
         let points = self.points(state)?;
-        let (explosion, camera) = (&state.scene.explosion, state.scene.views.camera);
+        let (explosion, camera) = (&*state.scene.explosion, state.scene.views.camera);
         if self.found.as_ref().is_some_and(|found| found.cause.holds(&state.scene, self.voxels)) {
             self.sought = None;
             return Ok(());
@@ -348,7 +348,7 @@ impl Motion {
     }
 
     fn lead_on(&mut self, state: &State, steps: u32) -> Result<Moved, DocumentError> {
-        let (explosion, camera) = (&state.scene.explosion, state.scene.views.camera);
+        let (explosion, camera) = (&*state.scene.explosion, state.scene.views.camera);
         let poses = self.poses.in_order(&explosion.parts);
         let mut bodies = match self.bodies.take() {
             Some(b) if has_same_bodies(&b.made_of, explosion) && b.poses == poses => b,

@@ -82,7 +82,7 @@ impl Scene {
             Some(known) => *known = layer,
             None => self.layers.push(layer),
         }
-        Ok(Changed::new(format!("Layer {}", layer.field.name()), LayersSaid { layers: self.layers.clone() }))
+        Ok(Changed::new(format!("Layer {}", layer.field.name()), LayersSaid { layers: self.layers.to_vec() }))
     }
 
     pub(crate) fn apply_brush(&mut self, command: &BrushCommand) -> Result<Changed, DocumentError> {
@@ -92,7 +92,7 @@ impl Scene {
         }
         let brush = change.applied_to(&self.brush);
         brush.check()?;
-        self.brush = brush;
+        self.brush = brush.into();
         Ok(Changed::new("Brush", BrushSaid { brush }))
     }
 }

@@ -99,7 +99,7 @@ impl Scene {
                 Ok(Changed::new(step, PartSaid { part: self.explosion.part(*id)?.clone().into() }))
             }
             PartCommand::Reset {} => {
-                self.explosion = one_part(&self.explosion, ground.grid);
+                self.explosion = one_part(&self.explosion, ground.grid).into();
                 Ok(Changed::new("One part", WholeSaid { parts: 1 }))
             }
         }

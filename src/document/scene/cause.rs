@@ -5,6 +5,7 @@
 //! no force looks along rays. Knows no poses.
 
 use crate::document::scene::Scene;
+use crate::document::scene::shared::Shared;
 use crate::document::scene::volumes::VolumeSettings;
 use crate::explode::{Explosion, Face, Forces, Part, PartId};
 use crate::math::{Camera, DVec3, Pose};
@@ -14,7 +15,7 @@ use serde::Serialize;
 /// See the module's head.
 #[derive(Clone, Debug)]
 pub(crate) struct Cause {
-    explosion: Explosion,
+    explosion: Shared<Explosion>,
     camera: Option<Camera>,
     matter: Vec<Matter>,
     /// How often voxels had changed that explosion points stand on.

@@ -228,7 +228,7 @@ impl Scene {
         if tell(self.views.check(bounds).map_err(|e| e.within("views")), "all views show the whole volume") {
             self.views = fresh.views;
         }
-        for (id, shown) in &mut self.shown {
+        for (id, shown) in self.shown.iter_mut() {
             let window = shown.window.check().map_err(|e| of_volume(*id)(e.within("window")));
             if let (true, Some(volume)) = (tell(window, "the window was made anew from the histogram"), volumes.get(id))
             {

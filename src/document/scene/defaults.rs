@@ -2,35 +2,18 @@
 
 use crate::document::scene::volumes::{VolumeLook, VolumeSettings, Volumes};
 use crate::document::scene::{Layer, Looks, Origin, Scene, SliceView, ViewName, Views, Window, first_look};
-use crate::explode::Explosion;
 use crate::math::DVec3;
 use crate::paint::Brush;
 use crate::volume::{FieldKind, Grid, Histogram, VolumeId};
 use std::collections::BTreeMap;
 
 impl Scene {
-    /// Seen from the front, a slab from its face, framed, the crosshair in the middle, colours from the histogram, nothing
-    /// painted, one part.
-    pub fn new(grid: &Grid, histogram: &Histogram, volume: VolumeSettings) -> Self {
-        let shown = VolumeLook { window: Window::from_histogram(histogram), own: None };
-        Self {
-            volumes: Volumes::of_one(volume),
-            shown: BTreeMap::from([(VolumeId::FIRST, shown)]),
-            transfer: first_look::transfer(grid, histogram),
-            look: first_look::look(grid),
-            views: Views::new(grid),
-            layers: FieldKind::ALL.map(Layer::new).to_vec(),
-            brush: brush_for(grid),
-            explosion: Explosion::whole(grid),
-        }
-    }
-
     /// A scene of no volume: a decimetre of empty room about the origin.
     pub fn empty() -> Self {
         let grid = Grid::aligned([100; 3], DVec3::ONE, DVec3::splat(-49.5));
         let histogram = Histogram { min: 0.0, max: 1.0, bins: vec![1, 1], ids: Vec::new(), voids: [0; 2] };
         let mut scene = Self::new(&grid, &histogram, VolumeSettings::new("", Origin::nowhere()));
-        (scene.volumes, scene.shown) = (Volumes::default(), BTreeMap::new());
+        (scene.volumes, scene.shown) = (Volumes::default().into(), BTreeMap::new().into());
         scene
     }
 }
@@ -39,7 +22,7 @@ impl Scene {
     /// How everything is shown.
     pub fn looks(&self) -> Looks {
         let Self { transfer, look, shown, layers, .. } = self;
-        Looks { transfer: transfer.clone(), look: *look, shown: shown.clone(), layers: layers.clone() }
+        Looks { transfer: transfer.clone(), look: look.clone(), shown: shown.clone(), layers: layers.clone() }
     }
 }
 
@@ -57,7 +40,7 @@ impl Looks {
         std::mem::swap(&mut self.transfer, &mut scene.transfer);
         std::mem::swap(&mut self.look, &mut scene.look);
         std::mem::swap(&mut self.layers, &mut scene.layers);
-        for (id, shown) in &mut self.shown {
+        for (id, shown) in self.shown.iter_mut() {
             if let Some(now) = scene.shown.get_mut(id) {
                 std::mem::swap(shown, now);
             }
@@ -65,8 +48,15 @@ impl Looks {
     }
 }
 
+impl VolumeLook {
+    /// The first volume of a document is shown as its histogram says.
+    pub(crate) fn of_first(histogram: &Histogram) -> BTreeMap<VolumeId, Self> {
+        BTreeMap::from([(VolumeId::FIRST, Self { window: Window::from_histogram(histogram), own: None })])
+    }
+}
+
 /// The brush to begin with: 5 mm, or five voxels where that is less than one or more than 64.
-fn brush_for(grid: &Grid) -> Brush {
+pub(crate) fn brush_for(grid: &Grid) -> Brush {
     let (brush, voxel_mm) = (Brush::default(), grid.voxel_mm());
     let fits = (1.0..=64.0).contains(&(brush.radius_mm / voxel_mm));
     Brush { radius_mm: if fits { brush.radius_mm } else { 5.0 * voxel_mm }, ..brush }

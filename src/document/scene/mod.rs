@@ -2,16 +2,21 @@
 
 pub(crate) mod cause;
 pub(crate) mod check;
+pub(crate) mod components;
 pub(crate) mod defaults;
 pub(crate) mod first_look;
 pub(crate) mod histogram;
 pub(crate) mod kept_poses;
 pub(crate) mod outliers;
 pub(crate) mod past;
+pub(crate) mod shared;
 pub(crate) mod slice_plane;
 pub(crate) mod volumes;
 
-use crate::document::scene::volumes::{VolumeLook, Volumes};
+use crate::document::scene::components::components;
+use crate::document::scene::defaults::brush_for;
+use crate::document::scene::shared::Shared;
+use crate::document::scene::volumes::{VolumeLook, VolumeSettings, Volumes};
 use crate::explode::Explosion;
 use crate::math::{Camera, DVec3};
 use crate::paint::Brush;
@@ -110,13 +115,13 @@ pub struct Layer {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Looks {
     /// Colour and opacity.
-    pub transfer: TransferFunction,
+    pub transfer: Shared<TransferFunction>,
     /// The 3D view's appearance.
-    pub look: Look,
+    pub look: Shared<Look>,
     /// Fields' display.
-    pub layers: Vec<Layer>,
+    pub layers: Shared<Vec<Layer>>,
     /// How each volume is shown.
-    pub shown: BTreeMap<VolumeId, VolumeLook>,
+    pub shown: Shared<BTreeMap<VolumeId, VolumeLook>>,
 }
 
 /// The file that the density comes from.
@@ -143,23 +148,22 @@ fn in_utf8<S: serde::Serializer>(path: &std::path::Path, to: S) -> Result<S::Ok,
     to.collect_str(&path.display())
 }
 
-/// See the module's head.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-pub struct Scene {
+components! {
+    (grid, histogram, volume)
     /// Which volumes there are.
-    pub volumes: Volumes,
+    volumes: Volumes, Undo, Volumes::of_one(volume);
     /// How each of them is shown.
-    pub shown: BTreeMap<VolumeId, VolumeLook>,
+    shown: BTreeMap<VolumeId, VolumeLook>, Looks, VolumeLook::of_first(histogram);
     /// Colour and opacity.
-    pub transfer: TransferFunction,
+    transfer: TransferFunction, Looks, first_look::transfer(grid, histogram);
     /// The 3D view's appearance.
-    pub look: Look,
+    look: Look, Looks, first_look::look(grid);
     /// Views.
-    pub views: Views,
+    views: Views, Views, Views::new(grid);
     /// Fields' display.
-    pub layers: Vec<Layer>,
+    layers: Vec<Layer>, Looks, FieldKind::ALL.map(Layer::new).to_vec();
     /// The brush.
-    pub brush: Brush,
+    brush: Brush, Tool, brush_for(grid);
     /// Parts and forces.
-    pub explosion: Explosion,
+    explosion: Explosion, Undo, Explosion::whole(grid);
 }

@@ -133,7 +133,7 @@ impl Past {
     /// A group has ended; what is as it was before it is no change.
     pub(crate) fn group_closed(&mut self, group: PastGroup, scene: &Scene) {
         if let Some(begun) = group.views
-            && self.views.back.last().is_some_and(|c| c.other == scene.views)
+            && self.views.back.last().is_some_and(|c| c.other == *scene.views)
         {
             self.views.unpush(begun);
         }
@@ -158,7 +158,7 @@ impl Past {
         self.changes = self.changes.saturating_add(1);
         let name = match of {
             PastOf::Views => self.views.travel(back, self.changes, |other| {
-                let now = &mut scene.views;
+                let now: &mut Views = &mut scene.views;
                 other.size = now.size;
                 for (slice, now) in other.slices.iter_mut().zip(&now.slices) {
                     slice.size = now.size;
@@ -204,7 +204,7 @@ impl Past {
 
     /// Forgets what a scene cannot be: of a project that was written by hand or damaged.
     pub(crate) fn retain(&mut self, scene: &Scene, can_be: impl Fn(&Scene) -> bool) {
-        let seen = |views: &Views| can_be(&Scene { views: views.clone(), ..scene.clone() });
+        let seen = |views: &Views| can_be(&Scene { views: views.clone().into(), ..scene.clone() });
         let looked = |looks: &Looks| {
             let mut scene = scene.clone();
             looks.clone().exchange(&mut scene);

@@ -189,7 +189,7 @@ impl Scene {
 
     /// The look that the active volume is shown with: mode and light its own or the document's, the rest the document's.
     pub fn look_of(&self, volume: VolumeId) -> Look {
-        Look { mode: self.mode_of(volume), lighting: self.lighting_of(volume), ..self.look }
+        Look { mode: self.mode_of(volume), lighting: self.lighting_of(volume), ..*self.look }
     }
 
     /// Shows a volume so; one without a look of its own is shown as the document is.
@@ -197,9 +197,9 @@ impl Scene {
         match self.shown.get_mut(&volume).and_then(|shown| shown.own.as_mut()) {
             Some(own) => {
                 (own.mode, own.lighting) = (look.mode, look.lighting);
-                self.look = Look { mode: self.look.mode, lighting: self.look.lighting, ..look };
+                *self.look = Look { mode: self.look.mode, lighting: self.look.lighting, ..look };
             }
-            None => self.look = look,
+            None => *self.look = look,
         }
     }
 

@@ -42,7 +42,7 @@ impl App {
     /// Paints with this from now on, and takes the brush in hand.
     pub(crate) fn paint_with(&mut self, target: Target) {
         let Some(scene) = &self.scene else { return };
-        let new = Brush { target, ..scene.brush };
+        let new = Brush { target, ..*scene.brush };
         let change = brush_change(&scene.brush, &new);
         self.last_paint.insert(kind(target), target);
         if let Some(command) = change {
@@ -53,7 +53,7 @@ impl App {
 
     pub(super) fn brush_panel(&mut self, ui: &mut Ui) {
         let Some(scene) = &self.scene else { return };
-        let old = scene.brush;
+        let old = *scene.brush;
         let mut new = old;
         let middle = scene.window().level;
         let voxel = self.opened().map_or(1.0, |o| o.grid.voxel_mm());

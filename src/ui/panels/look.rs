@@ -29,7 +29,7 @@ fn sampling(step_voxels: Option<f64>, refine: bool) -> Command {
 impl App {
     pub(super) fn look_panel(&mut self, ui: &mut Ui) {
         let (Some(scene), Some(open)) = (&self.scene, &self.snapshot.open) else { return };
-        let now = scene.look;
+        let now = *scene.look;
         let [min, max] = open.ends();
         let kind = match now.mode {
             Mode::Dvr => Kind::Dvr,

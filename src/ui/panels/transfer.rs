@@ -95,7 +95,7 @@ impl Plot {
 impl App {
     pub(super) fn transfer_panel(&mut self, ui: &mut Ui) {
         let (Some(scene), Some(open)) = (&self.scene, &self.snapshot.open) else { return };
-        let old = scene.transfer.clone();
+        let old = (*scene.transfer).clone();
         let histogram = open.histogram.clone();
         let mut new = old.clone();
 
