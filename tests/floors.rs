@@ -17,7 +17,7 @@ const FLOORS: &[&[&str]] = &[
 
 /// Where a library may be named, as a prefix of the path below `src`.
 const LIBRARIES: &[(&str, &[&str])] = &[
-    ("wgpu", &["gpu/", "ui/views/viewport"]),
+    ("wgpu", &["gpu/", "ui/window/canvas"]),
     ("naga", &["gpu/"]),
     ("naga_oil", &["gpu/"]),
     ("egui", &["ui/"]),
@@ -36,6 +36,45 @@ fn sources(dir: &Path, into: &mut Vec<PathBuf>) {
         }
     }
 }
+
+/// Folders and files inside a floor, ground to roof, as [`FLOORS`]: a file names only what stands below its own folder. `mod` is
+/// what the floor's own `mod.rs` defines; that file and what the whole floor is seen by (its re-exports) may name all.
+const INNER: &[(&str, &[&[&str]])] = &[
+    (
+        "gpu",
+        &[
+            &["constants"],
+            &["device"],
+            &["picture"],
+            &["fields"],
+            &["brush", "layers"],
+            &["cast"],
+            &["trace"],
+            &["slice", "backdrop"],
+        ],
+    ),
+    (
+        "document",
+        &[
+            &["disk", "watch"],
+            &["error"],
+            &["scene"],
+            &["state"],
+            &["subject", "command"],
+            &["history"],
+            &["project", "reduce"],
+            &["journal", "paths", "frame"],
+            &["live"],
+            &["mod"],
+            &["place"],
+            &["apply"],
+        ],
+    ),
+    ("ui", &[&["style", "browse"], &["thread"], &["state"], &["window"], &["views"], &["panels", "dialogs"]]),
+];
+
+/// Floors of which no file may be reached from itself along imports.
+const WITHOUT_CIRCLES: &[&str] = &["gpu", "document", "ui"];
 
 fn floor_of(module: &str) -> Option<usize> {
     FLOORS.iter().position(|f| f.contains(&module))
@@ -71,42 +110,131 @@ fn code(text: &str) -> String {
     out
 }
 
-/// Every `crate::module` and `burin::module` that a file names, grouped imports included.
-fn named_modules(code: &str) -> Vec<String> {
-    let mut found = Vec::new();
-    for root in ["crate::", "burin::"] {
-        for (at, _) in code.match_indices(root) {
-            let rest = &code[at + root.len()..];
-            if let Some(group) = rest.strip_prefix('{') {
-                let mut depth = 1;
-                let mut word = String::new();
-                let mut at_start = true;
-                for c in group.chars() {
-                    match c {
-                        '{' => depth += 1,
-                        '}' => depth -= 1,
-                        ',' if depth == 1 => {
-                            found.push(std::mem::take(&mut word));
-                            at_start = true;
-                            continue;
-                        }
-                        _ => {}
+/// Every path from the crate's root that a file names, grouped imports taken apart: `crate::a::{b, c::D}` is `a b` and `a c D`.
+fn named_paths(code: &str) -> Vec<Vec<String>> {
+    fn tree(text: &[char], at: &mut usize, before: &[String], found: &mut Vec<Vec<String>>) {
+        let mut path = before.to_vec();
+        let mut word = String::new();
+        while let Some(&c) = text.get(*at) {
+            if c.is_alphanumeric() || c == '_' {
+                word.push(c);
+                *at += 1;
+                continue;
+            }
+            if !word.is_empty() {
+                path.push(std::mem::take(&mut word));
+            }
+            if text[*at..].starts_with(&[':', ':']) {
+                *at += 2;
+            } else if c == '{' && text[..*at].ends_with(&[':', ':']) {
+                *at += 1;
+                while text.get(*at).is_some_and(|&c| c != '}') {
+                    while text.get(*at).is_some_and(|c| c.is_whitespace() || *c == ',') {
+                        *at += 1;
                     }
-                    if depth == 0 {
-                        break;
-                    }
-                    if depth == 1 && at_start {
-                        if c.is_alphanumeric() || c == '_' {
-                            word.push(c);
-                        } else if !word.is_empty() {
-                            at_start = false;
+                    if text.get(*at).is_some_and(|&c| c != '}') {
+                        tree(text, at, &path, found);
+                        // A name's alias, or a glob's star.
+                        while text.get(*at).is_some_and(|&c| c != ',' && c != '}') {
+                            *at += 1;
                         }
                     }
                 }
-                found.push(word);
+                *at += 1;
+                return;
             } else {
-                found.push(rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect());
+                break;
             }
+        }
+        if !word.is_empty() {
+            path.push(word);
+        }
+        found.push(path);
+    }
+    let mut found = Vec::new();
+    for root in ["crate::", "burin::"] {
+        for (at, _) in code.match_indices(root) {
+            if !code[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_' || c == '$' || c == ':') {
+                let text: Vec<char> = code[at + root.len() - 2..].chars().collect();
+                tree(&text, &mut 0, &[], &mut found);
+            }
+        }
+    }
+    found
+}
+
+/// A file's place among the modules: `gpu/fields/pool.rs` is `gpu fields pool`, as is `gpu/fields/pool/mod.rs`.
+fn module_of(path: &str) -> Vec<&str> {
+    path.trim_end_matches(".rs").trim_end_matches("/mod").split('/').collect()
+}
+
+/// Which folder of its floor a path leads into, as [`INNER`] names it; a type or function of the floor itself is of `mod`.
+fn folder_in<'a>(order: &[&[&'a str]], path: &[&str]) -> Option<&'a str> {
+    let name = path.get(1)?;
+    order.iter().flat_map(|row| row.iter()).find(|f| *f == name).copied().or(Some("mod"))
+}
+
+/// What is wrong with a file's imports inside its own floor.
+fn inner_faults(path: &str, code: &str) -> Vec<String> {
+    let own = module_of(path);
+    let Some((floor, order)) = INNER.iter().find(|(floor, _)| *floor == own[0]) else { return Vec::new() };
+    let height = |folder: &str| order.iter().position(|row| row.contains(&folder));
+    let mut faults = Vec::new();
+    let Some(&folder) = own.get(1) else { return faults };
+    let Some(height_of_own) = height(folder) else {
+        return vec![format!("{path}: {folder} has no place in the order of {floor}")];
+    };
+    for named in named_paths(code) {
+        let named: Vec<&str> = named.iter().map(String::as_str).collect();
+        if named.first() != Some(floor) {
+            continue;
+        }
+        let other = folder_in(order, &named).unwrap_or("mod");
+        if other == "mod" && height("mod").is_none() {
+            faults.push(format!("{path} names {} through the floor's door", named.join("::")));
+        } else if other != folder && height(other).is_none_or(|h| h >= height_of_own) {
+            faults.push(format!("{path} imports {}, which does not stand below {folder}", named.join("::")));
+        }
+    }
+    if code.contains("use super::*") {
+        faults.push(format!("{path} takes all that its parent has"));
+    }
+    faults.dedup();
+    faults
+}
+
+/// Files of a floor that import each other in a circle, each circle once. A module and what lies in its own folder are one.
+fn circles(files: &[(String, String)]) -> Vec<Vec<String>> {
+    let modules: Vec<Vec<&str>> = files.iter().map(|(path, _)| module_of(path)).collect();
+    let names: Vec<Vec<usize>> = files
+        .iter()
+        .zip(&modules)
+        .map(|((_, text), own)| {
+            let named = named_paths(&code(text));
+            let files = named.iter().filter_map(|path| {
+                // The longest beginning of the path that is a file.
+                let is_at =
+                    |n: usize| modules.iter().position(|m| m.len() == n && m.iter().zip(path).all(|(a, b)| a == b));
+                (1..=path.len()).rev().find_map(is_at)
+            });
+            files.filter(|&at| !own.starts_with(&modules[at]) && !modules[at].starts_with(own)).collect()
+        })
+        .collect();
+    let reached = |from: usize| {
+        let (mut seen, mut open) = (vec![false; files.len()], names[from].clone());
+        while let Some(at) = open.pop() {
+            if !std::mem::replace(&mut seen[at], true) {
+                open.extend(&names[at]);
+            }
+        }
+        seen
+    };
+    let reach: Vec<Vec<bool>> = (0..files.len()).map(reached).collect();
+    let mut found: Vec<Vec<String>> = Vec::new();
+    for (at, reached) in reach.iter().enumerate() {
+        let circle: Vec<usize> = (0..files.len()).filter(|&b| reached[b] && reach[b][at]).collect();
+        if circle.first() == Some(&at) {
+            found.push(circle.iter().map(|&b| files[b].0.clone()).collect());
         }
     }
     found
@@ -118,14 +246,16 @@ fn faults(path: &str, text: &str) -> Vec<String> {
     let module = path.split(['/', '.']).next().unwrap_or("");
     let mut faults = Vec::new();
     if let Some(own) = floor_of(module) {
-        for name in named_modules(&code) {
-            if let Some(other) = floor_of(&name)
+        for named in named_paths(&code) {
+            if let Some(name) = named.first()
+                && let Some(other) = floor_of(name)
                 && name != module
                 && other >= own
             {
                 faults.push(format!("{path} imports {name}, which is not on a floor below"));
             }
         }
+        faults.extend(inner_faults(path, &code));
     } else if module != "lib" {
         faults.push(format!("{path}: module {module} has no floor"));
     }
@@ -138,23 +268,56 @@ fn faults(path: &str, text: &str) -> Vec<String> {
             faults.push(format!("{path} names {library}, which belongs in {places:?}"));
         }
     }
+    faults.dedup();
     faults
 }
 
-#[test]
-fn imports_go_down_only_and_libraries_stay_on_their_floor() {
+/// All files of the program, by their path below `src`.
+fn program() -> Vec<(String, String)> {
     let root = crate::common::root().join("src");
     let mut files = Vec::new();
     sources(&root, &mut files);
     assert!(files.len() > 20, "sources not found");
-    let found: Vec<String> = files
-        .iter()
-        .flat_map(|f| {
-            let path = f.strip_prefix(&root).unwrap().to_string_lossy().replace('\\', "/");
-            faults(&path, &std::fs::read_to_string(f).unwrap())
-        })
-        .collect();
+    let named = |f: &PathBuf| f.strip_prefix(&root).unwrap().to_string_lossy().replace('\\', "/");
+    files.iter().map(|f| (named(f), std::fs::read_to_string(f).unwrap())).collect()
+}
+
+#[test]
+fn imports_go_down_only_and_libraries_stay_on_their_floor() {
+    let found: Vec<String> = program().iter().flat_map(|(path, text)| faults(path, text)).collect();
     assert!(found.is_empty(), "{found:#?}");
+}
+
+#[test]
+fn no_file_imports_itself_in_a_circle() {
+    let program = program();
+    for floor in WITHOUT_CIRCLES {
+        let files: Vec<(String, String)> =
+            program.iter().filter(|(path, _)| path.starts_with(&format!("{floor}/"))).cloned().collect();
+        assert!(files.len() > 3, "{floor} not found");
+        let found = circles(&files);
+        assert!(found.is_empty(), "{found:#?}");
+    }
+}
+
+#[test]
+fn a_circle_is_found() {
+    let file = |path: &str, text: &str| (path.to_owned(), text.to_owned());
+    let circle = [
+        file("gpu/mod.rs", "pub use cast::tiles::Tiles;"),
+        file("gpu/cast/tiles.rs", "use crate::gpu::{device::Gpu, cast::order::Order as Row};"),
+        file("gpu/cast/order.rs", "use crate::gpu::cast::solid::{Solid};"),
+        file("gpu/cast/solid.rs", "fn f() { crate::gpu::cast::tiles::list(); }"),
+        file("gpu/device/mod.rs", "// crate::gpu::cast::tiles"),
+    ];
+    assert_eq!(circles(&circle), [["gpu/cast/tiles.rs", "gpu/cast/order.rs", "gpu/cast/solid.rs"]]);
+    assert!(circles(&circle[..3]).is_empty());
+    // A folder's own file may name what lies in it, and be named there.
+    let folder = [
+        file("gpu/pool/mod.rs", "use crate::gpu::pool::pages::Page;"),
+        file("gpu/pool/pages.rs", "use crate::gpu::pool::Pool;"),
+    ];
+    assert!(circles(&folder).is_empty());
 }
 
 #[test]
@@ -163,8 +326,23 @@ fn a_forbidden_import_is_found() {
     assert_eq!(faults("paint/dab.rs", up).len(), 1);
     assert_eq!(faults("paint/dab.rs", "fn f() { crate::explode::split(); }").len(), 1);
     assert_eq!(faults("document/mod.rs", "use wgpu::Device;").len(), 1);
-    assert_eq!(faults("ui/app.rs", "let d: wgpu::Device;").len(), 1);
+    assert_eq!(faults("ui/window/app.rs", "let d: wgpu::Device;").len(), 1);
     assert_eq!(faults("annex/mod.rs", "").len(), 1);
-    assert!(faults("gpu/pool.rs", "use crate::volume::Field; use wgpu::Device; // crate::ui").is_empty());
-    assert!(faults("ui/app.rs", "let d: egui_wgpu::Thing; let s = \"wgpu::Device\";").is_empty());
+    assert!(faults("gpu/fields/pool.rs", "use crate::volume::Field; use wgpu::Device; // crate::ui").is_empty());
+    assert!(faults("ui/window/app.rs", "let d: egui_wgpu::Thing; let s = \"wgpu::Device\";").is_empty());
+    // Inside a floor.
+    assert_eq!(faults("ui/window/app.rs", "use crate::ui::dialogs::what::What;").len(), 1);
+    assert_eq!(faults("gpu/fields/pool.rs", "use crate::gpu::cast::tiles::Tiles;").len(), 1);
+    assert_eq!(faults("gpu/cast/tiles.rs", "use crate::gpu::{device::Gpu, brush::painter::Painter};").len(), 1);
+    assert_eq!(faults("gpu/cast/tiles.rs", "use crate::gpu::Painter;").len(), 1);
+    assert_eq!(faults("gpu/annex/tiles.rs", "").len(), 1);
+    assert_eq!(faults("document/scene/check.rs", "fn f() { crate::document::apply::view::near() }").len(), 1);
+    assert_eq!(faults("document/live/motion.rs", "use crate::document::Document;").len(), 1);
+    assert_eq!(faults("document/apply/mod.rs", "use super::*;").len(), 1);
+    assert!(faults("document/apply/ask.rs", "use crate::document::{Document, frame::WHOLE};").is_empty());
+    assert!(faults("gpu/mod.rs", "pub use cast::tiles::Tiles; use crate::gpu::slice::Slice;").is_empty());
+    assert!(
+        faults("gpu/cast/tiles.rs", "use crate::gpu::cast::order::{self, Order}; use crate::gpu::fields::pool::Pool;")
+            .is_empty()
+    );
 }

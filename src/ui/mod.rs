@@ -6,20 +6,21 @@
 pub mod browse;
 mod dialogs;
 mod panels;
+pub(crate) mod state;
 pub mod style;
 pub(crate) mod thread;
 pub(crate) mod views;
 pub(crate) mod window;
 
-pub use dialogs::glance::{Glance, glance};
-pub use thread::progress::Stop;
+pub use browse::glance::{Glance, glance};
+pub use state::layout::Layout;
+pub use state::recent::{Recent, Seen};
+pub use state::sample::Sample;
 pub use thread::session::{Far, Gravity, Offer, Opened, Picture, Report, Request, Session, Snapshot, Then};
+pub use thread::stop::Stop;
 pub use thread::worker::spawn;
-pub use views::viewport::canvas::Canvas;
 pub use window::app::App;
-pub use window::layout::Layout;
-pub use window::recent::{Recent, Seen};
-pub use window::sample::Sample;
+pub use window::canvas::Canvas;
 
 use crate::document::{Document, recovery};
 use std::path::PathBuf;

@@ -66,7 +66,7 @@ fn samples_that_are_named_are_plain_ones_and_refining_is_said_kept_and_taken_bac
     drop(document);
     let mut document = Document::new();
     run(&mut document, &json!({"project":{"open":{"path": project}}}).to_string()).unwrap();
-    let kept = document.state().unwrap().scene.look;
+    let kept = document.state().unwrap().scene.look.clone();
     assert_eq!((kept.step_voxels, kept.refine), (1.0, true), "saved");
     assert_eq!(run(&mut document, r#"{"view":{"back":{}}}"#).unwrap()["moved"], true);
     assert!(!document.state().unwrap().scene.look.refine, "taken back like any look");

@@ -1,7 +1,8 @@
 //! Saving, what waits for it, and what a crash left.
 
 use super::driver::{SMALL, Window};
-use super::replies::{self, recovered, saved};
+use super::replies;
+use super::replies::{recovered, saved};
 use burin::document::{Command, DensityKeeping, ProjectCommand, VolumeCommand};
 use burin::ui::{Gravity, Report};
 use egui::{Modifiers, ViewportCommand, ViewportEvent, ViewportId};

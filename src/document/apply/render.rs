@@ -3,8 +3,8 @@
 use crate::document::Document;
 use crate::document::command::answers::{PictureSaid, Said};
 use crate::document::command::files::RenderCommand;
-use crate::document::command::paths::check_target;
 use crate::document::error::DocumentError;
+use crate::document::paths::check_target;
 use crate::document::scene::ViewName;
 use crate::document::scene::check::check_size;
 use crate::document::scene::check::{checked_colour, safe_camera};

@@ -5,10 +5,12 @@
 
 #![allow(missing_docs)] // fields: the command's own text says what they are
 
+pub mod answers;
+pub mod answers_ask;
 pub(crate) mod brush;
+pub mod effects;
 pub(crate) mod files;
 pub(crate) mod parts;
-pub(crate) mod paths;
 pub(crate) mod resolved;
 pub(crate) mod views;
 
@@ -17,9 +19,6 @@ use crate::document::command::files::{ProjectCommand, RenderCommand, VolumeComma
 use crate::document::command::parts::{ExplosionCommand, PartCommand};
 use crate::document::command::views::{TransferCommand, ViewCommand};
 use crate::document::scene::ViewName;
-pub mod answers;
-pub mod answers_ask;
-pub mod effects;
 use crate::math::Camera;
 use crate::volume::FieldKind;
 use schemars::JsonSchema;

@@ -281,8 +281,7 @@ fn place_of(dir: &Path, layout: &Layout, name: &str) -> Result<[u32; 3], KeepErr
     match numbers.as_deref() {
         Some(&[x, y, z]) if x < dims[0] && y < dims[1] && z < dims[2] => Ok([x, y, z]),
         _ => {
-            let (path, field) =
-                (dir.join(crate::document::project::manifest::MANIFEST), format!("shards of {}", layout.path));
+            let (path, field) = (dir.join(crate::document::project::MANIFEST), format!("shards of {}", layout.path));
             Err(KeepError::malformed(&path, field, format!("{name:?}"), format!("x/y/z below {dims:?}")))
         }
     }

@@ -2,6 +2,7 @@
 
 use crate::document::disk::error::KeepError;
 use crate::document::disk::inside;
+use crate::document::project::MANIFEST;
 use crate::document::project::arrays::rows;
 use crate::document::project::fields::Shards;
 use crate::document::project::first_format;
@@ -25,8 +26,6 @@ pub(crate) const ONE_VOLUME: u64 = 1;
 pub(crate) const PROJECT: &str = "project.json";
 /// Bytes before the first record of a journal: one that has no more holds no work.
 pub(crate) const JOURNAL_HEADER: u64 = 28;
-/// A generation's own description.
-pub(crate) const MANIFEST: &str = "generation.json";
 /// No histogram has more.
 const MOST_BINS: usize = 1 << 16;
 /// Neither is ever longer: a table of shards has some ten bytes a megabyte of voxels.

@@ -10,3 +10,6 @@ pub(crate) mod manifest;
 pub mod read;
 pub(crate) mod source;
 pub(crate) mod store;
+
+/// A generation's own description.
+pub(crate) const MANIFEST: &str = "generation.json";

@@ -6,8 +6,9 @@
 use crate::document::disk::error::KeepError;
 use crate::document::disk::inside;
 use crate::document::disk::source_files::SourceFiles;
+use crate::document::project::MANIFEST;
 use crate::document::project::fields::{DENSITY, EDITED, Edits, array_name, read_edited, read_field};
-use crate::document::project::manifest::{Kept, MANIFEST, Manifest, PROJECT, VolumeRecord, read_project};
+use crate::document::project::manifest::{Kept, Manifest, PROJECT, VolumeRecord, read_project};
 use crate::document::project::source::ZarrSource;
 use crate::volume::{FieldKind, VolumeId};
 use std::collections::BTreeMap;

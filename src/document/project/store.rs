@@ -17,13 +17,14 @@ use crate::document::disk::files::{Writer, create_dir, remove_dir, replace, sync
 use crate::document::disk::inside;
 use crate::document::disk::lock::{LOCK, Lock};
 use crate::document::disk::source_files::SourceFiles;
+use crate::document::project::MANIFEST;
 use crate::document::project::arrays::{Layout, SHARD, group_json, ome_attributes};
 use crate::document::project::fields::{
     DENSITY, EDITED, Shard, Shards, array_name, file_hash, place_name, write_edited, write_field,
 };
 use crate::document::project::link::Link;
 use crate::document::project::manifest::{
-    JOURNAL_HEADER, Kept, MANIFEST, Manifest, PROJECT, VERSION, VolumeRecord, project_json, volume_place,
+    JOURNAL_HEADER, Kept, Manifest, PROJECT, VERSION, VolumeRecord, project_json, volume_place,
 };
 use crate::document::project::read::{
     Loaded, LoadedDensity, Wanted, check_project, described, generation_name, generation_of, load,

@@ -32,7 +32,7 @@ pub struct Caster {
     forms: Forms,
     /// Made when a picture first holds a mesh.
     pub(crate) layers: Option<LayerRaster>,
-    pub(crate) visibility: Option<crate::gpu::cast::visibility::Counter>,
+    pub(crate) visibility: Option<crate::gpu::cast::counting::Counter>,
     /// Whether empty space is skipped and equal bodies are united; tests turn both off to compare pictures.
     pub shortcuts: bool,
 }

@@ -3,6 +3,7 @@
 //! Stands on `fields` and `picture`; knows no strokes.
 
 pub(crate) mod caster;
+pub(crate) mod counting;
 pub(crate) mod forms;
 pub(crate) mod merging;
 pub mod order;

@@ -3,14 +3,13 @@
 //! Feeds the viewing force's gain (ERRATA, Exploded Views). Counts pixels; the smaller the frame, the cheaper.
 
 use crate::gpu::cast::caster::Caster;
+use crate::gpu::cast::counting::Counter;
 use crate::gpu::cast::merging::drawn;
 use crate::gpu::cast::tiles::Window;
 use crate::gpu::cast::uniforms::Scene;
-use crate::gpu::device::constants::{MOST_BODIES, TILE};
+use crate::gpu::device::constants::TILE;
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
-use crate::gpu::device::kernel::{Binding, Compute, Kernel};
-use crate::gpu::device::shader::shader;
 use crate::gpu::fields::pools::{FieldPools, Fields};
 use crate::gpu::layers::DrawnLayers;
 use crate::gpu::picture::frame::{Frame, Mask};
@@ -34,34 +33,6 @@ impl Visibility {
     /// Visible share of the selected pixels, 1 if there are none.
     pub fn share(&self) -> f64 {
         if self.selected == 0 { 1.0 } else { self.visible as f64 / self.selected as f64 }
-    }
-}
-
-/// What counting needs on the GPU.
-#[derive(Debug)]
-pub(crate) struct Counter {
-    kernel: Kernel<Compute>,
-    counts: wgpu::Buffer,
-    answer: wgpu::Buffer,
-}
-
-impl Counter {
-    fn new(gpu: &Gpu) -> Self {
-        let size = 4 * (u64::from(MOST_BODIES) + 2);
-        let buffer = |label, usage| {
-            gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size,
-                usage,
-                mapped_at_creation: false,
-            })
-        };
-        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
-        Self {
-            kernel: Kernel::new(gpu, shader!("cast/visibility.wgsl"), Compute("count"), &[Binding::Storage]),
-            counts: buffer("visibility counts", usage),
-            answer: buffer("visibility answer", wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST),
-        }
     }
 }
 

@@ -5,7 +5,7 @@
 
 use crate::gpu::device::adapter::AdapterChoice;
 use crate::gpu::device::error::GpuError;
-use crate::gpu::device::stopwatch::Stopwatch;
+use crate::gpu::device::pass_queries::Stopwatch;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::Features;

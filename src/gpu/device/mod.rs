@@ -7,6 +7,7 @@ pub mod constants;
 pub(crate) mod error;
 pub(crate) mod gpu;
 pub(crate) mod kernel;
+pub(crate) mod pass_queries;
 pub mod shader;
 pub mod shared;
 pub(crate) mod stopwatch;

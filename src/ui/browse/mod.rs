@@ -4,6 +4,7 @@
 //! through the list, Enter takes what was touched last. Owns the folder that is shown, what was typed and what is wrong with it;
 //! an error never takes the text away. Knows no document and no egui.
 
+pub(crate) mod glance;
 pub(crate) mod listing;
 pub(crate) mod names;
 pub(crate) mod places;

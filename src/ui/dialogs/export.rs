@@ -1,9 +1,11 @@
 //! What is exported, and to which format; the path is asked next.
 
 use crate::io::export_endings;
-use crate::ui::dialogs::what::What;
-use crate::ui::dialogs::{Dialog, cancel, primary};
+use crate::ui::state::dialog::Dialog;
+use crate::ui::state::path_purpose::Export;
+use crate::ui::state::path_purpose::What;
 use crate::ui::style::theme;
+use crate::ui::style::widgets::{cancel, primary};
 use crate::ui::style::widgets::{choice, from_right_row, row};
 use crate::ui::window::app::App;
 use crate::volume::FieldKind;
@@ -17,21 +19,6 @@ fn about(endings: &'static [&'static str]) -> (&'static str, &'static str) {
         [".nii.gz", ..] => ("NIfTI (.nii.gz)", "FSL, FreeSurfer, ITK-SNAP, nibabel read it"),
         [ending, ..] => (ending, "A file of this ending"),
         [] => ("", ""),
-    }
-}
-
-/// The question.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Export {
-    pub(super) field: FieldKind,
-    /// The endings of the format, the usual one first.
-    pub(super) endings: &'static [&'static str],
-}
-
-impl Export {
-    /// Of a field, in the format that keeps most of it.
-    pub(crate) fn of(field: FieldKind) -> Self {
-        Self { field, endings: export_endings(field).first().copied().unwrap_or_default() }
     }
 }
 

@@ -6,13 +6,13 @@ use crate::document::{Command, ProjectCommand, SegmentCommand, SelectionCommand,
 use crate::io::without_numbers;
 use crate::ui::browse::names::shown;
 use crate::ui::browse::{Asks, Browser, Wake, places};
-use crate::ui::dialogs::export::Export;
-use crate::ui::dialogs::glance::Glance;
-use crate::ui::dialogs::what::What;
-use crate::ui::dialogs::{Browse, Dialog};
+use crate::ui::state::dialog::Chosen;
+use crate::ui::state::dialog::Parked;
+use crate::ui::state::dialog::{Browse, Dialog};
+use crate::ui::state::path_purpose::Export;
+use crate::ui::state::path_purpose::What;
 use crate::ui::thread::session::Gravity;
 use crate::ui::window::app::App;
-use crate::ui::window::saving::AfterSave;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -20,23 +20,13 @@ use std::time::{Duration, Instant};
 /// Nobody says no to a dialog faster: there was none.
 const TOO_FAST: Duration = Duration::from_millis(400);
 
-/// What a dialog that runs beside the window came back with.
-pub(crate) enum Chosen {
-    /// A path, and what for.
-    Path(What, PathBuf),
-    /// The system showed no dialog after all.
-    NoDialog(What),
-    /// What a file looks like; which of the glances it was.
-    Glanced { path: PathBuf, found: Glance, number: u64 },
-}
-
-/// A browser whose path was taken, until it is known whether it served.
-pub(crate) struct Parked {
-    browse: Box<Browse>,
-    after_save: Option<AfterSave>,
-}
-
 impl App {
+    /// The same with the system's file dialogs, if it has any; without them the window's own browser asks for paths.
+    pub fn with_system_dialogs(mut self) -> Self {
+        self.system_dialogs = has_file_dialog();
+        self
+    }
+
     /// Asks for a path.
     pub(crate) fn ask(&mut self, what: What) {
         self.parked = None;
@@ -44,7 +34,7 @@ impl App {
             self.browse(what);
             return;
         }
-        let (folder, name) = (self.folder_for(&what), what.name(self));
+        let (folder, name) = (self.folder_for(&what), self.offered_name(&what));
         let (back, wake, asked) = (self.chosen.0.clone(), self.wake(), what.clone());
         // The system's dialog answers when the user does; the window goes on.
         let started = std::thread::Builder::new().name("file dialog".into()).spawn(move || {
@@ -65,7 +55,7 @@ impl App {
 
     fn browse(&mut self, what: What) {
         let folder = self.folder_for(&what);
-        let name = what.name(self);
+        let name = self.offered_name(&what);
         let browser = Browser::new(what.purpose(), &folder, &name.to_string_lossy(), self.home.clone(), self.wake());
         self.show_browser(what, browser);
     }
@@ -223,7 +213,7 @@ fn by_system(what: &What, folder: &Path, name: &std::ffi::OsStr) -> Option<PathB
 
 /// Whether the system can show a file dialog: on Linux that takes a session bus with a portal on it.
 /// `BURIN_WITHOUT_PORTAL` says no.
-pub(crate) fn has_file_dialog() -> bool {
+fn has_file_dialog() -> bool {
     let set = |name: &str| std::env::var_os(name).is_some_and(|a| !a.is_empty());
     if set("BURIN_WITHOUT_PORTAL") {
         return false;

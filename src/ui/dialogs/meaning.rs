@@ -1,24 +1,18 @@
 //! What the values of a file mean: asked only where they may name regions.
 
 use crate::document::{Command, OpenAs, SegmentCommand, SelectionCommand};
+use crate::ui::browse::glance::{Glance, glance};
 use crate::ui::browse::names::shown;
-use crate::ui::dialogs::files::Chosen;
-use crate::ui::dialogs::glance::{Glance, glance};
-use crate::ui::dialogs::{Dialog, cancel};
+use crate::ui::state::dialog::Chosen;
+use crate::ui::state::dialog::Dialog;
+use crate::ui::state::dialog::Meaning;
+use crate::ui::state::saving::Coming;
 use crate::ui::style::theme;
+use crate::ui::style::widgets::cancel;
 use crate::ui::style::widgets::{from_right_row, tipped};
 use crate::ui::window::app::{App, Busy};
-use crate::ui::window::saving::Coming;
 use egui::{Align, Button, Layout, RichText, Ui, vec2};
 use std::path::{Path, PathBuf};
-
-/// The question.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Meaning {
-    pub(super) path: PathBuf,
-    /// The header says so itself.
-    pub(super) named: bool,
-}
 
 /// The answers.
 #[derive(Clone, Copy, Debug, PartialEq)]

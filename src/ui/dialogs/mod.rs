@@ -7,70 +7,15 @@ pub(crate) mod browser;
 pub(crate) mod browser_list;
 pub(crate) mod export;
 pub(crate) mod files;
-pub(crate) mod glance;
 pub(crate) mod meaning;
 pub(crate) mod offer;
 pub(crate) mod picture;
 pub(crate) mod questions;
 pub(crate) mod what;
 
-use crate::ui::browse::Browser;
-use crate::ui::browse::places::Place;
-use crate::ui::style::theme;
-use crate::ui::style::widgets::tipped;
-use crate::ui::thread::session::Offer;
+use crate::ui::state::dialog::Dialog;
 use crate::ui::window::app::App;
-use crate::ui::window::saving::Coming;
 use egui::{Align2, Color32, Id, Modal, RichText, Ui, vec2};
-pub(super) use export::Export;
-
-use crate::ui::dialogs::picture::Picturing;
-pub(super) use meaning::Meaning;
-pub(super) use questions::Lost;
-pub(super) use what::What;
-
-/// What is asked.
-pub(crate) enum Dialog {
-    /// A path for something, where the system has no dialog for that.
-    Browse(Box<Browse>),
-    /// The window closes with unsaved changes.
-    Close,
-    /// Something else is opened over unsaved changes.
-    Replace(Coming),
-    /// Documents that crashes left behind.
-    Lost(Vec<Lost>),
-    /// What the values of a file mean.
-    Meaning(Meaning),
-    /// What is exported, and how.
-    Export(Export),
-    /// How a picture shall be.
-    Picture(Box<Picturing>),
-    /// What can be done about something that went wrong.
-    Offer(Box<Offer>),
-    /// Nothing: the window waits for a save, after which it closes or opens something else.
-    Saving,
-}
-
-/// The file browser, and what for.
-pub(crate) struct Browse {
-    pub(super) what: What,
-    pub(super) browser: Browser,
-    pub(super) places: Vec<Place>,
-    /// Keys that wait for the text before them.
-    pub(super) held: Vec<egui::Event>,
-}
-
-impl Dialog {
-    /// How wide it is, at most.
-    const fn width(&self) -> f32 {
-        match self {
-            Self::Browse(_) => 760.0,
-            Self::Picture(_) => 800.0,
-            Self::Meaning(_) | Self::Export(_) | Self::Offer(_) => 480.0,
-            _ => 440.0,
-        }
-    }
-}
 
 impl App {
     pub(super) fn dialogs(&mut self, ctx: &egui::Context) {
@@ -127,19 +72,4 @@ impl App {
             });
         });
     }
-}
-
-/// The button that is meant most often.
-pub(super) fn primary(text: &str) -> egui::Button<'_> {
-    egui::Button::new(RichText::new(text).color(Color32::WHITE)).fill(theme::ACCENT_FILL).min_size(vec2(110.0, 30.0))
-}
-
-/// The button that leaves a question as if it had not been asked.
-pub(super) fn cancel(ui: &mut Ui) -> bool {
-    tipped(ui.add(plain("Cancel")), "Back to where it was, nothing done (Esc)").clicked()
-}
-
-/// Any other.
-pub(super) fn plain(text: &str) -> egui::Button<'_> {
-    egui::Button::new(text).min_size(vec2(90.0, 30.0))
 }

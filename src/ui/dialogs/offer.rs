@@ -1,10 +1,11 @@
 //! What went wrong and can be put right: said in a sentence, with the one button that does it.
 
 use crate::io::without_numbers;
-use crate::ui::dialogs::what::What;
-use crate::ui::dialogs::{Dialog, cancel, primary};
+use crate::ui::state::dialog::Dialog;
+use crate::ui::state::path_purpose::What;
 use crate::ui::style::theme;
 use crate::ui::style::widgets::from_right_row;
+use crate::ui::style::widgets::{cancel, primary};
 use crate::ui::thread::session::{Offer, Then};
 use crate::ui::window::app::App;
 use egui::{RichText, ScrollArea, Ui};

@@ -3,114 +3,25 @@
 //! The small one is made by the very command that writes the large one, with fewer pixels.
 
 use crate::document::{RenderCommand, Scene, ViewName};
-use crate::ui::dialogs::what::What;
-use crate::ui::dialogs::{Dialog, cancel, primary};
+use crate::ui::state::dialog::Dialog;
+use crate::ui::state::path_purpose::What;
+use crate::ui::state::picture_wish::Extent;
+use crate::ui::state::picture_wish::Ground;
+use crate::ui::state::picture_wish::Picturing;
+use crate::ui::state::picture_wish::SMALL;
+use crate::ui::state::picture_wish::Wish;
 use crate::ui::style::colour::colour_button;
 use crate::ui::style::theme;
 use crate::ui::style::theme::view_title;
+use crate::ui::style::widgets::{cancel, primary};
 use crate::ui::style::widgets::{choice, from_right_row, row, spinner, tipped};
 use crate::ui::thread::session::Request;
 use crate::ui::window::app::App;
-use egui::{Color32, ColorImage, DragValue, Rect, RichText, Sense, TextureHandle, TextureOptions, Ui, pos2, vec2};
-use std::path::PathBuf;
+use egui::{Color32, ColorImage, DragValue, Rect, RichText, Sense, TextureOptions, Ui, pos2, vec2};
 
-/// Most pixels of the small picture, either way.
-const SMALL: [u32; 2] = [384, 240];
 /// Most pixels of an edge and of a picture, as the command has them.
 const EDGE: u32 = 16_384;
 const PIXELS: u64 = 1 << 26;
-
-/// How large a picture is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Extent {
-    Shown,
-    Double,
-    Hd,
-    Uhd,
-    Custom,
-}
-
-/// What lies behind it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Ground {
-    Shown,
-    Colour,
-    Clear,
-}
-
-/// What is wished.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Wish {
-    pub(super) view: ViewName,
-    extent: Extent,
-    custom: [u32; 2],
-    ground: Ground,
-    colour: [f32; 3],
-    samples: u32,
-    pub(super) exr: bool,
-}
-
-impl Default for Wish {
-    fn default() -> Self {
-        Self {
-            view: ViewName::ThreeD,
-            extent: Extent::Shown,
-            custom: [1600, 1200],
-            ground: Ground::Shown,
-            colour: [1.0; 3],
-            samples: 2,
-            exr: false,
-        }
-    }
-}
-
-impl Wish {
-    /// Pixels.
-    fn size(&self, scene: &Scene) -> [u32; 2] {
-        let shown = scene.views.slice(self.view).map_or(scene.views.size, |s| s.size);
-        match self.extent {
-            Extent::Shown => shown,
-            Extent::Double => shown.map(|s| s.saturating_mul(2)),
-            Extent::Hd => [1920, 1080],
-            Extent::Uhd => [3840, 2160],
-            Extent::Custom => self.custom,
-        }
-    }
-
-    /// The command that writes it.
-    pub(super) fn command(&self, scene: &Scene, path: PathBuf) -> RenderCommand {
-        RenderCommand::Image {
-            path,
-            view: self.view,
-            size: Some(self.size(scene)),
-            camera: None,
-            // EXR is transparent anyhow.
-            transparent: self.ground == Ground::Clear && !self.exr,
-            background: (self.ground == Ground::Colour && !self.exr).then_some(self.colour),
-            supersample: self.samples,
-        }
-    }
-
-    /// The same with few pixels; a PNG in any case, since it is shown.
-    fn small(&self, scene: &Scene) -> RenderCommand {
-        let size = self.size(scene).map(f64::from);
-        let scale = (f64::from(SMALL[0]) / size[0]).min(f64::from(SMALL[1]) / size[1]).min(1.0);
-        let mut command = self.command(scene, PathBuf::new());
-        let RenderCommand::Image { size: wanted, supersample, transparent, .. } = &mut command;
-        *wanted = Some(size.map(|s| ((s * scale).round() as u32).max(1)));
-        *supersample = self.samples.min(2);
-        *transparent |= self.exr;
-        command
-    }
-}
-
-/// The question.
-pub(crate) struct Picturing {
-    wish: Wish,
-    /// What the small picture was asked for.
-    asked: Option<RenderCommand>,
-    small: Result<Option<TextureHandle>, String>,
-}
 
 impl App {
     /// Asks how a picture shall be.

@@ -2,25 +2,15 @@
 
 use crate::document::{Command, ProjectCommand, answers};
 use crate::interact::readout;
-use crate::ui::dialogs::{Dialog, plain, primary};
+use crate::ui::state::dialog::Dialog;
+use crate::ui::state::dialog::Lost;
+use crate::ui::state::saving::{AfterSave, Coming};
 use crate::ui::style::theme;
 use crate::ui::style::widgets::{from_right_row, tipped};
+use crate::ui::style::widgets::{plain, primary};
 use crate::ui::window::app::App;
-use crate::ui::window::saving::{AfterSave, Coming};
 use egui::{RichText, Ui, vec2};
 use std::time::SystemTime;
-
-/// A document that a crash left behind.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Lost {
-    id: String,
-    /// The file that was open.
-    origin: String,
-    /// How long ago it was changed last, in words; empty if nobody knows.
-    age: String,
-    /// Thrown away at the next click.
-    doomed: bool,
-}
 
 impl From<&answers::Lost> for Lost {
     fn from(lost: &answers::Lost) -> Self {

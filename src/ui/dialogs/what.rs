@@ -1,102 +1,11 @@
 //! What a path is asked for: its words, its endings, the name that is offered first.
 
 use crate::document::ViewName;
-use crate::ui::browse::{Asks, Purpose};
-use crate::ui::dialogs::export::Export;
-use crate::ui::dialogs::picture::Wish;
+use crate::ui::state::path_purpose::Export;
+use crate::ui::state::path_purpose::What;
 use crate::ui::window::app::App;
-use crate::volume::FieldKind;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-
-/// Files that are opened, and those that are told what they are.
-const VOLUMES: &[&str] = &[".nii", ".nii.gz", ".nrrd", ".nhdr", ".hdr", ".dcm"];
-
-/// What a path is for.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum What {
-    Open,
-    SaveAs,
-    Export(Export),
-    Image(Wish),
-    Selection,
-    Labels,
-    /// The volume of this project, which is not where it was.
-    Source(PathBuf),
-}
-
-impl What {
-    pub(super) const fn title(&self) -> &'static str {
-        match self {
-            Self::Open => "Open",
-            Self::SaveAs => "Save project",
-            Self::Export(Export { field: FieldKind::Labels, .. }) => "Export labels",
-            Self::Export(Export { field: FieldKind::Selection, .. }) => "Export selection",
-            Self::Export(Export { field: FieldKind::Colour, .. }) => "Export colour",
-            Self::Export(_) => "Export density",
-            Self::Image(_) => "Save picture",
-            Self::Selection => "Import selection",
-            Self::Labels => "Import labels",
-            Self::Source(_) => "Find the project's volume",
-        }
-    }
-
-    /// On the button that does it.
-    pub(super) const fn action(&self) -> &'static str {
-        match self {
-            Self::Open | Self::Source(_) => "Open",
-            Self::SaveAs | Self::Image(_) => "Save",
-            Self::Export(_) => "Export",
-            Self::Selection | Self::Labels => "Import",
-        }
-    }
-
-    pub(super) const fn hint(&self) -> &'static str {
-        match self {
-            Self::Open => "A volume (.nii, .nii.gz, .nrrd) or a Burin project",
-            Self::SaveAs => "A project is a folder; it is made if it is not there",
-            Self::Export(_) => "Where the file is written",
-            Self::Image(_) => "Where the picture is written",
-            Self::Selection => "A volume of the same place; what is above 0 is selected",
-            Self::Labels => "A label map of the same place; each value becomes a segment",
-            Self::Source(_) => "The file that the project was saved with; it is known by its content",
-        }
-    }
-
-    pub(super) const fn purpose(&self) -> Purpose {
-        match self {
-            Self::Open | Self::Selection | Self::Labels | Self::Source(_) => {
-                Purpose { asks: Asks::Open, endings: VOLUMES }
-            }
-            Self::SaveAs => Purpose { asks: Asks::SaveFolder, endings: &[] },
-            Self::Export(export) => Purpose { asks: Asks::SaveFile, endings: export.endings },
-            Self::Image(Wish { exr: true, .. }) => Purpose { asks: Asks::SaveFile, endings: &[".exr"] },
-            Self::Image(_) => Purpose { asks: Asks::SaveFile, endings: &[".png"] },
-        }
-    }
-
-    /// What is written is called this first: as the document, with an ending of its own.
-    pub(super) fn name(&self, app: &App) -> OsString {
-        let mut name = stem(app);
-        match self {
-            Self::Open | Self::Selection | Self::Labels | Self::Source(_) => return OsString::new(),
-            Self::SaveAs => name.push(".burin"),
-            Self::Export(Export { field, endings }) => {
-                let ending = endings.first().copied().unwrap_or_default();
-                // Segments are named by their ending already.
-                let what = if ending == ".seg.nrrd" { String::new() } else { format!("-{}", field.name()) };
-                name.push(format!("{what}{ending}"));
-            }
-            Self::Image(wish) => {
-                if wish.view != ViewName::ThreeD {
-                    name.push(format!("-{}", wish.view.name()));
-                }
-                name.push(if wish.exr { ".exr" } else { ".png" });
-            }
-        }
-        name
-    }
-}
 
 /// The document's name without its ending.
 fn stem(app: &App) -> OsString {
@@ -112,6 +21,28 @@ fn stem(app: &App) -> OsString {
 }
 
 impl App {
+    /// What is written is called this first: as the document, with an ending of its own.
+    pub(super) fn offered_name(&self, what: &What) -> OsString {
+        let mut name = stem(self);
+        match what {
+            What::Open | What::Selection | What::Labels | What::Source(_) => return OsString::new(),
+            What::SaveAs => name.push(".burin"),
+            What::Export(Export { field, endings }) => {
+                let ending = endings.first().copied().unwrap_or_default();
+                // Segments are named by their ending already.
+                let what = if ending == ".seg.nrrd" { String::new() } else { format!("-{}", field.name()) };
+                name.push(format!("{what}{ending}"));
+            }
+            What::Image(wish) => {
+                if wish.view != ViewName::ThreeD {
+                    name.push(format!("-{}", wish.view.name()));
+                }
+                name.push(if wish.exr { ".exr" } else { ".png" });
+            }
+        }
+        name
+    }
+
     /// The folder where a dialog begins: for what is written beside the document, else where something was opened last.
     pub(super) fn folder_for(&self, what: &What) -> PathBuf {
         let beside = self.opened().map(|open| {

@@ -2,7 +2,7 @@
 
 use crate::document::HistoryCommand;
 use crate::interact::{Action, Tool};
-use crate::ui::dialogs::what::What;
+use crate::ui::state::path_purpose::What;
 use crate::ui::style::icons::Icon;
 use crate::ui::style::theme;
 use crate::ui::style::widgets::{Face, from_right, icon_button, tipped};

@@ -4,6 +4,8 @@
 
 use crate::io::without_numbers;
 use crate::ui::browse::names::shown;
+use crate::ui::state::message::Message;
+use crate::ui::state::message::Toast;
 use crate::ui::style::icons::Icon;
 use crate::ui::style::theme;
 use crate::ui::style::widgets::{Face, from_right, icon_button};
@@ -21,25 +23,6 @@ const WAYS: f32 = 190.0;
 const WORDS: usize = 3;
 /// Messages that are kept: a program that fails in a loop must not fill the memory with its complaints.
 const MOST: usize = 200;
-
-/// A message of the list.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Message {
-    pub(crate) gravity: Gravity,
-    pub(crate) text: String,
-    /// What was written.
-    pub(crate) path: Option<PathBuf>,
-    /// The command that failed, as `noun.verb`.
-    pub(crate) topic: Option<String>,
-}
-
-/// The word over the views.
-#[derive(Clone, Debug)]
-pub(crate) struct Toast {
-    message: Message,
-    /// Seconds of egui's clock; `None` before it is first seen.
-    until: Option<f64>,
-}
 
 const fn colour(gravity: Gravity) -> egui::Color32 {
     match gravity {

@@ -16,12 +16,12 @@ pub(crate) mod segments;
 pub(crate) mod status;
 pub(crate) mod transfer;
 
+use crate::ui::state::borders::{Border, Edge};
+use crate::ui::state::layout::{BORDER, HEAD, LIST, Layout};
 use crate::ui::style::theme;
 use crate::ui::style::theme::ROW;
 use crate::ui::window::app::App;
-use crate::ui::window::borders::{Border, Edge};
 use crate::ui::window::folds::{is_unfolded, list_heading, section};
-use crate::ui::window::layout::{BORDER, HEAD, LIST, Layout};
 use egui::{Frame, Id, Panel, Rect, ScrollArea, Ui, UiBuilder, pos2, vec2};
 
 /// Between a column's side and its contents, points.

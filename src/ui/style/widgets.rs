@@ -348,3 +348,18 @@ pub(crate) fn from_right<R>(ui: &mut Ui, body: impl FnOnce(&mut Ui) -> R) -> R {
 pub(crate) fn from_right_row<R>(ui: &mut Ui, body: impl FnOnce(&mut Ui) -> R) -> R {
     ui.allocate_ui_with_layout(vec2(ui.available_width(), 32.0), Layout::right_to_left(Align::Center), body).inner
 }
+
+/// The button that is meant most often.
+pub(crate) fn primary(text: &str) -> egui::Button<'_> {
+    egui::Button::new(RichText::new(text).color(Color32::WHITE)).fill(theme::ACCENT_FILL).min_size(vec2(110.0, 30.0))
+}
+
+/// The button that leaves a question as if it had not been asked.
+pub(crate) fn cancel(ui: &mut Ui) -> bool {
+    tipped(ui.add(plain("Cancel")), "Back to where it was, nothing done (Esc)").clicked()
+}
+
+/// Any other.
+pub(crate) fn plain(text: &str) -> egui::Button<'_> {
+    egui::Button::new(text).min_size(vec2(90.0, 30.0))
+}

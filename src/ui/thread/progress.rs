@@ -4,25 +4,10 @@
 
 use crate::document::Watch;
 use crate::ui::thread::session::Report;
+use crate::ui::thread::stop::Stop;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::Sender;
-
-/// The wish that a long command stop; copies are one wish.
-#[derive(Clone, Debug, Default)]
-pub struct Stop(Arc<AtomicBool>);
-
-impl Stop {
-    /// Says what is wished.
-    pub fn set(&self, stop: bool) {
-        self.0.store(stop, Ordering::Relaxed);
-    }
-
-    /// What is wished.
-    pub fn is_set(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
-    }
-}
 
 /// See the module's head.
 #[derive(Clone, Debug, Default)]

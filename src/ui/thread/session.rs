@@ -8,7 +8,7 @@ use crate::document::answers_ask::VoxelSaid;
 use crate::document::{Command, Ground, RenderCommand, Scene, ViewName};
 use crate::explode::Poses;
 use crate::math::{Camera, DVec2};
-use crate::ui::thread::progress::Stop;
+use crate::ui::thread::stop::Stop;
 use crate::volume::{Grid, Histogram, Statistics, VoxelType};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

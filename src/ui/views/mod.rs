@@ -1,6 +1,5 @@
 //! The four views: their pictures, what lies over them, and the pointer in them.
 
-pub(crate) mod hit_buffer;
 pub(crate) mod outlines;
 pub(crate) mod overlay;
 pub(crate) mod pointer;

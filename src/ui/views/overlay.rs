@@ -20,7 +20,7 @@ impl App {
     pub(crate) fn overlay(&mut self, painter: &Painter, view: ViewName, body: Rect) {
         let (Some(scene), Some(open)) = (&self.scene, self.opened()) else { return };
         let scale = painter.ctx().pixels_per_point();
-        let size = crate::ui::views::pointer::pixels(body, scale);
+        let size = crate::ui::state::pixels::pixels(body, scale);
         let to_screen = |px: DVec2| body.min + vec2(px.x as f32, px.y as f32) / scale;
         let mut views = scene.views.clone();
         if let Some(i) = view.slice() {

@@ -2,9 +2,10 @@
 
 use crate::document::{HistoryCommand, ViewCommand, ViewName};
 use crate::interact::{Action, Button, Event, Interaction, Key, Modifiers, PointerEvent, Wheel, action_of};
-use crate::math::DVec2;
 use crate::paint::Target;
-use crate::ui::dialogs::what::What;
+use crate::ui::state::path_purpose::What;
+use crate::ui::state::pixels::pixel;
+use crate::ui::state::pixels::pixels;
 use crate::ui::thread::session::Request;
 use crate::ui::window::app::App;
 use egui::{Pos2, Rect};
@@ -247,15 +248,6 @@ impl App {
             self.send(crate::document::Command::View(command));
         }
     }
-}
-
-/// Pixel of a view, and its size.
-pub(crate) fn pixel(rect: Rect, pos: Pos2, scale: f32) -> DVec2 {
-    DVec2::new(f64::from(pos.x - rect.min.x), f64::from(pos.y - rect.min.y)) * f64::from(scale)
-}
-
-pub(crate) fn pixels(rect: Rect, scale: f32) -> [u32; 2] {
-    [rect.width(), rect.height()].map(|s| (s * scale).round().max(1.0) as u32)
 }
 
 fn button_of(button: egui::PointerButton) -> Option<Button> {

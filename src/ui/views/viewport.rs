@@ -1,22 +1,19 @@
 //! The four views: their arrangement, headers and pictures.
 
 use crate::document::{Command, Place, SlicePlane, ViewCommand, ViewName};
-use crate::interact::{Button, projected};
-use crate::math::{DVec2, Projection};
+use crate::interact::projected;
+use crate::math::Projection;
+use crate::ui::state::borders::{Border, Edge};
+use crate::ui::state::layout::BORDER;
+use crate::ui::state::pixels::pixels;
 use crate::ui::style::icons::Icon;
 use crate::ui::style::theme;
 use crate::ui::style::theme::{GAP, view_colour, view_title};
 use crate::ui::style::widgets::{Face, icon_button, menu, spinner, tipped};
-use crate::ui::views::pointer::pixels;
 use crate::ui::window::app::App;
-use crate::ui::window::borders::{Border, Edge};
-use crate::ui::window::layout::BORDER;
 use egui::{
     Align2, Color32, Rect, Role, Sense, Slider, Stroke, StrokeKind, TextStyle, Ui, UiBuilder, WidgetInfo, pos2, vec2,
 };
-use std::collections::BTreeMap;
-
-pub(crate) mod canvas;
 
 /// Height of a view's header.
 const HEADER: f32 = 26.0;
@@ -37,61 +34,6 @@ const SIDES: [(&str, &str, [f64; 3]); 6] = [
     ("S", "superior", [0.0, 0.0, 1.0]),
     ("I", "inferior", [0.0, 0.0, -1.0]),
 ];
-
-/// Which views are shown and what the pointer is doing over them.
-#[derive(Debug)]
-pub(crate) struct Viewports {
-    /// Alone on the screen.
-    maximised: Option<ViewName>,
-    pub(crate) last_used: ViewName,
-    pub(crate) hovered: Option<(ViewName, DVec2)>,
-    pub(crate) captured: Option<(Button, ViewName)>,
-    pub(crate) pressure: f32,
-    pub(crate) shown: Vec<ViewName>,
-    pub(crate) sizes: BTreeMap<ViewName, [u32; 2]>,
-}
-
-impl Default for Viewports {
-    fn default() -> Self {
-        Self {
-            maximised: None,
-            last_used: ViewName::ThreeD,
-            hovered: None,
-            captured: None,
-            pressure: 1.0,
-            shown: Vec::new(),
-            sizes: BTreeMap::new(),
-        }
-    }
-}
-
-impl Viewports {
-    /// One view alone, or all four again.
-    pub(crate) fn toggle(&mut self, view: ViewName) {
-        self.maximised = if self.maximised.is_some() { None } else { Some(view) };
-    }
-
-    /// All four.
-    pub(crate) fn show_all(&mut self) {
-        self.maximised = None;
-    }
-
-    /// The view that is alone.
-    pub(crate) fn alone(&self) -> Option<ViewName> {
-        self.maximised
-    }
-
-    /// The view that a key means: the one under the pointer, or the one used last.
-    pub(crate) fn meant(&self) -> ViewName {
-        self.maximised.or(self.hovered.map(|(view, _)| view)).unwrap_or(self.last_used)
-    }
-
-    /// For another volume, which knows nothing of this window's sizes.
-    pub(crate) fn forget_sizes(&mut self) {
-        self.sizes.clear();
-        self.shown.clear();
-    }
-}
 
 impl App {
     /// Everything between the panels.

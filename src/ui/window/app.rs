@@ -6,25 +6,25 @@ use crate::explode::PartId;
 use crate::interact::{Context, Event, Hit, Interaction};
 use crate::math::DVec2;
 use crate::ui::browse::names::shown;
-use crate::ui::dialogs::Dialog;
-use crate::ui::dialogs::export::Export;
-use crate::ui::dialogs::files::{Chosen, Parked, has_file_dialog};
-use crate::ui::dialogs::picture::Wish;
-use crate::ui::panels::messages::{Message, Toast};
-use crate::ui::panels::transfer::TransferEditor;
+use crate::ui::state::borders::Borders;
+use crate::ui::state::dialog::Dialog;
+use crate::ui::state::dialog::{Chosen, Parked};
+use crate::ui::state::hit_buffer::Pictures;
+use crate::ui::state::layout::Layout;
+use crate::ui::state::lesson::Lesson;
+use crate::ui::state::message::{Message, Toast};
+use crate::ui::state::note::Note;
+use crate::ui::state::path_purpose::Export;
+use crate::ui::state::picture_wish::Wish;
+use crate::ui::state::recent::Recent;
+use crate::ui::state::saving::AfterSave;
+use crate::ui::state::trail::Trail;
+use crate::ui::state::transfer_editor::TransferEditor;
+use crate::ui::state::viewports::Viewports;
 use crate::ui::style::theme;
 use crate::ui::thread::prediction::predict;
 use crate::ui::thread::session::{Gravity, Opened, Request, Session, Snapshot};
-use crate::ui::views::hit_buffer::Pictures;
-use crate::ui::views::trail::Trail;
-use crate::ui::views::viewport::Viewports;
-use crate::ui::views::viewport::canvas::{Canvas, Grounds};
-use crate::ui::window::borders::Borders;
-use crate::ui::window::layout::Layout;
-use crate::ui::window::lesson::Lesson;
-use crate::ui::window::notes::Note;
-use crate::ui::window::recent::Recent;
-use crate::ui::window::saving::AfterSave;
+use crate::ui::window::canvas::{Canvas, Grounds};
 use crate::volume::FieldKind;
 use egui::{Id, Ui};
 use std::collections::BTreeMap;
@@ -179,11 +179,6 @@ impl App {
     /// The same with a list of what was open lately, and the user's home folder.
     pub fn with_files(self, recent: Recent, home: Option<PathBuf>) -> Self {
         Self { recent, home, ..self }
-    }
-
-    /// The same with the system's file dialogs, if it has any; without them the window's own browser asks for paths.
-    pub fn with_system_dialogs(self) -> Self {
-        Self { system_dialogs: has_file_dialog(), ..self }
     }
 
     /// The open volume, if any.

@@ -1,6 +1,6 @@
 //! Headings that fold what is under them, and which of them a person has folded.
 //!
-//! The toolkit knows how they stand in this run; [`Layout`](crate::ui::window::layout::Layout) keeps it over runs, by title. Which sections there are is the panels'.
+//! The toolkit knows how they stand in this run; [`Layout`](crate::ui::state::layout::Layout) keeps it over runs, by title. Which sections there are is the panels'.
 
 use crate::ui::style::icons;
 use crate::ui::style::icons::Icon;

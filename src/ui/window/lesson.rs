@@ -4,12 +4,13 @@
 //! any other, to be undone like any other.
 
 use crate::document::{Command, ExplosionCommand, PartCommand, SelectionCommand, Splitter, ViewCommand};
+use crate::ui::state::lesson::Lesson;
+use crate::ui::state::sample::Sample;
 use crate::ui::style::icons::Icon;
 use crate::ui::style::theme;
 use crate::ui::style::theme::GAP;
 use crate::ui::style::widgets::{Face, from_right, icon_button, tipped};
 use crate::ui::window::app::App;
-use crate::ui::window::sample::Sample;
 use egui::{Button, Color32, Frame, Margin, Panel, RichText, Ui, vec2};
 use std::path::Path;
 
@@ -18,10 +19,6 @@ const MIDDLE: [f64; 3] = [0.0, -18.0, 16.0];
 /// A soft border about the brain, mm, and what of its values is brain.
 const SOFT_MM: f64 = 2.0;
 const BRAIN: f64 = 0.5;
-
-/// What is done next; 3: all was done.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Lesson(usize);
 
 const STEPS: [(&str, &str); 3] = [
     ("Select the brain", "Marks what shall stay in sight. By hand: press B and paint, on a slice or in 3D"),

@@ -2,14 +2,11 @@
 
 pub(crate) mod app;
 pub(crate) mod borders;
+pub(crate) mod canvas;
 pub(crate) mod changes;
 pub(crate) mod folds;
-pub(crate) mod layout;
 pub(crate) mod lesson;
 pub(crate) mod notes;
-pub(crate) mod recent;
 pub(crate) mod reports;
-pub(crate) mod rescue;
-pub(crate) mod sample;
 pub(crate) mod saving;
 pub(crate) mod start;

@@ -1,23 +1,15 @@
 //! A short sentence at the pointer that fades: what a hand has just done and nothing came of it.
 
+use crate::ui::state::note::Note;
 use crate::ui::style::theme;
 use crate::ui::window::app::App;
-use egui::{Area, Context, Frame, Id, Label, Margin, Order, Pos2, RichText, vec2};
+use egui::{Area, Context, Frame, Id, Label, Margin, Order, RichText, vec2};
 
 /// Seconds that a note can be read, and that it then takes to fade.
 const READ_S: f64 = 3.0;
 const FADE_S: f64 = 0.7;
 /// Away from the pointer, in points, so that it hides nothing under it.
 const AWAY: egui::Vec2 = vec2(14.0, 18.0);
-
-/// See the module's head.
-#[derive(Clone, Debug)]
-pub(crate) struct Note {
-    text: String,
-    at: Pos2,
-    /// Seconds of egui's clock.
-    since: f64,
-}
 
 impl App {
     /// Says something where the pointer is, or was last.

@@ -6,9 +6,9 @@ use crate::document::{
 };
 use crate::interact::readout;
 use crate::ui::browse::names::shown;
-use crate::ui::dialogs::Dialog;
-use crate::ui::dialogs::questions::Lost;
-use crate::ui::panels::transfer::TransferEditor;
+use crate::ui::state::dialog::Dialog;
+use crate::ui::state::dialog::Lost;
+use crate::ui::state::transfer_editor::TransferEditor;
 use crate::ui::thread::session::{Gravity, Report};
 use crate::ui::window::app::{App, Busy};
 use std::path::{Path, PathBuf};

@@ -2,43 +2,15 @@
 //!
 //! While something waits nothing can be changed, so that what closes is what was saved.
 
-use crate::document::{Command, OpenAs, ProjectCommand};
-use crate::ui::browse::names::shown;
-use crate::ui::dialogs::Dialog;
-use crate::ui::dialogs::what::What;
+use crate::document::{Command, ProjectCommand};
+use crate::ui::state::dialog::Dialog;
+use crate::ui::state::path_purpose::What;
+use crate::ui::state::saving::AfterSave;
+use crate::ui::state::saving::Coming;
 use crate::ui::style::theme;
 use crate::ui::window::app::App;
 use egui::{Button, ProgressBar, Ui, ViewportCommand, vec2};
 use std::path::PathBuf;
-
-/// What is opened in place of what is open.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Coming {
-    /// A volume or a project.
-    Path(PathBuf),
-    /// A volume whose values mean something else than grey.
-    Volume(PathBuf, OpenAs),
-    /// What a crash left behind, and the file that it was of.
-    Lost { id: String, origin: String },
-}
-
-impl Coming {
-    /// What the user knows it by.
-    pub(crate) fn name(&self) -> String {
-        let path = match self {
-            Self::Path(path) | Self::Volume(path, _) => path.as_path(),
-            Self::Lost { origin, .. } => std::path::Path::new(origin),
-        };
-        shown(path.file_name().unwrap_or(path.as_os_str()))
-    }
-}
-
-/// What follows a save.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum AfterSave {
-    Close,
-    Open(Coming),
-}
 
 impl App {
     /// Saves where the project is, or asks where.

@@ -2,17 +2,17 @@
 
 use crate::document::OpenAs;
 use crate::ui::browse::names::{date, shown};
-use crate::ui::dialogs::primary;
-use crate::ui::dialogs::what::What;
+use crate::ui::state::path_purpose::What;
+use crate::ui::state::recent::Seen;
+use crate::ui::state::sample::Sample;
+use crate::ui::state::saving::Coming;
 use crate::ui::style::icons;
 use crate::ui::style::icons::Icon;
 use crate::ui::style::theme;
 use crate::ui::style::theme::{GAP, ROW};
+use crate::ui::style::widgets::primary;
 use crate::ui::style::widgets::{Face, cut_text, from_right_row, icon_button, spinner};
 use crate::ui::window::app::App;
-use crate::ui::window::recent::Seen;
-use crate::ui::window::sample::Sample;
-use crate::ui::window::saving::Coming;
 use egui::{
     Align, Color32, Layout, Rect, RichText, Role, ScrollArea, Sense, TextStyle, Ui, UiBuilder, WidgetInfo, vec2,
 };

@@ -5,9 +5,9 @@
 
 use crate::document::ViewName;
 use crate::gpu::{Fill, Gpu, GpuError, Sheet, Shown, Underlay};
+use crate::ui::state::pixels::pixels as pixels_of;
 use crate::ui::style::theme;
 use crate::ui::thread::session::Picture;
-use crate::ui::views::pointer::pixels as pixels_of;
 use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, RenderState};
 use egui::layers::ShapeIdx;
 use egui::{Color32, LayerId, Order, PaintCallbackInfo, Rect, Shape, Ui};

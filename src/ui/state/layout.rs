@@ -4,7 +4,7 @@
 //! other state and read at its next start. Owns the bounds within which everything can still be used; knows no controls.
 
 use crate::io::replace_file;
-use crate::ui::window::recent::private_folder;
+use crate::ui::state::recent::private_folder;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io::Error;

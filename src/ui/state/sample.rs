@@ -4,7 +4,7 @@
 //! says whose they are, lies beside them.
 
 use crate::io::{in_words, replace_file};
-use crate::ui::window::recent::private_folder;
+use crate::ui::state::recent::private_folder;
 use std::path::{Path, PathBuf};
 
 const HEAD: &[u8] = include_bytes!("../../../assets/ch2.nii.gz");
