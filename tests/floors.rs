@@ -42,16 +42,7 @@ fn sources(dir: &Path, into: &mut Vec<PathBuf>) {
 const INNER: &[(&str, &[&[&str]])] = &[
     (
         "gpu",
-        &[
-            &["constants"],
-            &["device"],
-            &["picture"],
-            &["fields"],
-            &["brush", "layers"],
-            &["cast"],
-            &["trace"],
-            &["slice", "backdrop"],
-        ],
+        &[&["device"], &["picture"], &["fields"], &["layers"], &["brush", "cast"], &["trace"], &["slice", "backdrop"]],
     ),
     (
         "document",

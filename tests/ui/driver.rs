@@ -24,9 +24,10 @@ pub struct Window {
 /// The volume in two parts.
 fn halves(explosion: &mut Explosion) {
     let centre = explosion.parts[0].centre();
-    let plane = Plane::through(centre, DVec3::X).unwrap();
+    // No border of parts runs through the slice that the crosshair is looked at in.
+    let plane = Plane::through(centre, DVec3::Z).unwrap();
     explosion.split_at_rest(PartId(1), &plane).unwrap();
-    for (part, (id, name)) in explosion.parts.iter_mut().zip([(1, "Left half"), (2, "Right half")]) {
+    for (part, (id, name)) in explosion.parts.iter_mut().zip([(1, "Lower half"), (2, "Upper half")]) {
         (part.id, part.name) = (PartId(id), name.into());
     }
 }

@@ -161,7 +161,7 @@ fn nothing_moves_when_another_thing_is_chosen_or_comes_to_a_list() {
             then("another mode", &[], &|w| w.scene.look.mode = mode);
         }
         then("segments", &[], &|w| (1..40).for_each(|id| segments(&mut w.scene).ensure(id)));
-        then("parts", &["Name of part 1", "Show Left half", "Pin Left half", "Colour of Left half"], &|w| {
+        then("parts", &["Name of part 1", "Show Lower half", "Pin Lower half", "Colour of Lower half"], &|w| {
             let part = w.scene.explosion.parts[0].clone();
             let more = (2..40).map(|id| Part { id: PartId(id), name: format!("Piece {id}"), ..part.clone() });
             w.scene.explosion.parts.extend(more);

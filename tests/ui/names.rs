@@ -105,7 +105,7 @@ pub(super) fn states() -> Vec<(&'static str, Window, &'static str)> {
     add("forces", "Viewing force", &click("Section Forces"));
     add("a chosen point of opacity", "Opacity of the point", &click("Opacity point 2"));
     add("a chosen point of colour", "Colour of the point", &click("Colour point 2"));
-    add("a colour picker", "Pick red", &click("Colour of Right half"));
+    add("a colour picker", "Pick red", &click("Colour of Upper half"));
     add("ready looks", "See-through", &click("Ready looks"));
     add("ready windows", "Automatic", &click("Ready windows"));
     add("the menu", "Export…", &click("More…"));

@@ -21,22 +21,22 @@ fn value(window: &Window, name: &str) -> Option<String> {
 fn a_pin_goes_in_and_out_before_the_document_answers() {
     let mut window = Window::open(SMALL);
     for pinned in [true, false, true] {
-        let sent = window.click("Pin Right half");
+        let sent = window.click("Pin Upper half");
         let set = matches!(&sent[..], [Command::Part(PartCommand::Set { id: PartId(2), pinned: Some(p), .. })] if *p == pinned);
         assert!(set, "{sent:?}");
-        assert_eq!((lit(&window, "Pin Right half"), lit(&window, "Pin Left half")), (pinned, false));
+        assert_eq!((lit(&window, "Pin Upper half"), lit(&window, "Pin Lower half")), (pinned, false));
     }
 }
 
 #[test]
 fn a_part_has_its_own_colours_again_before_the_document_answers() {
     let mut window = Window::open(SMALL);
-    let own = value(&window, "Colour of Right half");
-    window.click("Colour of Right half");
+    let own = value(&window, "Colour of Upper half");
+    window.click("Colour of Upper half");
     window.click("Pick red");
-    assert_ne!(value(&window, "Colour of Right half"), own);
+    assert_ne!(value(&window, "Colour of Upper half"), own);
     window.click("The volume's own colours");
-    assert_eq!(value(&window, "Colour of Right half"), own);
+    assert_eq!(value(&window, "Colour of Upper half"), own);
 }
 
 #[test]

@@ -51,7 +51,7 @@ fn a_colour_is_typed_as_hex() {
     for (typed, wanted) in
         [("#336699", [0.2, 0.4, 0.6]), ("f00", [1.0, 0.0, 0.0]), (" 00ff7F ", [0.0, 1.0, 127.0 / 255.0])]
     {
-        window.click("Colour of Right half");
+        window.click("Colour of Upper half");
         let field = window.harness.get_by_label("Colour in hex");
         field.focus();
         window.harness.run_steps(2);
@@ -68,7 +68,7 @@ fn a_colour_is_typed_as_hex() {
         window.key(egui::Modifiers::NONE, egui::Key::Escape);
         window.snapshot(|_| {});
     }
-    window.click("Colour of Right half");
+    window.click("Colour of Upper half");
     window.harness.get_by_label("Colour in hex").focus();
     window.harness.run_steps(2);
     window.key(egui::Modifiers::COMMAND, egui::Key::A);

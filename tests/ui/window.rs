@@ -212,11 +212,11 @@ fn a_step_of_history_is_reached_by_a_click() {
 fn parts_and_segments_are_hidden_pinned_and_locked_by_name() {
     let mut window = Window::open(SMALL);
     assert!(matches!(
-        window.click("Show Left half")[..],
+        window.click("Show Lower half")[..],
         [Command::Part(PartCommand::Set { id: PartId(1), visible: Some(false), pinned: None, .. })]
     ));
     assert!(matches!(
-        window.click("Pin Right half")[..],
+        window.click("Pin Upper half")[..],
         [Command::Part(PartCommand::Set { id: PartId(2), visible: None, pinned: Some(true), .. })]
     ));
     assert!(matches!(
@@ -369,7 +369,7 @@ fn what_is_needed_is_in_sight_at_both_sizes() {
             "Opacity point 1",
             "Mode: Volume",
             "Degree of explosion",
-            "Pin Left half",
+            "Pin Lower half",
             "Step 1: Stroke",
             "3D view",
             "Axial slice",
@@ -458,7 +458,7 @@ fn nothing_open_says_what_to_do() {
 #[test]
 fn a_part_is_coloured_by_hand_and_given_its_own_colours_back() {
     let mut window = Window::open(SMALL);
-    assert_eq!(window.click("Colour of Right half"), []);
+    assert_eq!(window.click("Colour of Upper half"), []);
     let picked = window.click("Pick red");
     let Some(Command::Part(PartCommand::Set { id: PartId(2), colour: Some([r, g, b]), own_colour: false, .. })) =
         picked.first()

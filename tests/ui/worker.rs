@@ -202,7 +202,8 @@ fn the_view_under_the_hand_is_drawn_first_and_no_other_starves() {
         desk.session.send(Request::Held(Some(hand)));
         for serial in 1..=6 {
             desk.pictures.clear();
-            desk.apply(&json!({"view":{"window":{"level": 40 + serial, "width": 100}}}).to_string());
+            let opacity = 0.1 * serial as f64;
+            desk.apply(&json!({"view":{"layer":{"field":"selection","visible":true,"opacity":opacity}}}).to_string());
             desk.until("all is drawn", |d| d.now.serial == serial && VIEWS.iter().all(|v| d.pictures.contains(v)));
             // Never twice running: at first it may have been the last.
             let first = if serial == 1 { 2 } else { 1 };

@@ -72,6 +72,14 @@ impl App {
                     self.send(look(None, Some(shaded), None, None));
                 }
             });
+            ui.add_enabled_ui(kind == Kind::Dvr, |ui| {
+                let mut refine = now.refine;
+                let tip = "No rings like the grain of wood on smooth surfaces: each sample stands for all that lies since the one \
+                           before it, and takes a little longer (mode Volume)";
+                if tick(ui, &mut refine, "Smooth", tip) {
+                    self.send(sampling(None, refine));
+                }
+            });
             from_right(ui, |ui| {
                 let mut background = now.background;
                 let response = colour_button(ui, "Background of the 3D view", &mut background);
@@ -80,14 +88,6 @@ impl App {
                 }
                 ui.label(RichText::new("Background").color(theme::TEXT_WEAK));
             });
-        });
-        ui.add_enabled_ui(kind == Kind::Dvr, |ui| {
-            let mut refine = now.refine;
-            let tip = "No rings like the grain of wood on smooth surfaces: each sample stands for all that lies since the one \
-                       before it, and takes a little longer (mode Volume)";
-            if tick(ui, &mut refine, "Smooth", tip) {
-                self.send(sampling(None, refine));
-            }
         });
         row(ui, "Detail", |ui| {
             let mut detail = 1.0 / now.step_voxels;
