@@ -2,6 +2,9 @@
 //!
 //! The modules are floors, ground to roof; imports go down only (ARCHITECTURE.md, held by `tests/floors.rs`).
 
+// What is public is what a user of the library needs; tests and benches are crates of their own, and name theirs as they like.
+#![deny(unreachable_pub)]
+
 pub mod math;
 
 pub mod volume;

@@ -17,10 +17,10 @@ pub(super) struct State {
 }
 
 impl State {
-    pub const REST: Self = Self { shift: DVec3::ZERO, rotation: DQuat::IDENTITY };
+    pub(super) const REST: Self = Self { shift: DVec3::ZERO, rotation: DQuat::IDENTITY };
 
     /// How far a point about the centre at rest is from that centre now.
-    pub fn place(&self, point: DVec3) -> DVec3 {
+    pub(super) fn place(&self, point: DVec3) -> DVec3 {
         self.shift + self.rotation * point
     }
 }
@@ -36,7 +36,7 @@ pub(super) struct Bodies {
 }
 
 impl Bodies {
-    pub fn new() -> Self {
+    pub(super) fn new() -> Self {
         let mut world = PhysicsWorld::new();
         world.gravity = Vector::ZERO;
         world.integration_parameters.dt = STEP_S as f32;
@@ -44,7 +44,7 @@ impl Bodies {
     }
 
     /// Adds a body with the same inertia about every axis; a fixed one is never moved by forces.
-    pub fn add(&mut self, mass: f64, inertia: f64, fixed: bool, state: State) {
+    pub(super) fn add(&mut self, mass: f64, inertia: f64, fixed: bool, state: State) {
         let builder = if fixed { RigidBodyBuilder::fixed() } else { RigidBodyBuilder::dynamic() };
         let body = builder
             .pose(pose(state))
@@ -55,19 +55,19 @@ impl Bodies {
         self.handles.push(self.world.insert_body(body));
     }
 
-    pub fn state(&self, i: usize) -> State {
+    pub(super) fn state(&self, i: usize) -> State {
         let Some(body) = self.world.bodies.get(self.handles[i]) else { return State::REST };
         State { shift: body.translation().as_dvec3(), rotation: body.rotation().as_dquat() }
     }
 
     /// Velocity of the centre in half-diagonals a second, and of the turn in radians a second, world axes.
-    pub fn velocity(&self, i: usize) -> (DVec3, DVec3) {
+    pub(super) fn velocity(&self, i: usize) -> (DVec3, DVec3) {
         let velocity = |body: &RigidBody| (body.linvel().as_dvec3(), body.angvel().as_dvec3());
         self.world.bodies.get(self.handles[i]).map_or((DVec3::ZERO, DVec3::ZERO), velocity)
     }
 
     /// Puts a body somewhere, without speed.
-    pub fn put(&mut self, i: usize, state: State) {
+    pub(super) fn put(&mut self, i: usize, state: State) {
         if let Some(body) = self.world.bodies.get_mut(self.handles[i]) {
             body.set_position(pose(state), true);
             body.set_linvel(Vector::ZERO, true);
@@ -76,14 +76,14 @@ impl Bodies {
     }
 
     /// Whether forces leave a body alone.
-    pub fn fix(&mut self, i: usize, fixed: bool) {
+    pub(super) fn fix(&mut self, i: usize, fixed: bool) {
         if let Some(body) = self.world.bodies.get_mut(self.handles[i]) {
             body.set_body_type(if fixed { RigidBodyType::Fixed } else { RigidBodyType::Dynamic }, true);
         }
     }
 
     /// One step with these forces and torques about the centres.
-    pub fn step(&mut self, wrenches: &[(DVec3, DVec3)]) {
+    pub(super) fn step(&mut self, wrenches: &[(DVec3, DVec3)]) {
         for (handle, (force, torque)) in self.handles.iter().zip(wrenches) {
             if let Some(body) = self.world.bodies.get_mut(*handle) {
                 // They persist from step to step until reset.

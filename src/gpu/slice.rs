@@ -70,7 +70,7 @@ impl SliceFrame {
 
 shared_struct! {
     /// See shaders/slice.wgsl.
-    pub struct Slice {
+    pub(super) struct Slice {
         /// The picture's corner in voxels.
         pub top_left: [f32; 3],
         /// Density that is black, as a texel.

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 pub const TABLE_ENTRIES: usize = 4096;
 
 /// Extinction of a step that stands for an opaque one: nothing that counts comes through, and sums of it stay exact.
-pub const MOST_EXTINCTION: f64 = 50.0;
+pub(super) const MOST_EXTINCTION: f64 = 50.0;
 
 /// Piecewise-linear colour and opacity over density, constant beyond their first and last points. Points rise in value.
 ///

@@ -27,14 +27,14 @@ pub(crate) struct Writer {
 
 impl Writer {
     /// Starts in an empty folder; what a crash left there goes.
-    pub fn new(dir: PathBuf, previous: Option<PathBuf>) -> Result<Self, KeepError> {
+    pub(crate) fn new(dir: PathBuf, previous: Option<PathBuf>) -> Result<Self, KeepError> {
         remove_dir(&dir)?;
         std::fs::create_dir(&dir).map_err(KeepError::io("create", &dir))?;
         Ok(Self { dir, previous, written: AtomicU64::new(0), linked: AtomicU64::new(0), unsynced: Mutex::default() })
     }
 
     /// Writes a new file. `name` is relative to the folder, with slashes.
-    pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), KeepError> {
+    pub(crate) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), KeepError> {
         let path = self.place(name)?;
         create_new(&path, bytes).map_err(KeepError::io("write", &path))?;
         self.wrote(path, bytes.len() as u64);
@@ -47,12 +47,12 @@ impl Writer {
     }
 
     /// Links the previous generation's file of that name; a file system without links gets a copy.
-    pub fn link(&self, name: &str) -> Result<(), KeepError> {
+    pub(crate) fn link(&self, name: &str) -> Result<(), KeepError> {
         self.link_from(name, name)
     }
 
     /// The same of a file that had another name, `before`.
-    pub fn link_from(&self, before: &str, name: &str) -> Result<(), KeepError> {
+    pub(crate) fn link_from(&self, before: &str, name: &str) -> Result<(), KeepError> {
         let path = self.place(name)?;
         let Some(previous) = &self.previous else {
             let missing = std::io::Error::from(ErrorKind::NotFound);
@@ -71,14 +71,14 @@ impl Writer {
     }
 
     /// Links if the previous generation has exactly these bytes, writes otherwise.
-    pub fn write_or_link(&self, name: &str, bytes: &[u8]) -> Result<(), KeepError> {
+    pub(crate) fn write_or_link(&self, name: &str, bytes: &[u8]) -> Result<(), KeepError> {
         let same = |dir: &PathBuf| inside::read(dir, name, bytes.len() as u64).is_ok_and(|old| old == bytes);
         if self.previous.as_ref().is_some_and(same) { self.link(name) } else { self.write(name, bytes) }
     }
 
     /// Syncs what was written, and every folder, so that names are as safe as contents. All at the end: synced one by one
     /// as they are written, each file would wait for a transaction of the file system of its own.
-    pub fn sync(&self) -> Result<(), KeepError> {
+    pub(crate) fn sync(&self) -> Result<(), KeepError> {
         fn walk(dir: &Path) -> Result<(), KeepError> {
             for entry in std::fs::read_dir(dir).map_err(KeepError::io("read", dir))? {
                 let entry = entry.map_err(KeepError::io("read", dir))?;
@@ -95,12 +95,12 @@ impl Writer {
     }
 
     /// Bytes written so far; linked files count for nothing.
-    pub fn bytes_written(&self) -> u64 {
+    pub(crate) fn bytes_written(&self) -> u64 {
         self.written.load(Ordering::Relaxed)
     }
 
     /// Files linked so far.
-    pub fn files_linked(&self) -> u64 {
+    pub(crate) fn files_linked(&self) -> u64 {
         self.linked.load(Ordering::Relaxed)
     }
 

@@ -18,7 +18,7 @@ impl Lock {
     ///
     /// # Errors
     /// `Locked` with the holder's process id, or the system's refusal.
-    pub fn take(dir: &Path) -> Result<Self, KeepError> {
+    pub(crate) fn take(dir: &Path) -> Result<Self, KeepError> {
         let path = dir.join(LOCK);
         inside::check_writable(dir).map_err(KeepError::io("write into", dir))?;
         let mut file = inside::open_or_create(dir, LOCK).map_err(KeepError::io("open", &path))?;
@@ -41,12 +41,12 @@ impl Lock {
     }
 
     /// Gives the folder to whoever wants it, until [`retake`](Self::retake).
-    pub fn release(&self, dir: &Path) -> Result<(), KeepError> {
+    pub(crate) fn release(&self, dir: &Path) -> Result<(), KeepError> {
         self.0.unlock().map_err(KeepError::io("unlock", dir))
     }
 
     /// Takes the folder again, if nobody else has it.
-    pub fn retake(&self, dir: &Path) -> Result<(), KeepError> {
+    pub(crate) fn retake(&self, dir: &Path) -> Result<(), KeepError> {
         match self.0.try_lock() {
             Ok(()) => Ok(()),
             Err(TryLockError::WouldBlock) => {

@@ -99,14 +99,14 @@ pub(crate) struct Beginning<'a> {
 
 impl<'a> Beginning<'a> {
     /// That of a generation.
-    pub fn of(manifest: &'a Manifest) -> Self {
+    pub(crate) fn of(manifest: &'a Manifest) -> Self {
         let Manifest { generation, scene, past, .. } = manifest;
         Self { generation: *generation, scene, past, maps: manifest.maps(), held: manifest.holds() }
     }
 }
 
 impl Now {
-    pub fn new(beginning: Beginning<'_>) -> Result<Self, KeepError> {
+    pub(crate) fn new(beginning: Beginning<'_>) -> Result<Self, KeepError> {
         let Beginning { scene, past, maps, held, .. } = beginning;
         Ok(Self {
             scene: parts(scene)?,
@@ -123,22 +123,22 @@ impl Now {
     }
 
     /// The past now.
-    pub fn past(&self) -> &Past {
+    pub(crate) fn past(&self) -> &Past {
         &self.past
     }
 
     /// The scene now, by the names of its parts.
-    pub fn scene(&self) -> &Map<String, Value> {
+    pub(crate) fn scene(&self) -> &Map<String, Value> {
         &self.scene
     }
 
     /// The map of a volume's density now.
-    pub fn map(&self, volume: VolumeId) -> Option<&DensityMap> {
+    pub(crate) fn map(&self, volume: VolumeId) -> Option<&DensityMap> {
         self.maps.get(&volume)
     }
 
     /// Takes in a record's head.
-    pub fn take(&mut self, head: StepHead) {
+    pub(crate) fn take(&mut self, head: StepHead) {
         self.scene.extend(head.scene.clone());
         self.changed.extend(head.scene);
         for (id, volume) in head.volumes {
@@ -191,7 +191,7 @@ type Arrivals = BTreeMap<VolumeId, Option<VolumeRecord>>;
 
 impl Journal {
     /// An empty journal for a generation that has all this. Replaces a file of that name.
-    pub fn create(path: &Path, beginning: Beginning<'_>) -> Result<Self, KeepError> {
+    pub(crate) fn create(path: &Path, beginning: Beginning<'_>) -> Result<Self, KeepError> {
         let generation = beginning.generation;
         let file = start(path, generation, 1)?;
         path.parent().map_or(Ok(()), sync_dir)?;
@@ -219,7 +219,7 @@ impl Journal {
 
     /// Writes a step: the command, what it changed in the scene, and what the bricks that it touched hold now. After a change
     /// of map all edited density is written, since texels of another map mean nothing.
-    pub fn step(
+    pub(crate) fn step(
         &mut self,
         command: &Command,
         state: &State,
@@ -288,7 +288,7 @@ impl Journal {
     }
 
     /// Writes samples of a running stroke; does not wait for the disk.
-    pub fn samples(&mut self, samples: &[Sample]) -> Result<(), KeepError> {
+    pub(crate) fn samples(&mut self, samples: &[Sample]) -> Result<(), KeepError> {
         self.stroke_runs = true;
         let head = head_bytes(&SamplesHead { samples: samples.to_vec() })?;
         self.push(Kind::Samples, &head, &[]);
@@ -296,7 +296,7 @@ impl Journal {
     }
 
     /// Notes that the running stroke was taken back or changed nothing.
-    pub fn no_stroke(&mut self) -> Result<(), KeepError> {
+    pub(crate) fn no_stroke(&mut self) -> Result<(), KeepError> {
         if !std::mem::take(&mut self.stroke_runs) {
             return Ok(());
         }
@@ -305,18 +305,18 @@ impl Journal {
     }
 
     /// Whether it held anything when it was opened.
-    pub fn found_anything(&self) -> bool {
+    pub(crate) fn found_anything(&self) -> bool {
         self.found != Some(JOURNAL_HEADER)
     }
 
     /// Takes off what was written since it was opened. What was gathered meanwhile cannot be told apart and stays.
-    pub fn leave_as_found(self) -> Result<(), KeepError> {
+    pub(crate) fn leave_as_found(self) -> Result<(), KeepError> {
         let Some(found) = self.found else { return Ok(()) };
         self.file.set_len(found).and_then(|()| self.file.sync_all()).map_err(KeepError::io("shorten", &self.path))
     }
 
     /// The file.
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 

@@ -21,7 +21,7 @@ pub(crate) struct PosesFile {
 
 impl PosesFile {
     /// The file beside a journal, and the poses in it if they can be read.
-    pub fn beside(journal: &Path) -> (Self, Option<KeptPoses>) {
+    pub(crate) fn beside(journal: &Path) -> (Self, Option<KeptPoses>) {
         let path = journal.with_extension("poses");
         let (dir, name) = (path.parent().unwrap_or(Path::new("")), path.file_name().unwrap_or_default());
         let found = inside::read(dir, &name.to_string_lossy(), MOST_BYTES).ok();
@@ -30,7 +30,7 @@ impl PosesFile {
     }
 
     /// Writes poses in the place of what is there.
-    pub fn write(&self, kept: &KeptPoses) -> std::io::Result<()> {
+    pub(crate) fn write(&self, kept: &KeptPoses) -> std::io::Result<()> {
         self.put(&sealed(kept)?)
     }
 
@@ -45,7 +45,7 @@ impl PosesFile {
     }
 
     /// Puts back what was there when the document was opened.
-    pub fn leave_as_found(&self) -> std::io::Result<()> {
+    pub(crate) fn leave_as_found(&self) -> std::io::Result<()> {
         match &self.found {
             Some(bytes) => self.put(bytes),
             None => self.remove(),
@@ -53,7 +53,7 @@ impl PosesFile {
     }
 
     /// Removes it, if it is there.
-    pub fn remove(&self) -> std::io::Result<()> {
+    pub(crate) fn remove(&self) -> std::io::Result<()> {
         match std::fs::remove_file(&self.path) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(error),
             _ => Ok(()),

@@ -58,7 +58,7 @@ fn lost(what: &str, bytes: u64) -> String {
 
 impl Journal {
     /// Reads a journal and goes on where its last whole step ends. `Ok(None)` if there is none.
-    pub fn resume(path: &Path, beginning: Beginning<'_>) -> Result<Option<(Self, Replay)>, KeepError> {
+    pub(crate) fn resume(path: &Path, beginning: Beginning<'_>) -> Result<Option<(Self, Replay)>, KeepError> {
         let (dir, name) = place(path);
         let mut file = match inside::open_to_write(dir, &name) {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
@@ -90,7 +90,7 @@ impl Journal {
     }
 
     /// Reads a journal that somebody else may be writing; changes nothing.
-    pub fn look(path: &Path, beginning: Beginning<'_>) -> Result<Option<Replay>, KeepError> {
+    pub(crate) fn look(path: &Path, beginning: Beginning<'_>) -> Result<Option<Replay>, KeepError> {
         let (dir, name) = place(path);
         let file = match inside::open(dir, &name) {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
@@ -106,7 +106,7 @@ impl Journal {
 
     /// Whether a journal holds what somebody did: a step that counts as one, or a stroke that was running. What cannot be read may
     /// be work too. Reads up to the first step, changes nothing.
-    pub fn holds_work(path: &Path) -> Result<bool, KeepError> {
+    pub(crate) fn holds_work(path: &Path) -> Result<bool, KeepError> {
         let (dir, name) = place(path);
         let reading = |e| KeepError::io("read", path)(e);
         let file = inside::open(dir, &name).map_err(reading)?;

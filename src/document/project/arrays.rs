@@ -44,45 +44,45 @@ pub(crate) struct Layout {
 
 impl Layout {
     /// A field's array.
-    pub fn field(name: &str, voxel_type: VoxelType, channels: u32, dims: [u32; 3]) -> Self {
+    pub(crate) fn field(name: &str, voxel_type: VoxelType, channels: u32, dims: [u32; 3]) -> Self {
         Self { path: format!("{name}/0"), voxel_type, channels, dims, file_edge: SHARD, sharded: true }
     }
 
     /// One number per brick.
-    pub fn per_brick(path: &str, dims: [u32; 3]) -> Self {
+    pub(crate) fn per_brick(path: &str, dims: [u32; 3]) -> Self {
         let dims = dims.map(|d| d.div_ceil(BRICK));
         Self { path: path.to_owned(), voxel_type: VoxelType::U8, channels: 1, dims, file_edge: BRICK, sharded: false }
     }
 
     /// Files along i, j, k.
-    pub fn file_dims(&self) -> [u32; 3] {
+    pub(crate) fn file_dims(&self) -> [u32; 3] {
         self.dims.map(|d| d.div_ceil(self.file_edge))
     }
 
     /// Places of all files, x fastest.
-    pub fn files(&self) -> impl Iterator<Item = [u32; 3]> + use<> {
+    pub(crate) fn files(&self) -> impl Iterator<Item = [u32; 3]> + use<> {
         let [nx, ny, nz] = self.file_dims();
         (0..nz).flat_map(move |z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])))
     }
 
     /// Name of a file below the generation's folder.
-    pub fn file_name(&self, [x, y, z]: [u32; 3]) -> String {
+    pub(crate) fn file_name(&self, [x, y, z]: [u32; 3]) -> String {
         let channel = if self.channels > 1 { "0/" } else { "" };
         format!("{}/c/{channel}{z}/{y}/{x}", self.path)
     }
 
     /// The file that holds a chunk.
-    pub fn file_of(&self, chunk: [u32; 3]) -> [u32; 3] {
+    pub(crate) fn file_of(&self, chunk: [u32; 3]) -> [u32; 3] {
         chunk.map(|c| c * BRICK / self.file_edge)
     }
 
     /// No encoded file is longer: random numbers do not shrink, and each chunk adds its head.
-    pub fn most_bytes(&self) -> u64 {
+    pub(crate) fn most_bytes(&self) -> u64 {
         2 * self.file_bytes() as u64 + (1 << 20)
     }
 
     /// Bytes of a decoded file.
-    pub fn file_bytes(&self) -> usize {
+    pub(crate) fn file_bytes(&self) -> usize {
         (self.file_edge as usize).pow(3) * self.channels as usize * self.voxel_type.bytes()
     }
 
@@ -106,20 +106,20 @@ impl Layout {
     }
 
     /// The bytes of the array's `zarr.json`.
-    pub fn array_json(&self) -> Result<Vec<u8>, KeepError> {
+    pub(crate) fn array_json(&self) -> Result<Vec<u8>, KeepError> {
         let metadata = self.metadata().map_err(|e| self.refused(&e))?;
         serde_json::to_vec_pretty(&metadata).map_err(|e| self.refused(&e))
     }
 
     /// The array as zarrs has it, read from a generation's folder.
-    pub fn open(&self, dir: &Path) -> Result<Array<Files>, KeepError> {
+    pub(crate) fn open(&self, dir: &Path) -> Result<Array<Files>, KeepError> {
         let store = Files(dir.to_owned());
         let metadata = self.metadata().map_err(|e| self.refused(&e))?;
         Array::new_with_metadata(Arc::new(store), &format!("/{}", self.path), metadata).map_err(|e| self.refused(&e))
     }
 
     /// Encodes one file's numbers, slowest axis first, in this machine's byte order.
-    pub fn encode(&self, array: &Array<Files>, numbers: Vec<u8>) -> Result<Vec<u8>, KeepError> {
+    pub(crate) fn encode(&self, array: &Array<Files>, numbers: Vec<u8>) -> Result<Vec<u8>, KeepError> {
         let shape = self.file_shape(array)?;
         let encoded = array.codecs().encode(
             ArrayBytes::new_flen(numbers),
@@ -132,7 +132,7 @@ impl Layout {
     }
 
     /// Reads and decodes one file, whose bytes have this hash where one is known.
-    pub fn decode(
+    pub(crate) fn decode(
         &self,
         array: &Array<Files>,
         dir: &Path,

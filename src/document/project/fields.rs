@@ -38,7 +38,7 @@ pub(crate) enum Shard {
 
 impl Shard {
     /// Of its bytes, if it is known.
-    pub fn file(&self) -> Option<&str> {
+    pub(crate) fn file(&self) -> Option<&str> {
         match self {
             Self::Content(_) => None,
             Self::Both { file, .. } => Some(file),

@@ -39,7 +39,7 @@ struct Known {
 
 impl Link {
     /// A link that lasts, from a project's folder to files that are as they were opened; waits for their hash.
-    pub fn to(files: &SourceFiles, project: &Path, go_on: &dyn Fn() -> bool) -> Result<Self, KeepError> {
+    pub(crate) fn to(files: &SourceFiles, project: &Path, go_on: &dyn Fn() -> bool) -> Result<Self, KeepError> {
         let hashes = files.unchanged(go_on)?;
         let known =
             |(mark, hash): (&FileMark, String)| Known { bytes: mark.bytes, modified_ns: None, blake3: Some(hash) };
@@ -53,7 +53,7 @@ impl Link {
     }
 
     /// A link for the next start: the files as they were opened, by length and time.
-    pub fn until_next_start(files: &[FileMark]) -> Result<Self, KeepError> {
+    pub(crate) fn until_next_start(files: &[FileMark]) -> Result<Self, KeepError> {
         let known = |mark: &FileMark| Known { bytes: mark.bytes, modified_ns: mark.modified_ns, blake3: None };
         match files {
             [first, others @ ..] => Ok(Self {
@@ -67,7 +67,7 @@ impl Link {
     }
 
     /// The files, as far as lengths tell; their hashes are being compared from here on. A file that is `given` is compared now.
-    pub fn find(&self, project: &Path, given: Option<&Path>) -> Result<Arc<SourceFiles>, KeepError> {
+    pub(crate) fn find(&self, project: &Path, given: Option<&Path>) -> Result<Arc<SourceFiles>, KeepError> {
         let expected: Vec<Option<String>> = self.all().map(|known| known.blake3.clone()).collect();
         if let Some(path) = given {
             let marks = self.marks(path)?;

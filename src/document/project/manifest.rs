@@ -119,7 +119,7 @@ pub(crate) struct HistogramRecord {
 
 impl VolumeRecord {
     /// What is to be said of a volume.
-    pub fn of(volume: &Volume, kept: Kept, shards: BTreeMap<String, Shards>) -> Self {
+    pub(crate) fn of(volume: &Volume, kept: Kept, shards: BTreeMap<String, Shards>) -> Self {
         let grid = volume.grid();
         let number = |v: f64| v.is_finite().then_some(v);
         let Statistics { min, max, sum, nan_count, infinite_count, exact } = volume.statistics;
@@ -153,7 +153,7 @@ impl VolumeRecord {
     }
 
     /// Fails where the record of a file `path` cannot be that of a volume; `at` is the record's place in it.
-    pub fn check(&self, path: &Path, at: &str) -> Result<(), KeepError> {
+    pub(crate) fn check(&self, path: &Path, at: &str) -> Result<(), KeepError> {
         let bad = |field: &str, found: String, expected: &str| {
             Err(KeepError::malformed(path, format!("{at}.{field}"), found, expected))
         };
@@ -184,7 +184,7 @@ impl VolumeRecord {
     }
 
     /// The grid.
-    pub fn grid(&self) -> Grid {
+    pub(crate) fn grid(&self) -> Grid {
         let w = self.world_from_index;
         let column = |c: usize| DVec3::new(w[0][c], w[1][c], w[2][c]);
         let matrix3 = DMat3::from_cols(column(0), column(1), column(2));
@@ -192,7 +192,7 @@ impl VolumeRecord {
     }
 
     /// Of all of the source's values.
-    pub fn statistics(&self) -> Statistics {
+    pub(crate) fn statistics(&self) -> Statistics {
         let StatisticsRecord { min, max, sum, nan_count, infinite_count, exact } = &self.statistics;
         let exact = exact.as_ref().and_then(|numbers| {
             let [min, max, sum] = numbers.each_ref().map(|n| n.parse().ok());
@@ -209,13 +209,13 @@ impl VolumeRecord {
     }
 
     /// Of the source's values.
-    pub fn histogram(&self) -> Histogram {
+    pub(crate) fn histogram(&self) -> Histogram {
         let HistogramRecord { min, max, bins, ids, voids } = self.histogram.clone();
         Histogram { min: min.unwrap_or(f64::NAN), max: max.unwrap_or(f64::NAN), bins, ids, voids }
     }
 
     /// The hashes of an array's files.
-    pub fn shards_of(&self, array: &str) -> &Shards {
+    pub(crate) fn shards_of(&self, array: &str) -> &Shards {
         static NONE: Shards = Shards::new();
         self.shards.get(array).unwrap_or(&NONE)
     }
@@ -223,7 +223,12 @@ impl VolumeRecord {
 
 impl Manifest {
     /// What is to be said of a state.
-    pub fn of(generation: u64, state: &State, poses: &KeptPoses, volumes: BTreeMap<VolumeId, VolumeRecord>) -> Self {
+    pub(crate) fn of(
+        generation: u64,
+        state: &State,
+        poses: &KeptPoses,
+        volumes: BTreeMap<VolumeId, VolumeRecord>,
+    ) -> Self {
         Self {
             format: GENERATION_FORMAT.into(),
             version: VERSION,
@@ -237,23 +242,23 @@ impl Manifest {
     }
 
     /// Where the arrays of a volume lie below the generation's folder: what their names begin with.
-    pub fn place(&self, id: VolumeId) -> String {
+    pub(crate) fn place(&self, id: VolumeId) -> String {
         if self.version == ONE_VOLUME { String::new() } else { volume_place(id) }
     }
 
     /// The map of each volume's density.
-    pub fn maps(&self) -> BTreeMap<VolumeId, DensityMap> {
+    pub(crate) fn maps(&self) -> BTreeMap<VolumeId, DensityMap> {
         self.volumes.iter().map(|(id, volume)| (*id, volume.map)).collect()
     }
 
     /// The volumes whose density the generation holds.
-    pub fn holds(&self) -> BTreeSet<VolumeId> {
+    pub(crate) fn holds(&self) -> BTreeSet<VolumeId> {
         let all = self.volumes.iter().chain(&self.set_aside);
         all.filter(|(_, volume)| volume.kept == Kept::Whole).map(|(id, _)| *id).collect()
     }
 
     /// The file's bytes, checked to come back as what they were.
-    pub fn json(&self) -> Result<Vec<u8>, KeepError> {
+    pub(crate) fn json(&self) -> Result<Vec<u8>, KeepError> {
         let refused = |e: serde_json::Error| KeepError::Scene { reason: e.to_string() };
         let bytes = serde_json::to_vec_pretty(&Sealed { blake3: UNSEALED.into(), content: self }).map_err(refused)?;
         // A number that JSON has no word for is written as null and cannot be read: better to know now.
@@ -265,7 +270,7 @@ impl Manifest {
     }
 
     /// Reads and checks the file of a generation's folder.
-    pub fn read(dir: &Path) -> Result<Self, KeepError> {
+    pub(crate) fn read(dir: &Path) -> Result<Self, KeepError> {
         let path = &dir.join(MANIFEST);
         let bytes = inside::read(dir, MANIFEST, MOST_BYTES)?;
         let (_, version) = check_head(path, &bytes, GENERATION_FORMAT)?;

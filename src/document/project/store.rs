@@ -63,7 +63,7 @@ pub(crate) struct ToKeep<'a> {
 
 impl<'a> ToKeep<'a> {
     /// All of a state; the density of the active volume as is said.
-    pub fn active(state: &'a State, density: Option<DensityKeeping>) -> Self {
+    pub(crate) fn active(state: &'a State, density: Option<DensityKeeping>) -> Self {
         let keeping = density.map(|density| (state.scene.volumes.active, density));
         Self { state, keeping, set_aside: BTreeMap::new() }
     }
@@ -86,7 +86,7 @@ pub(crate) struct Store {
 
 impl Store {
     /// A new project in a folder that is empty or not there yet. Nothing is a project before the first save.
-    pub fn create(dir: &Path) -> Result<Self, KeepError> {
+    pub(crate) fn create(dir: &Path) -> Result<Self, KeepError> {
         let is_new_folder = !dir.exists();
         create_dir(dir)?;
         // Before the lock, which is a file: a folder of something else is left as it is.
@@ -97,7 +97,7 @@ impl Store {
     }
 
     /// Opens a project and reads its current generation, or what else is wanted.
-    pub fn open(dir: &Path, wanted: Wanted<'_>) -> Result<(Self, Loaded), KeepError> {
+    pub(crate) fn open(dir: &Path, wanted: Wanted<'_>) -> Result<(Self, Loaded), KeepError> {
         check_project(dir)?;
         let lock = Lock::take(dir)?;
         let loaded = load(dir, wanted)?;
@@ -114,17 +114,17 @@ impl Store {
     }
 
     /// The project's folder.
-    pub fn dir(&self) -> &Path {
+    pub(crate) fn dir(&self) -> &Path {
         &self.dir
     }
 
     /// Its lock.
-    pub fn lock(&self) -> &Lock {
+    pub(crate) fn lock(&self) -> &Lock {
         &self.lock
     }
 
     /// The current generation, 0 before the first save.
-    pub fn generation(&self) -> u64 {
+    pub(crate) fn generation(&self) -> u64 {
         self.generation
     }
 
@@ -134,7 +134,7 @@ impl Store {
     ///
     /// # Errors
     /// If it could not be done; the current generation is what it was.
-    pub fn save<T>(
+    pub(crate) fn save<T>(
         &mut self,
         kept: &ToKeep<'_>,
         poses: &KeptPoses,
@@ -183,7 +183,7 @@ impl Store {
     }
 
     /// Takes back what [`create`](Self::create) made, if nothing was saved since.
-    pub fn abandon(self) {
+    pub(crate) fn abandon(self) {
         let Self { dir, generation, is_new_folder, lock, .. } = self;
         drop(lock);
         if generation == 0 {
@@ -288,7 +288,7 @@ impl Store {
     }
 
     /// The number of the next generation.
-    pub fn next_generation(&self) -> u64 {
+    pub(crate) fn next_generation(&self) -> u64 {
         described(&self.dir).first().map_or(0, |&newest| newest).max(self.generation) + 1
     }
 

@@ -28,7 +28,7 @@ const FILE: &str = shader!(
 
 shared_struct! {
     /// A stroke's constants.
-    pub struct BrushStroke {
+    pub(crate) struct BrushStroke {
         columns: [[f32; 4]; 3],
         normals: [[f32; 4]; 3],
         paint: [f32; 4],
@@ -43,7 +43,7 @@ shared_struct! {
 
 shared_struct! {
     /// One dab.
-    pub struct BrushDab {
+    pub(crate) struct BrushDab {
         base: [i32; 3],
         form: u32,
         fraction: [f32; 3],
@@ -57,7 +57,7 @@ shared_struct! {
 
 shared_struct! {
     /// One slot's work.
-    pub struct BrushItem {
+    pub(crate) struct BrushItem {
         /// Voxel of the slot's first texel.
         pub origin: [i32; 3],
         /// Number of the slot within its buffers.

@@ -29,7 +29,7 @@ const WORDS: usize = CELLS * 3;
 
 shared_struct! {
     /// One block's work.
-    pub struct CellsJob {
+    pub(crate) struct CellsJob {
         /// First texel in the pool.
         pub at: [u32; 3],
         /// Own voxels in the volume along x, y, z, five bits each.

@@ -36,7 +36,7 @@ pub(crate) struct Drawn {
 
 impl Drawn {
     /// The body that a point of the world on it belongs to.
-    pub fn owner(&self, world: DVec3, selected: bool, hint: &mut usize) -> u32 {
+    pub(crate) fn owner(&self, world: DVec3, selected: bool, hint: &mut usize) -> u32 {
         if let (true, Some(id)) = (selected, self.selected) {
             return id;
         }

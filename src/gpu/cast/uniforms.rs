@@ -109,7 +109,7 @@ impl Scene {
     ///
     /// # Errors
     /// If there are more bodies or planes than fit, or the step is no length.
-    pub fn new(
+    pub(crate) fn new(
         frame: &Frame,
         grid: &Grid,
         window: &Window,

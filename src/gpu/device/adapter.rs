@@ -5,7 +5,7 @@
 use std::fmt::Write;
 
 /// The variable that names the adapter for pictures and strokes: part of its name, or `hardware`.
-pub const VARIABLE: &str = "BURIN_ADAPTER";
+pub(crate) const VARIABLE: &str = "BURIN_ADAPTER";
 
 /// Which adapter is wanted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -20,7 +20,7 @@ const ORDER: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 shared_struct! {
     /// See shaders/lib/mesh.wgsl.
-    pub struct MeshPlace {
+    pub(crate) struct MeshPlace {
         /// world_from_mesh, first column.
         pub column_x: [f32; 3],
         /// What the picture's object id says.
