@@ -6,7 +6,7 @@ use crate::io::IoError;
 use crate::paint::PaintError;
 use crate::volume::{Segments, SourceError};
 
-/// See the module's head.
+/// Why a command was refused: each says what was found, what was expected and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum DocumentError {
     /// The command needs a volume.

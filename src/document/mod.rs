@@ -66,7 +66,7 @@ use crate::document::scene::past::PastGroup;
 use crate::explode::Poses;
 use std::path::PathBuf;
 
-/// See the module's head.
+/// What is open, with its history, its keeper and all that can be made again from it.
 #[derive(Debug, Default)]
 pub struct Document {
     state: Option<State>,

@@ -13,7 +13,7 @@ use crate::volume::{BrickSource, DensityMap, FieldKey, Histogram, Statistics, Te
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// See the module's head. Cheap to clone: bricks are shared.
+/// All that is open: what a save writes and undo brings back.
 #[derive(Clone, Debug)]
 pub struct State {
     /// Everything but voxels.

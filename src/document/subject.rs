@@ -11,7 +11,7 @@ use crate::math::{Aabb, DAffine3, DVec3};
 use crate::volume::{Grid, Mode, Segments, TransferFunction, Volume, VolumeId};
 use std::ops::Deref;
 
-/// See the module's head.
+/// One volume of the document with its settings; derefs to the volume, its grid has the volume's own pose.
 #[derive(Clone, Copy, Debug)]
 pub struct Subject<'a> {
     /// Its name.

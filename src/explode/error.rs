@@ -2,7 +2,7 @@
 
 use super::PartId;
 
-/// See the module's head.
+/// What was wrong with a request: the name of the field, what was found, what was expected.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ExplodeError {
     /// No part has this id.

@@ -57,7 +57,7 @@ impl Node {
 /// Place of a node within its level, in nodes; level 0 has leaves.
 type At = [u32; 3];
 
-/// See the module's head.
+/// The two octrees over the cells of density and selection, down to leaves of a cell.
 #[derive(Clone, Debug)]
 pub struct Octrees {
     grid: Grid,

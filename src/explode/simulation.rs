@@ -45,7 +45,7 @@ struct Member {
     snapped: bool,
 }
 
-/// See the module's head.
+/// Rigid bodies, one a part, and the forces on them; a step is 1/60 s of simulated time.
 pub struct Simulation {
     bodies: Bodies,
     members: Vec<Member>,

@@ -17,7 +17,7 @@ struct Side {
     ring: Vec<DVec3>,
 }
 
-/// See the module's head.
+/// A convex body by its corners and faces, in half-diagonals of the volume's box about the part's centre.
 #[derive(Clone, Debug)]
 pub struct Solid {
     centre_mm: DVec3,

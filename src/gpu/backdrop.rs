@@ -32,7 +32,7 @@ pub struct Shown {
 
 const FILE: &str = shader!("backdrop.wgsl");
 
-/// See the module's head.
+/// Draws rectangles and pictures in pixels of a target, beneath whatever comes after.
 #[derive(Debug)]
 pub struct Underlay {
     gpu: Gpu,

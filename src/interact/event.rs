@@ -103,7 +103,7 @@ pub enum Key {
     Right,
 }
 
-/// See the module's head.
+/// What a hand did: positions in pixels of a view, pressure from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event {
     /// A button goes down over a view.

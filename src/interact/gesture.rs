@@ -15,7 +15,7 @@ const CLICK_PX: f64 = 4.0;
 /// Degrees that a drag across the picture's height turns.
 const DEGREES_PER_HEIGHT: f64 = 180.0;
 
-/// See the module's head. Positions are pixels of the view where it began.
+/// What a held button does. Positions are pixels of the view where it began.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(missing_docs)] // fields: the variant's own text says what they are
 pub enum Gesture {

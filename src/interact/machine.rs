@@ -28,7 +28,7 @@ pub struct Context<'a> {
     pub voxel_mm: f64,
 }
 
-/// See the module's head.
+/// The tool in hand, the gesture that runs, and what a key or a pointer makes of both.
 #[derive(Clone, Debug, Default)]
 pub struct Interaction {
     tool: Tool,

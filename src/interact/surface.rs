@@ -21,7 +21,7 @@ pub struct Seen {
 /// A straight piece of a line, in shares of the picture.
 pub type Piece = [DVec2; 2];
 
-/// See the module's head.
+/// Points of the surface that the 3D view shows, in world mm, a grid of them over the picture.
 #[derive(Clone, Debug, Default)]
 pub struct Surface {
     columns: usize,

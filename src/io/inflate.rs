@@ -31,7 +31,7 @@ pub(super) fn open_file(path: &Path) -> Result<File, IoError> {
     }
 }
 
-/// See the module's head.
+/// A gzip file that is read from one byte of its content on.
 #[derive(Debug)]
 pub(super) struct Inflate {
     member: Option<GzDecoder<BufReader<File>>>,

@@ -47,7 +47,7 @@ pub(super) enum Skip {
     AllBut(u64),
 }
 
-/// See the module's head.
+/// Where the voxels of a file lie: first byte, numbers and strides of each axis, type, byte order, encoding.
 #[derive(Clone, Debug)]
 pub(super) struct Layout {
     /// In order; each holds the same share of the block.

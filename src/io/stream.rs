@@ -13,7 +13,7 @@ enum Input {
     Decoded(Box<dyn Read + Send>),
 }
 
-/// See the module's head.
+/// A reader of decoded bytes, over as many files as the block has.
 pub(super) struct Stream<'a> {
     layout: &'a Layout,
     /// The file that is being read, and how much of its share is left.

@@ -7,7 +7,7 @@ use super::{Brush, Dab, Shape};
 use crate::volume::Grid;
 use std::collections::HashMap;
 
-/// See the module's head.
+/// The most that the stroke so far can add to any voxel, in the field's units.
 #[derive(Clone, Debug)]
 pub struct BuildUpBound {
     edge_mm: f64,

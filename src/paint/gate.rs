@@ -13,7 +13,7 @@ use crate::with_voxels;
 /// Words of a slot's bits.
 pub const GATE_WORDS: usize = SLOT_VOXELS.div_ceil(32);
 
-/// See the module's head.
+/// A range of values that may be painted, both ends inclusive, judged on the source's own numbers.
 #[derive(Clone, Debug)]
 pub struct Gate {
     /// For 64-bit integers that nothing scales: the integers within.

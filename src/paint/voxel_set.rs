@@ -9,7 +9,7 @@ use std::collections::HashMap;
 /// A bit for every voxel of a brick, x fastest.
 type Bits = [u32; BRICK_VOXELS / 32];
 
-/// See the module's head.
+/// Voxels by brick of level 0, a bit each; bricks without any take no room.
 #[derive(Clone, Debug, Default)]
 pub struct VoxelSet(HashMap<BrickIndex, Box<Bits>>);
 

@@ -110,7 +110,7 @@ pub(super) enum Base {
     Source(Arc<dyn BrickSource>),
 }
 
-/// See the module's head.
+/// Texels over a grid, in bricks of 32³ and coarser levels: a source with sparse edits over it, or edits alone.
 #[derive(Clone, Debug)]
 pub struct Field {
     pub(super) kind: FieldKind,

@@ -9,7 +9,7 @@ use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::cmp::Ordering;
 
-/// See the module's head. Equal numbers are equal in either form; NaN equals nothing.
+/// A number to its last bit, of 64 bits. Equal numbers are equal in either form; NaN equals nothing.
 #[derive(Clone, Copy, Debug)]
 pub enum Number {
     /// An integer.

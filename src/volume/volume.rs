@@ -45,7 +45,7 @@ impl FieldKey {
     }
 }
 
-/// See the module's head. Cheap to clone: bricks are shared.
+/// Four fields over one grid, with the source of density and what was measured of it. Cheap to clone: bricks are shared.
 #[derive(Clone, Debug)]
 pub struct Volume {
     /// The values with their edits.

@@ -10,7 +10,7 @@ use crate::document::command::parts::{ExplosionCommand, PartCommand};
 use crate::document::command::views::{TransferCommand, ViewCommand};
 use crate::document::command::{Command, HistoryCommand, Question, SegmentCommand, SelectionCommand};
 
-/// See the module's head.
+/// What one command means for journal, past, pictures and whoever waits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Effects {
     /// `noun.verb`, as scripts have it.

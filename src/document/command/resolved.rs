@@ -12,7 +12,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// See the module's head.
+/// A command that can be done again elsewhere: places in world mm, the brush and camera that counted, files by hash.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ResolvedCommand {
     /// The command as a script would say it, its places in world mm.

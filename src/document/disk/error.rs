@@ -5,7 +5,7 @@ use crate::volume::SourceError;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// See the module's head.
+/// Why something could not be written, read or taken on disk; each names the file and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum KeepError {
     /// The system refused.

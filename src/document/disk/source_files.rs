@@ -32,7 +32,7 @@ impl Trouble {
     }
 }
 
-/// See the module's head. Dropping it ends the thread.
+/// The files that a volume is read from: length and time as opened, and their hash (blake3), which a thread of its own takes.
 #[derive(Debug)]
 pub struct SourceFiles {
     files: Vec<FileMark>,

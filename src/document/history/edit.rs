@@ -11,7 +11,7 @@ use crate::volume::{Brick, BrickIndex, Changes, DensityMap, Field, FieldKey, Fie
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// See the module's head.
+/// The recording of one command: what it changed as it was before, so that it can be taken back or made a step.
 #[derive(Debug)]
 pub(crate) struct Edit {
     scene: Option<Scene>,

@@ -35,7 +35,7 @@ impl Entry {
     }
 }
 
-/// See the module's head.
+/// Steps that can be undone and redone, newest last, within a budget of bytes in memory; older ones lie in files.
 #[derive(Debug)]
 pub struct History {
     undo: Vec<Entry>,

@@ -103,7 +103,7 @@ pub(crate) struct Bare {
     pub files: Option<Arc<SourceFiles>>,
 }
 
-/// See the module's head.
+/// What one step holds: parts of the scene, bricks of level 0 by field, maps of density, the commands that made it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Step {
     /// What the user did.

@@ -28,7 +28,7 @@ use crate::volume::{BrickIndex, FieldKey};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// See the module's head.
+/// Keeps one open document: its place on disk, the lock on it, and its journal.
 #[derive(Debug)]
 pub struct Keeper {
     journal: Journal,

@@ -42,7 +42,7 @@ pub struct KeptVolume {
     pub edits: BTreeMap<FieldKind, Edits>,
 }
 
-/// See the module's head.
+/// A document as it was kept, before its sources are opened: scene, painted bricks, and where density comes from.
 #[derive(Clone, Debug)]
 pub struct KeptDocument {
     /// Everything but voxels.

@@ -43,7 +43,7 @@ pub(crate) const ONE_VOLUME: u32 = 1;
 /// A journal below this is not worth gathering.
 const GATHER_ABOVE: u64 = 4 << 20;
 
-/// See the module's head.
+/// An open journal: its file, where its records end, and what is not yet written.
 #[derive(Debug)]
 pub(crate) struct Journal {
     path: PathBuf,

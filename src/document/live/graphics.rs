@@ -30,7 +30,7 @@ struct Tools {
     slices: SliceCaster,
 }
 
-/// See the module's head.
+/// The device and what works on it; `Default` has none yet.
 #[derive(Debug, Default)]
 pub(crate) struct Graphics {
     gpu: Option<Gpu>,

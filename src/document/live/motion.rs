@@ -32,7 +32,7 @@ struct Sought {
     search: Search,
 }
 
-/// See the module's head.
+/// The simulation of the parts, the poses that it found, and what they were found for.
 #[derive(Default)]
 pub(crate) struct Motion {
     octrees: Option<Octrees>,

@@ -35,7 +35,7 @@ pub(crate) struct Standing {
     pub found: Option<Arc<Found>>,
 }
 
-/// See the module's head.
+/// Where the parts stood under the last scenes that were left, by the scene's mark.
 #[derive(Debug, Default)]
 pub(crate) struct Stood(VecDeque<(String, Standing)>);
 

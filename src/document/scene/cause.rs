@@ -12,7 +12,7 @@ use crate::math::{Camera, DVec3, Pose};
 use crate::volume::{TransferFunction, VolumeId};
 use serde::Serialize;
 
-/// See the module's head.
+/// What rest poses were found for. Two that are equal have the same rest.
 #[derive(Clone, Debug)]
 pub(crate) struct Cause {
     explosion: Shared<Explosion>,

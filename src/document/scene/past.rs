@@ -44,7 +44,7 @@ impl<T> Default for Line<T> {
     }
 }
 
-/// See the module's head.
+/// Earlier and later views and looks, each walked back and forth for itself or by the order of their changes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Past {
     #[serde(default)]

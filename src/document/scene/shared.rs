@@ -9,7 +9,7 @@ use std::borrow::Cow;
 use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 
-/// See the module's head.
+/// A value that is shared by whoever holds it and copied by whoever changes it.
 #[derive(Debug, Default)]
 pub struct Shared<T>(Arc<T>);
 

@@ -19,7 +19,7 @@ const FACE: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
 const NOTHING: f64 = u32::MAX as f64;
 const GROUP: u32 = 8;
 
-/// See the module's head.
+/// Peels closed meshes and joins their faces into sorted spans of a ray, in mm along it.
 #[derive(Debug)]
 pub(crate) struct Cuts {
     first: Kernel<Draw>,

@@ -56,7 +56,7 @@ pub(crate) struct Placed<'a> {
     pub lighting: Option<Lighting>,
 }
 
-/// See the module's head.
+/// The corners and triangles of a frame's meshes, in world mm, on the device.
 #[derive(Debug, Default)]
 pub(crate) struct Meshes {
     held: Option<Held>,

@@ -51,7 +51,7 @@ pub(crate) struct Rays<'a> {
     pub size: [u32; 2],
 }
 
-/// See the module's head.
+/// What draws a frame's meshes, kept from picture to picture.
 #[derive(Debug)]
 pub(crate) struct LayerRaster {
     /// Of group 3.

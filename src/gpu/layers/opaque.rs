@@ -9,7 +9,7 @@ use crate::gpu::layers::meshes::{Meshes, Placed, nearest, orders, raster};
 use crate::gpu::layers::{MESH_CODE, Rays};
 use crate::gpu::picture::layer::OpaqueMesh;
 
-/// See the module's head.
+/// Draws opaque meshes into colour, depth along the ray in mm, and number of the mesh.
 #[derive(Debug)]
 pub(crate) struct Opaque {
     kernel: Kernel<Draw>,

@@ -31,7 +31,7 @@ pub struct CutMesh {
     pub pose: Pose,
 }
 
-/// See the module's head.
+/// The layers of a frame; `Default` has none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layers {
     /// Rays end at them; their colour lies behind what a ray gathered.

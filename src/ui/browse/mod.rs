@@ -42,7 +42,7 @@ pub struct Purpose {
     pub endings: &'static [&'static str],
 }
 
-/// See the module's head.
+/// A folder that is shown, the text that is typed, and what was chosen of both.
 pub struct Browser {
     purpose: Purpose,
     home: Option<PathBuf>,

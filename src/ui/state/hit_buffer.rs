@@ -9,7 +9,7 @@ use crate::ui::thread::session::Picture;
 use std::cell::OnceCell;
 use std::collections::BTreeSet;
 
-/// See the module's head.
+/// The views' last pictures, as far as the pointer asks them: depth in mm and body of each pixel of the 3D view.
 #[derive(Default)]
 pub(crate) struct Pictures {
     drawn: BTreeSet<ViewName>,

@@ -2,7 +2,7 @@
 
 use egui::Pos2;
 
-/// See the module's head.
+/// A sentence, where it stands in points of the toolkit, and since when.
 #[derive(Clone, Debug)]
 pub(crate) struct Note {
     pub(crate) text: String,

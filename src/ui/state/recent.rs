@@ -40,7 +40,7 @@ struct Found {
     there: bool,
 }
 
-/// See the module's head.
+/// The list of files and projects that were open lately, newest first, and who looks whether they are still there.
 pub struct Recent {
     /// The folder of the list; without one nothing is kept.
     folder: Option<PathBuf>,

@@ -26,7 +26,7 @@ pub(crate) struct Sample {
     pub(crate) shown: bool,
 }
 
-/// See the module's head.
+/// The samples of a stroke, in world mm, and the surface points within its radius of their way.
 #[derive(Debug, Default)]
 pub(crate) struct Trail {
     pub(crate) samples: Vec<Sample>,

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::Sender;
 
-/// See the module's head.
+/// Tells each percent of a long command once, and hears the wish to stop.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Progress {
     stop: Stop,

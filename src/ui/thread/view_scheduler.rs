@@ -47,7 +47,7 @@ struct Refining {
     object: Vec<u32>,
 }
 
-/// See the module's head.
+/// Which pictures were drawn of what, and how long a pixel takes.
 #[derive(Debug)]
 pub(crate) struct Studio {
     /// Changes of what the 3D view draws, and of what slices draw.

@@ -32,7 +32,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-/// See the module's head.
+/// The window: all that it holds between frames, and the line to the document.
 pub struct App {
     pub(crate) session: Session,
     pub(crate) snapshot: Arc<Snapshot>,
