@@ -90,6 +90,7 @@ fn snapshot(document: &Document) -> Result<Snapshot, Failure> {
         scene: Arc::new(volume.scene.clone()),
         poses: Arc::new(document.poses().clone()),
         grid: *volume.grid(),
+        centres: [(volume.id, volume.volume.grid().world_bounds().centre())].into(),
         voxel_type: volume.source.voxel_type(),
         statistics: volume.statistics,
         histogram: Arc::new(volume.histogram.clone()),

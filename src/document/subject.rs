@@ -73,11 +73,7 @@ impl State {
 
     fn no_volume(&self, named: Option<VolumeId>) -> DocumentError {
         match named {
-            Some(id) if !self.volumes.is_empty() => {
-                let known: Vec<String> =
-                    self.scene.volumes.all.iter().map(|(id, volume)| format!("{id} ({})", volume.name)).collect();
-                DocumentError::invalid("volume", id, format!("one of the volumes: {}", known.join(", ")))
-            }
+            Some(id) if !self.volumes.is_empty() => self.scene.volumes.none_of(id),
             _ => DocumentError::NothingOpen,
         }
     }

@@ -1,7 +1,7 @@
 //! A rigid motion of a part: `world_from_rest`.
 
 use super::{Plane, Ray};
-use glam::{DAffine3, DQuat, DVec3};
+use glam::{DAffine3, DQuat, DVec3, EulerRot};
 use serde::{Deserialize, Serialize};
 
 /// `p_world = rotation · p_rest + translation`, millimetres.
@@ -28,6 +28,18 @@ impl Pose {
     /// A turn about `centre` followed by a shift.
     pub fn about(centre: DVec3, rotation: DQuat, shift: DVec3) -> Self {
         Self { rotation, translation: centre + shift - rotation * centre }
+    }
+
+    /// A shift of `centre`, mm, and turns about it in degrees: about z, then y, then x, all fixed axes of the world, given as x, y, z.
+    pub fn by_hand(centre: DVec3, shift: DVec3, degrees: [f64; 3]) -> Self {
+        let [x, y, z] = degrees.map(f64::to_radians);
+        Self::about(centre, DQuat::from_euler(EulerRot::XYZ, x, y, z), shift)
+    }
+
+    /// What [`by_hand`](Self::by_hand) makes this pose of; the turn about y is within 90°.
+    pub fn shift_and_angles(&self, centre: DVec3) -> (DVec3, [f64; 3]) {
+        let (x, y, z) = self.rotation.to_euler(EulerRot::XYZ);
+        (self.apply(centre) - centre, [x, y, z].map(f64::to_degrees))
     }
 
     /// A share of the way from rest, also more than all of it: of the shift of `centre` and of the turn about it.

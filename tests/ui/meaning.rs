@@ -16,7 +16,7 @@ fn command(json: serde_json::Value) -> Command {
 }
 
 /// 8³ voxels with a block of ones.
-fn write_mask(dir: &Path) -> PathBuf {
+pub(super) fn write_mask(dir: &Path) -> PathBuf {
     let path = dir.join("mask.nrrd");
     let mut file = b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 8 8 8\nencoding: raw\n\n".to_vec();
     file.extend((0..512).map(|n| u8::from(n % 8 > 2 && n / 64 > 2)));
@@ -25,7 +25,7 @@ fn write_mask(dir: &Path) -> PathBuf {
 }
 
 /// Drops a file, and waits until the window has looked at it.
-fn drop_file(window: &mut Window, path: &Path) {
+pub(super) fn drop_file(window: &mut Window, path: &Path) {
     window.harness.input_mut().dropped_files.push(Arc::new(Dropped(path.into())));
     window.harness.step();
     window.harness.input_mut().dropped_files.clear();

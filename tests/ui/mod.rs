@@ -32,6 +32,7 @@ mod swatches;
 mod tooltips;
 mod typed;
 mod untouched;
+mod volumes;
 mod window;
 mod worker;
 

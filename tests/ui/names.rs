@@ -2,12 +2,13 @@
 
 use super::driver::{SMALL, Window};
 use super::replies::{done, lost};
+use super::volumes::two_volumes;
 use crate::common::one::segments;
 use burin::document::{Command, ProjectCommand};
 use burin::explode::{Part, PartId};
 use burin::paint::Target;
 use burin::ui::{Gravity, Report};
-use burin::volume::Mode;
+use burin::volume::{Mode, VolumeId};
 use egui::Modifiers;
 use egui::accesskit::Role as R;
 use egui_kittest::kittest::NodeT;
@@ -141,6 +142,16 @@ pub(super) fn states() -> Vec<(&'static str, Window, &'static str)> {
     });
     add("the modes to choose from", "Subtract", &click("Paint mode"));
     add("many parts and segments", "Show Segment 3", &many);
+    add("two volumes", "Opacity of volume small", &two_volumes);
+    add("two volumes of one name", "Opacity of volume small (1)", &|window| {
+        two_volumes(window);
+        window.scene.volumes.all.get_mut(&VolumeId(1)).unwrap().name = "small".into();
+        window.snapshot(|_| {});
+    });
+    add("the place of a volume", "Shift to the right of the volume", &|window| {
+        two_volumes(window);
+        window.click("Place of volume PET");
+    });
     add("messages", "Dismiss message 2", &say);
     add("keys", "Close the page of keys", &press(egui::Key::F1));
     add("one view", "All four views", &click("Only the Sagittal view"));

@@ -3,7 +3,7 @@
 use crate::document::Document;
 use crate::document::apply::open::Opened;
 use crate::document::command::Command;
-use crate::document::command::answers::{AddedSaid, Answer, ExportedSaid, Said, VolumeRemovedSaid, VolumeSetSaid};
+use crate::document::command::answers::{AddedSaid, Answer, ExportedSaid, Said, VolumeRemovedSaid};
 use crate::document::command::files::VolumeCommand;
 use crate::document::error::DocumentError;
 use crate::document::history::edit::Edit;
@@ -28,8 +28,8 @@ impl Document {
                 self.volume(&VolumeCommand::Open { path, component, frame, range, open_as })
             }
             altering @ (VolumeCommand::Add { .. } | VolumeCommand::Remove { .. } | VolumeCommand::Set { .. }) => {
-                let said = Command::Volume(altering.clone());
-                self.record(&said, |document, _, edit| document.alter_volumes(altering, edit))
+                let whole = Command::Volume(altering.clone());
+                self.record(&whole, |document, said, edit| document.alter_volumes(altering, said, edit))
             }
             VolumeCommand::Export { field, path } => {
                 let state = self.open()?;
@@ -49,7 +49,8 @@ impl Document {
         }
     }
 
-    fn alter_volumes(&mut self, command: VolumeCommand, edit: &mut Edit) -> Result<Said, DocumentError> {
+    /// Does with voxels what `command` does to volumes; what it does to the scene alone is done, and `said` is what is said of it.
+    fn alter_volumes(&mut self, command: VolumeCommand, said: Said, edit: &mut Edit) -> Result<Said, DocumentError> {
         edit.takes_looks();
         match command {
             VolumeCommand::Add { path, component, frame, range, open_as, name } => {
@@ -72,37 +73,10 @@ impl Document {
                 state.scene.shown.remove(&volume);
                 Ok(VolumeRemovedSaid { removed: volume, active }.into())
             }
-            VolumeCommand::Set { volume, name, visible, opacity, look, shared_look, pose, active } => {
-                let state = self.open_mut()?;
-                let mut settings = state.at(Some(volume))?.settings.clone();
-                if look.is_some() && shared_look {
-                    return Err(DocumentError::invalid("shared_look", "true beside a look", "one of the two"));
-                }
-                edit.name(match (&name, visible) {
-                    (Some(_), _) => format!("Rename volume {}", settings.name),
-                    (_, Some(true)) => format!("Show volume {}", settings.name),
-                    (_, Some(false)) => format!("Hide volume {}", settings.name),
-                    _ if pose.is_some() => format!("Move volume {}", settings.name),
-                    _ => format!("Change volume {}", settings.name),
-                });
-                settings.name = name.unwrap_or(settings.name);
-                settings.visible = visible.unwrap_or(settings.visible);
-                settings.opacity = opacity.unwrap_or(settings.opacity);
-                settings.pose = pose.unwrap_or(settings.pose);
-                settings.check()?;
-                settings.pose.rotation = settings.pose.rotation.normalize();
-                if let Some(shown) = state.scene.shown.get_mut(&volume) {
-                    let own = if shared_look { None } else { look.map(|look| *look).or_else(|| shown.own.clone()) };
-                    own.as_ref().map_or(Ok(()), OwnLook::check)?;
-                    shown.own = own;
-                }
-                state.scene.volumes.all.insert(volume, settings.clone());
-                if active {
-                    state.scene.volumes.active = volume;
-                }
-                let look = state.scene.shown.get(&volume).and_then(|shown| shown.own.clone());
-                let active = state.scene.volumes.active == volume;
-                Ok(VolumeSetSaid { volume, settings, look, active }.into())
+            VolumeCommand::Set { volume, .. } => {
+                // In a document without volumes nobody has looked for it.
+                self.open()?.at(Some(volume))?;
+                Ok(said)
             }
             // They change no volume of the document.
             VolumeCommand::Open { .. } | VolumeCommand::Export { .. } => Ok(Said::Nothing),

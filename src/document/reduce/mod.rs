@@ -8,6 +8,7 @@ pub(crate) mod looks;
 pub(crate) mod parts;
 pub(crate) mod place;
 pub(crate) mod views;
+pub(crate) mod volumes;
 
 use crate::document::command::answers::Said;
 use crate::document::command::{Command, SelectionCommand};
@@ -64,18 +65,16 @@ impl Scene {
             Command::Segment(command) => next.apply_segment(command),
             Command::Part(command) => next.apply_part(command, ground),
             Command::Explosion(command) => next.apply_explosion(command),
+            Command::Volume(command) => next.apply_volume(command),
             Command::Selection(command) => Ok(Changed::named(match command {
                 SelectionCommand::Import { .. } => "Import selection".into(),
                 SelectionCommand::FromLabel { label } => format!("Select label {label}"),
                 SelectionCommand::Clear {} => "Clear selection".into(),
             })),
             // Voxels, history, files, questions.
-            Command::Stroke(_)
-            | Command::History(_)
-            | Command::Project(_)
-            | Command::Volume(_)
-            | Command::Ask(_)
-            | Command::Render(_) => return Ok(Changed::default()),
+            Command::Stroke(_) | Command::History(_) | Command::Project(_) | Command::Ask(_) | Command::Render(_) => {
+                return Ok(Changed::default());
+            }
         }?;
         *self = next;
         Ok(changed)

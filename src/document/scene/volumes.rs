@@ -4,6 +4,7 @@
 //! among the others and walks with them (`view.back`), but for what `volume.add`, `volume.set` and `volume.remove` do, which is all
 //! one step. Knows no voxels.
 
+use crate::document::error::DocumentError;
 use crate::document::scene::{Look, Origin, Scene, Window};
 use crate::math::Pose;
 use crate::volume::{Lighting, Mode, Segments, TransferFunction, VolumeId};
@@ -70,6 +71,12 @@ impl Volumes {
     pub fn of_one(settings: VolumeSettings) -> Self {
         let active = VolumeId::FIRST;
         Self { active, next: 1, all: BTreeMap::from([(active, settings)]) }
+    }
+
+    /// What is said to whoever names a volume that is none of them.
+    pub(crate) fn none_of(&self, named: VolumeId) -> DocumentError {
+        let known: Vec<String> = self.all.iter().map(|(id, volume)| format!("{id} ({})", volume.name)).collect();
+        DocumentError::invalid("volume", named, format!("one of the volumes: {}", known.join(", ")))
     }
 }
 

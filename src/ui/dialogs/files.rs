@@ -88,7 +88,7 @@ impl App {
         for choice in choices {
             match choice {
                 Chosen::Path(what, path) => self.given(what, path),
-                Chosen::Glanced { path, found, number } => self.glanced(path, found, number),
+                Chosen::Glanced(glanced) => self.glanced(glanced),
                 Chosen::NoDialog(what) => {
                     self.system_dialogs = false;
                     if self.dialog.is_none() {
@@ -108,7 +108,8 @@ impl App {
 
     fn choose(&mut self, what: What, path: PathBuf) {
         match what {
-            What::Open => self.open_after_glance(path),
+            What::Open => self.look_at(path, false),
+            What::Add => self.look_at(path, true),
             What::Source(project) => self.send(Command::Project(ProjectCommand::Open {
                 path: project,
                 source: Some(path),
@@ -183,6 +184,7 @@ impl App {
 fn serves(what: &What, command: &Command) -> bool {
     match command {
         Command::Volume(VolumeCommand::Open { .. }) => *what == What::Open,
+        Command::Volume(VolumeCommand::Add { .. }) => matches!(what, What::Add | What::Open),
         Command::Project(ProjectCommand::Open { .. }) => matches!(what, What::Open | What::Source(_)),
         Command::Project(ProjectCommand::Save { .. }) => *what == What::SaveAs,
         Command::Volume(VolumeCommand::Export { .. }) => matches!(what, What::Export(_)),
@@ -204,7 +206,7 @@ fn by_system(what: &What, folder: &Path, name: &std::ffi::OsStr) -> Option<PathB
             let extensions = ["nii", "gz", "nrrd", "nhdr", "hdr", "json"];
             ask.add_filter("Volumes and projects", &extensions).add_filter("All files", &["*"]).pick_file()
         }
-        What::Selection | What::Labels | What::Source(_) => {
+        What::Add | What::Selection | What::Labels | What::Source(_) => {
             ask.add_filter("Volumes", &["nii", "gz", "nrrd", "nhdr", "hdr"]).pick_file()
         }
         What::SaveAs | What::Export(_) | What::Image(_) => ask.save_file(),

@@ -5,6 +5,7 @@ use crate::ui::browse::glance::{Glance, glance};
 use crate::ui::browse::names::shown;
 use crate::ui::state::dialog::Chosen;
 use crate::ui::state::dialog::Dialog;
+use crate::ui::state::dialog::Glanced;
 use crate::ui::state::dialog::Meaning;
 use crate::ui::state::saving::Coming;
 use crate::ui::style::theme;
@@ -18,6 +19,7 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Means {
     New(OpenAs),
+    Beside(OpenAs),
     IntoLabels,
     IntoSelection,
 }
@@ -26,24 +28,24 @@ impl App {
     /// Opens what was chosen without a dialog.
     pub(crate) fn open_asked(&mut self, path: PathBuf) {
         self.parked = None;
-        self.open_after_glance(path);
+        self.look_at(path, false);
     }
 
-    /// Looks at a file, and opens it if there is nothing to ask.
-    pub(super) fn open_after_glance(&mut self, path: PathBuf) {
+    /// Looks at a file, and opens it if there is nothing to ask; `beside` what is open, or in its place.
+    pub(super) fn look_at(&mut self, path: PathBuf, beside: bool) {
         self.glances += 1;
         let number = self.glances;
         // Folders, and whatever is no file, are for the document to judge.
         let file = std::fs::metadata(&path).is_ok_and(|about| about.is_file());
         if !file || path.file_name().is_some_and(|name| name == "project.json") {
-            self.open_guarded(Coming::Path(path));
+            self.take_image(path, beside);
             return;
         }
         let (back, wake, looked) = (self.chosen.0.clone(), self.wake(), path.clone());
         let started = std::thread::Builder::new().name("glance".into()).spawn(move || {
             let found = glance(&looked, &|| true);
             // Nobody there: the window was closed meanwhile.
-            let _gone = back.send(Chosen::Glanced { path: looked, found, number });
+            let _gone = back.send(Chosen::Glanced(Glanced { path: looked, found, number, beside }));
             wake();
         });
         match started {
@@ -52,11 +54,21 @@ impl App {
                 let since = self.context.input(|i| i.time);
                 self.busy.get_or_insert(Busy { what, since, percent: None, stopping: false });
             }
-            Err(_) => self.open_guarded(Coming::Path(path)),
+            Err(_) => self.take_image(path, beside),
         }
     }
 
-    pub(super) fn glanced(&mut self, path: PathBuf, found: Glance, number: u64) {
+    /// Takes what there is nothing to ask about.
+    fn take_image(&mut self, path: PathBuf, beside: bool) {
+        if beside {
+            self.add_volume(path, OpenAs::Image);
+        } else {
+            self.open_guarded(Coming::Path(path));
+        }
+    }
+
+    pub(super) fn glanced(&mut self, glanced: Glanced) {
+        let Glanced { number, found, beside, .. } = glanced;
         self.busy.take_if(|busy| busy.what.starts_with("Looking at"));
         match &self.dialog {
             _ if number != self.glances => return,
@@ -65,21 +77,23 @@ impl App {
             Some(Dialog::Browse(_) | Dialog::Meaning(_) | Dialog::Export(_) | Dialog::Picture(_)) => return,
             // What is asked of him is answered first.
             Some(_) => {
-                self.later.push(Chosen::Glanced { path, found, number });
+                self.later.push(Chosen::Glanced(glanced));
                 return;
             }
         }
         match found {
-            Glance::Image => self.open_guarded(Coming::Path(path)),
+            Glance::Image => self.take_image(glanced.path, beside),
             Glance::Segments | Glance::Regions => {
-                self.dialog = Some(Dialog::Meaning(Meaning { path, named: found == Glance::Segments }));
+                let named = found == Glance::Segments;
+                self.dialog = Some(Dialog::Meaning(Meaning { path: glanced.path, named, beside }));
             }
         }
     }
 
     pub(super) fn meaning_dialog(&mut self, ui: &mut Ui, meaning: Meaning) -> Option<Dialog> {
         let name = shown(meaning.path.file_name().unwrap_or(meaning.path.as_os_str()));
-        ui.add(egui::Label::new(RichText::new(format!("Open {name} as…")).heading()).truncate());
+        let does = if meaning.beside { "Add" } else { "Open" };
+        ui.add(egui::Label::new(RichText::new(format!("{does} {name} as…")).heading()).truncate());
         ui.add_space(4.0);
         let why = if meaning.named {
             "It is a file of segments."
@@ -99,21 +113,29 @@ impl App {
                 answer = Some(means);
             }
         };
-        if let Some(open) = &open {
+        if let (Some(open), false) = (&open, meaning.beside) {
             group(ui, &format!("Into {open}"));
             one(ui, Means::IntoLabels, "Labels of what is open", "Each region becomes a segment there");
             one(ui, Means::IntoSelection, "Selection of what is open", "Everything above 0 is selected there");
-            group(ui, "By itself");
         }
-        one(
-            ui,
-            Means::New(OpenAs::Labels),
-            "Labels",
-            "Each region becomes a segment, with its name and colour if it has one",
-        );
-        one(ui, Means::New(OpenAs::Image), "Image", "Its values are grey values, as of a scan");
-        if open.is_none() {
-            one(ui, Means::New(OpenAs::Selection), "Selection", "Everything above 0 is selected");
+        if let Some(open) = &open {
+            group(ui, &format!("Beside {open}, on its own grid"));
+        }
+        if open.is_some() || meaning.beside {
+            let labels = "Each region becomes a segment of a volume of its own";
+            one(ui, Means::Beside(OpenAs::Labels), "Another volume", labels);
+            one(ui, Means::Beside(OpenAs::Image), "Another volume of grey values", "As of a second scan");
+        }
+        if !meaning.beside {
+            if open.is_some() {
+                group(ui, "By itself");
+            }
+            let labels = "Each region becomes a segment, with its name and colour if it has one";
+            one(ui, Means::New(OpenAs::Labels), "Labels", labels);
+            one(ui, Means::New(OpenAs::Image), "Image", "Its values are grey values, as of a scan");
+            if open.is_none() {
+                one(ui, Means::New(OpenAs::Selection), "Selection", "Everything above 0 is selected");
+            }
         }
         ui.add_space(10.0);
         let cancelled = from_right_row(ui, cancel);
@@ -129,6 +151,7 @@ impl App {
     fn open_meant(&mut self, path: &Path, means: Means) {
         match means {
             Means::New(open_as) => self.open_guarded(Coming::Volume(path.into(), open_as)),
+            Means::Beside(open_as) => self.add_volume(path.into(), open_as),
             Means::IntoLabels => {
                 self.send(Command::Segment(SegmentCommand::Import { path: path.into(), component: 0, frame: 0 }));
             }

@@ -25,7 +25,7 @@ impl App {
     pub(super) fn offered_name(&self, what: &What) -> OsString {
         let mut name = stem(self);
         match what {
-            What::Open | What::Selection | What::Labels | What::Source(_) => return OsString::new(),
+            What::Open | What::Add | What::Selection | What::Labels | What::Source(_) => return OsString::new(),
             What::SaveAs => name.push(".burin"),
             What::Export(Export { field, endings }) => {
                 let ending = endings.first().copied().unwrap_or_default();
@@ -53,7 +53,7 @@ impl App {
         let beside = beside.filter(|folder| !self.recent.owns(folder) && folder.is_dir());
         let last = self.recent.folders().into_iter().next();
         let folder = match what {
-            What::Open | What::Selection | What::Labels | What::Source(_) => last.or(beside),
+            What::Open | What::Add | What::Selection | What::Labels | What::Source(_) => last.or(beside),
             What::SaveAs | What::Export(_) | What::Image(_) => beside.or(last),
         };
         folder

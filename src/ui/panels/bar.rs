@@ -41,13 +41,15 @@ impl App {
         if icon_button(ui, Face::tool(Icon::Open, "Open", "Open a volume or a project (Ctrl + O)", true)).clicked() {
             self.act(Action::Open);
         }
-        ui.add_enabled_ui(open, |ui| {
+        ui.add_enabled_ui(self.has_document(), |ui| {
             if icon_button(ui, Face::tool(Icon::Save, "Save", "Save the project (Ctrl + S)", true)).clicked() {
                 self.save();
             }
+        });
+        ui.add_enabled_ui(open, |ui| {
             let more = egui::Button::new("More…").min_size(egui::vec2(0.0, 32.0)).frame_when_inactive(false);
             let (response, _) = egui::containers::menu::MenuButton::from_button(more).ui(ui, |ui| self.more_menu(ui));
-            tipped(response, "Save elsewhere, import, export, pictures");
+            tipped(response, "Save elsewhere, add a volume, import, export, pictures");
         });
         divider(ui);
         for (icon, name, tip, names, command) in [
@@ -71,6 +73,11 @@ impl App {
             self.act(Action::SaveAs);
         }
         ui.separator();
+        let add = ui.button("Add a volume…");
+        let tip = "A second scan, a follow-up, a label map: beside what is open, on its own grid and with its own look";
+        if add.on_hover_text(tip).clicked() {
+            self.ask(What::Add);
+        }
         if ui
             .button("Import selection…")
             .on_hover_text("Another volume of the same place: what is above 0 is selected")

@@ -15,6 +15,7 @@ pub(crate) mod parts;
 pub(crate) mod segments;
 pub(crate) mod status;
 pub(crate) mod transfer;
+pub(crate) mod volumes;
 
 use crate::ui::state::borders::{Border, Edge};
 use crate::ui::state::layout::{BORDER, HEAD, LIST, Layout};
@@ -49,6 +50,9 @@ impl App {
             let open = u8::from(is_unfolded(ui.ctx(), "Segments"));
             let (upper, lower) = self.column(ui, column, (Border::Segments, self.layout.segments, 0.0), [open, 1]);
             sections(ui, Border::Segments, upper, |ui| {
+                if self.lists_volumes() {
+                    section(ui, "Volumes", true, |ui| self.volume_panel(ui));
+                }
                 section(ui, "Brush", true, |ui| self.brush_panel(ui));
                 section(ui, "Layers", true, |ui| self.layer_panel(ui));
                 section(ui, "3D look", true, |ui| self.look_panel(ui));

@@ -62,6 +62,8 @@ pub(crate) struct Meaning {
     pub(crate) path: PathBuf,
     /// The header says so itself.
     pub(crate) named: bool,
+    /// It comes beside what is open in any case.
+    pub(crate) beside: bool,
 }
 
 /// A document that a crash left behind.
@@ -83,7 +85,16 @@ pub(crate) enum Chosen {
     /// The system showed no dialog after all.
     NoDialog(What),
     /// What a file looks like; which of the glances it was.
-    Glanced { path: PathBuf, found: Glance, number: u64 },
+    Glanced(Glanced),
+}
+
+/// A file that was looked at.
+pub(crate) struct Glanced {
+    pub(crate) path: PathBuf,
+    pub(crate) found: Glance,
+    pub(crate) number: u64,
+    /// It comes beside what is open.
+    pub(crate) beside: bool,
 }
 
 /// A browser whose path was taken, until it is known whether it served.

@@ -31,6 +31,8 @@ pub(crate) const VOLUMES: &[&str] = &[".nii", ".nii.gz", ".nrrd", ".nhdr", ".hdr
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum What {
     Open,
+    /// One more volume beside those that are open.
+    Add,
     SaveAs,
     Export(Export),
     Image(Wish),
@@ -44,6 +46,7 @@ impl What {
     pub(crate) const fn title(&self) -> &'static str {
         match self {
             Self::Open => "Open",
+            Self::Add => "Add a volume",
             Self::SaveAs => "Save project",
             Self::Export(Export { field: FieldKind::Labels, .. }) => "Export labels",
             Self::Export(Export { field: FieldKind::Selection, .. }) => "Export selection",
@@ -60,6 +63,7 @@ impl What {
     pub(crate) const fn action(&self) -> &'static str {
         match self {
             Self::Open | Self::Source(_) => "Open",
+            Self::Add => "Add",
             Self::SaveAs | Self::Image(_) => "Save",
             Self::Export(_) => "Export",
             Self::Selection | Self::Labels => "Import",
@@ -69,6 +73,7 @@ impl What {
     pub(crate) const fn hint(&self) -> &'static str {
         match self {
             Self::Open => "A volume (.nii, .nii.gz, .nrrd) or a Burin project",
+            Self::Add => "A volume (.nii, .nii.gz, .nrrd) that comes beside what is open, on its own grid",
             Self::SaveAs => "A project is a folder; it is made if it is not there",
             Self::Export(_) => "Where the file is written",
             Self::Image(_) => "Where the picture is written",
@@ -80,7 +85,7 @@ impl What {
 
     pub(crate) const fn purpose(&self) -> Purpose {
         match self {
-            Self::Open | Self::Selection | Self::Labels | Self::Source(_) => {
+            Self::Open | Self::Add | Self::Selection | Self::Labels | Self::Source(_) => {
                 Purpose { asks: Asks::Open, endings: VOLUMES }
             }
             Self::SaveAs => Purpose { asks: Asks::SaveFolder, endings: &[] },

@@ -7,9 +7,10 @@ use crate::document::answers::Answer;
 use crate::document::answers_ask::VoxelSaid;
 use crate::document::{Command, Ground, RenderCommand, Scene, ViewName};
 use crate::explode::Poses;
-use crate::math::{Camera, DVec2};
+use crate::math::{Camera, DVec2, DVec3};
 use crate::ui::thread::stop::Stop;
-use crate::volume::{Grid, Histogram, Statistics, VoxelType};
+use crate::volume::{Grid, Histogram, Statistics, VolumeId, VoxelType};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -82,6 +83,8 @@ pub struct Opened {
     pub poses: Arc<Poses>,
     /// Its lattice.
     pub grid: Grid,
+    /// The middle of every volume where its file puts it, world mm.
+    pub centres: BTreeMap<VolumeId, DVec3>,
     /// The source's numeric type.
     pub voxel_type: VoxelType,
     /// Of the source's values.

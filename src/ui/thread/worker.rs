@@ -374,7 +374,8 @@ impl Worker {
         if self.told == Some(now) {
             return;
         }
-        let open = self.document.state().and_then(|state| state.at(None).ok()).map(|subject| {
+        let state = self.document.state();
+        let open = state.and_then(|state| Some((state, state.at(None).ok()?))).map(|(state, subject)| {
             let histogram = match &self.histogram {
                 Some(known) if **known == subject.histogram => known.clone(),
                 _ => Arc::new(subject.histogram.clone()),
@@ -383,6 +384,7 @@ impl Worker {
                 scene: Arc::new(subject.scene.clone()),
                 poses: Arc::new(self.document.poses().clone()),
                 grid: *subject.grid(),
+                centres: state.subjects().map(|s| (s.id, s.volume.grid().world_bounds().centre())).collect(),
                 voxel_type: subject.source.voxel_type(),
                 statistics: subject.statistics,
                 histogram,

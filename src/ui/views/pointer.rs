@@ -181,7 +181,12 @@ impl App {
 
     /// Does what a key or a button asks for; with nothing open there is little to do.
     pub(crate) fn act(&mut self, action: Action) {
-        if self.opened().is_none() && !matches!(action, Action::Open | Action::Keys | Action::Abort) {
+        let can = match action {
+            Action::Open | Action::Keys | Action::Abort => true,
+            Action::Undo | Action::Redo | Action::Save | Action::SaveAs => self.has_document(),
+            _ => self.opened().is_some(),
+        };
+        if !can {
             return;
         }
         match action {
@@ -211,9 +216,7 @@ impl App {
             Action::Save => self.save(),
             Action::SaveAs => {
                 self.after_save = None;
-                if self.opened().is_some() {
-                    self.ask(What::SaveAs);
-                }
+                self.ask(What::SaveAs);
             }
             Action::Open => self.ask(What::Open),
             Action::Fit => self.send_view(ViewCommand::Fit { view: self.viewports.meant() }),

@@ -186,6 +186,12 @@ impl App {
         self.snapshot.open.as_ref()
     }
 
+    /// Whether there is a document, if only one whose volumes were all taken away.
+    pub(crate) fn has_document(&self) -> bool {
+        let Snapshot { open, project, undo, redo, unsaved, .. } = &*self.snapshot;
+        open.is_some() || project.is_some() || *unsaved || !undo.is_empty() || !redo.is_empty()
+    }
+
     /// What the 3D view shows at a pixel, in a picture of this size.
     pub(crate) fn hit(&self, px: DVec2, size: [u32; 2]) -> Option<Hit> {
         let (scene, open) = (self.scene.as_ref()?, self.opened()?);
@@ -264,6 +270,18 @@ impl App {
         }));
     }
 
+    /// Opens a volume beside what is open.
+    pub(crate) fn add_volume(&mut self, path: PathBuf, open_as: OpenAs) {
+        self.send(Command::Volume(VolumeCommand::Add {
+            path,
+            component: crate::document::USUAL_COMPONENT,
+            frame: 0,
+            range: None,
+            open_as,
+            name: None,
+        }));
+    }
+
     /// First thing: opens what was named, and asks for what a crash left behind.
     pub(crate) fn start(&mut self, open: Option<&Path>, warning: Option<String>) {
         if let Some(warning) = warning {
@@ -295,8 +313,12 @@ impl App {
 
     /// The document's name, with a star while there is something to lose.
     pub(crate) fn document_title(&self) -> String {
-        let Some(open) = self.opened() else { return "Nothing open".into() };
-        let path = self.snapshot.place(open);
+        let path = match (self.opened(), &self.snapshot.project) {
+            (Some(open), _) => self.snapshot.place(open),
+            (None, Some(project)) => project,
+            (None, None) if self.has_document() => Path::new("No volume"),
+            (None, None) => return "Nothing open".into(),
+        };
         let name = shown(path.file_name().unwrap_or(path.as_os_str()));
         if self.snapshot.unsaved { format!("{name}*") } else { name }
     }

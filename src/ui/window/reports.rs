@@ -128,6 +128,10 @@ impl App {
                 self.recent.note_volume(path, *open_as);
                 self.begin_lesson(path);
             }
+            Command::Volume(VolumeCommand::Add { path, open_as, .. }) => {
+                self.recent.note_volume(path, *open_as);
+                self.confirm(format!("Added {}", named(path)), None);
+            }
             Command::Project(ProjectCommand::Open { path, .. }) => {
                 self.recent.note_project(path);
                 self.begin_lesson(path);

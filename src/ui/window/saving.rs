@@ -20,7 +20,7 @@ impl App {
 
     /// Saves, and does something else once all is on disk.
     pub(crate) fn save_then(&mut self, then: Option<AfterSave>) {
-        if self.opened().is_none() {
+        if !self.has_document() {
             return;
         }
         self.after_save = then;

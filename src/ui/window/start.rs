@@ -84,6 +84,11 @@ impl App {
             if ui.add(primary("Open…")).on_hover_text("A volume or a project (Ctrl + O)").clicked() {
                 self.ask(What::Open);
             }
+            let add = egui::Button::new("Add a volume…").min_size(vec2(110.0, 30.0));
+            let tip = "To the document from which all volumes were taken away; Ctrl + Z brings the last one back";
+            if self.has_document() && ui.add(add).on_hover_text(tip).clicked() {
+                self.ask(What::Add);
+            }
             let sample = egui::Button::new("Open the sample head").min_size(vec2(150.0, 30.0));
             let tip = "An MRI scan of a head that comes with the program, to try things on";
             if self.recent.folder().is_some() && ui.add(sample).on_hover_text(tip).clicked() {

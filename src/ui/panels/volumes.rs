@@ -1,0 +1,193 @@
+//! The list of volumes: which one is painted, name, visibility, strength, place.
+//!
+//! It takes room only where there is something to choose: a document of one volume as it was opened has no list.
+
+use crate::document::{Command, VolumeCommand, VolumeSettings};
+use crate::interact::readout;
+use crate::math::{DVec3, Pose};
+use crate::ui::style::icons;
+use crate::ui::style::icons::Icon;
+use crate::ui::style::naming::{Named, name_field};
+use crate::ui::style::theme;
+use crate::ui::style::theme::{GAP, LABEL, ROW};
+use crate::ui::style::widgets::{Face, button, from_right, icon_button, list, number, row, tipped};
+use crate::ui::window::app::App;
+use crate::volume::VolumeId;
+use egui::{DragValue, Popup, PopupCloseBehavior, Rect, Role, Sense, Ui, WidgetInfo, vec2};
+
+/// Rows that are in sight: more are scrolled to, fewer leave room, so that nothing below moves.
+const ROWS: f32 = 3.0;
+/// Between two rows.
+const BETWEEN: f32 = 2.0;
+/// Width of the sign before the painted one.
+const MARK: f32 = 16.0;
+/// Width of the strength.
+const PERCENT: f32 = 50.0;
+/// Farthest that a volume is moved by hand, mm.
+const FARTHEST: f64 = 1e6;
+
+/// What is changed of a volume; what is `None` stays.
+#[derive(Default)]
+struct Given {
+    name: Option<String>,
+    visible: Option<bool>,
+    opacity: Option<f32>,
+    pose: Option<Pose>,
+    active: bool,
+}
+
+impl Given {
+    fn of(self, volume: VolumeId) -> Command {
+        let Self { name, visible, opacity, pose, active } = self;
+        let (look, shared_look) = (None, false);
+        Command::Volume(VolumeCommand::Set { volume, name, visible, opacity, look, shared_look, pose, active })
+    }
+}
+
+impl App {
+    /// Whether there is something to choose: several volumes, or one that was hidden, weakened or moved.
+    pub(super) fn lists_volumes(&self) -> bool {
+        let Some(scene) = &self.scene else { return false };
+        let as_opened = |v: &VolumeSettings| v.visible && v.opacity == 1.0 && v.pose == Pose::IDENTITY;
+        scene.volumes.all.len() > 1 || scene.volumes.all.values().any(|volume| !as_opened(volume))
+    }
+
+    pub(super) fn volume_panel(&mut self, ui: &mut Ui) {
+        let Some(scene) = &self.scene else { return };
+        let volumes = scene.volumes.clone();
+        let rows: Vec<_> = volumes.all.iter().collect();
+        // Volumes of one name are told apart by number.
+        let called = |id: VolumeId, name: &str| match rows.iter().filter(|(_, other)| other.name == name).count() {
+            0 | 1 => name.to_owned(),
+            _ => format!("{name} ({id})"),
+        };
+        let height = ROWS * ROW + (ROWS - 1.0) * BETWEEN;
+        self.grounds.detail(ui, Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), height)), theme::DEEP);
+        list(ui, "volumes", height, ROW, rows.len(), false, |ui, range| {
+            for &(&id, settings) in &rows[range] {
+                let called = called(id, &settings.name);
+                ui.push_id(("volume", id.0), |ui| self.volume_row(ui, (id, &called), settings, id == volumes.active));
+            }
+        });
+        ui.add_space(GAP);
+    }
+
+    fn volume_row(&mut self, ui: &mut Ui, (id, called): (VolumeId, &str), volume: &VolumeSettings, active: bool) {
+        ui.horizontal(|ui| {
+            if active {
+                let full = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), ROW));
+                ui.painter().rect_filled(full, theme::ROUND, theme::ACCENT_FILL);
+            }
+            let choose = |app: &mut Self| {
+                if !active {
+                    app.send(Given { active: true, ..Given::default() }.of(id));
+                }
+            };
+            if mark(ui, called, active) {
+                choose(self);
+            }
+            let show = format!("Show volume {called}");
+            let (icon, tint) = if volume.visible { (Icon::Eye, theme::TEXT) } else { (Icon::EyeOff, theme::TEXT_WEAK) };
+            if icon_button(ui, Face::small(icon, &show, "Show or hide this volume").tint(tint)).clicked() {
+                self.send(Given { visible: Some(!volume.visible), ..Given::default() }.of(id));
+            }
+            let width = ui.available_width() - 2.0 * (ROW + GAP) - PERCENT - GAP;
+            let does = if active {
+                "The brush paints this volume, and the panels show it. Double-click to rename it"
+            } else {
+                "Click to paint this volume and to see it in the panels, double-click to rename it"
+            };
+            let tip = format!("{}\n{does}", volume.name);
+            match name_field(ui, (&format!("Name of volume {id}"), &tip), &volume.name, width) {
+                Some(Named::Chosen) => choose(self),
+                Some(Named::Anew(name)) => self.send(Given { name: Some(name), ..Given::default() }.of(id)),
+                None => {}
+            }
+            from_right(ui, |ui| {
+                let remove = format!("Remove volume {called}");
+                let tip = "Take this volume away, with all that was painted on it; undo brings it back";
+                if icon_button(ui, Face::small(Icon::Trash, &remove, tip)).clicked() {
+                    self.send(Command::Volume(VolumeCommand::Remove { volume: id }));
+                }
+                self.place_menu(ui, (id, called), volume);
+                self.strength(ui, (id, called), volume);
+            });
+        });
+    }
+
+    fn strength(&mut self, ui: &mut Ui, (id, called): (VolumeId, &str), volume: &VolumeSettings) {
+        let mut percent = f64::from(volume.opacity) * 100.0;
+        let field = DragValue::new(&mut percent).range(0.0..=100.0).speed(0.5).suffix(" %");
+        let about = (&*format!("Opacity of volume {called}"), "How strongly it shows. Drag, or click to type");
+        let response = number(ui, PERCENT, about, "%", field, |x, chars| readout::fixed(x, 0, chars));
+        if response.changed() {
+            let opacity = Some((percent / 100.0) as f32);
+            self.edit(&response, Given { opacity, ..Given::default() }.of(id));
+        }
+    }
+
+    /// Where it lies, in numbers: a follow-up seldom lies right.
+    fn place_menu(&mut self, ui: &mut Ui, (id, called): (VolumeId, &str), volume: &VolumeSettings) {
+        let moved = volume.pose != Pose::IDENTITY;
+        let tint = if moved { theme::WARNING } else { theme::TEXT_WEAK };
+        let name = format!("Place of volume {called}");
+        let tip = if moved { "It was moved by hand: shift or turn it" } else { "Shift or turn this volume" };
+        let response = icon_button(ui, Face::small(Icon::MovePart, &name, tip).tint(tint));
+        let centre = self.opened().and_then(|open| open.centres.get(&id).copied()).unwrap_or_default();
+        Popup::menu(&response).close_behavior(PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
+            ui.set_width(LABEL + 110.0);
+            self.place_fields(ui, id, volume.pose, centre);
+            ui.add_enabled_ui(moved, |ui| {
+                let tip = "No shift and no turn: where its file has it";
+                if button(ui, vec2(ui.available_width(), ROW), "Back to its place", tip) {
+                    self.send(Given { pose: Some(Pose::IDENTITY), ..Given::default() }.of(id));
+                }
+            });
+        });
+    }
+
+    fn place_fields(&mut self, ui: &mut Ui, id: VolumeId, pose: Pose, centre: DVec3) {
+        let (shift, angles) = pose.shift_and_angles(centre);
+        let numbers: [_; 6] = std::array::from_fn(|i| if i < 3 { shift[i] } else { angles[i - 3] });
+        for (i, (label, name, tip, limit)) in [
+            ("Right", "Shift to the right", "Millimetres to the patient's right; below 0 to the left", FARTHEST),
+            ("Front", "Shift to the front", "Millimetres to the front; below 0 to the back", FARTHEST),
+            ("Up", "Shift up", "Millimetres towards the head; below 0 towards the feet", FARTHEST),
+            ("Nod", "Nod", "Degrees about its middle, from left to right: above 0 the front goes up", 180.0),
+            ("Tilt", "Tilt", "Degrees about its middle, from back to front: above 0 the top goes right", 90.0),
+            ("Turn", "Turn", "Degrees about its middle, from feet to head: above 0 the right side goes forward", 180.0),
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            row(ui, label, |ui| {
+                let (unit, mut value) = (if i < 3 { " mm" } else { "°" }, numbers[i]);
+                let field = DragValue::new(&mut value).range(-limit..=limit).speed(0.1).suffix(unit);
+                let about = (&*format!("{name} of the volume"), &*format!("{tip}. Drag, or click to type"));
+                let width = ui.available_width();
+                let response = number(ui, width, about, unit, field, |x, chars| readout::fixed(x + 0.0, 2, chars));
+                if response.changed() {
+                    let mut numbers = numbers;
+                    numbers[i] = value;
+                    let [right, front, up, nod, tilt, turn] = numbers;
+                    let pose = Pose::by_hand(centre, DVec3::new(right, front, up), [nod, tilt, turn]);
+                    self.edit(&response, Given { pose: Some(pose), ..Given::default() }.of(id));
+                }
+            });
+        }
+    }
+}
+
+/// Says which volume is painted; whether another one is to be.
+fn mark(ui: &mut Ui, called: &str, active: bool) -> bool {
+    let (rect, response) = ui.allocate_exact_size(vec2(MARK, ROW), Sense::click());
+    let name = format!("Paint volume {called}");
+    response.widget_info(|| WidgetInfo::selected(Role::RadioButton, true, active, &name));
+    let lit = response.hovered() || response.has_focus();
+    if active || lit {
+        let colour = if active { theme::TEXT } else { theme::TEXT_WEAK };
+        icons::paint(ui.painter(), rect, Icon::Brush, colour);
+    }
+    let tip = if active { "The brush paints this volume" } else { "Paint this volume" };
+    tipped(response, tip).clicked()
+}
