@@ -2,7 +2,7 @@
 //!
 //! The geometry is `math::convex`'s; owned here is how thin a part may be. Knows nothing of poses and forces.
 
-use super::Face;
+use crate::explode::state::Face;
 use crate::math::convex::{half, section, volume};
 use crate::math::{DVec3, Plane};
 

@@ -1,6 +1,6 @@
 //! What can be wrong with an explosion or with a request to change it.
 
-use super::PartId;
+use crate::explode::state::PartId;
 
 /// What was wrong with a request: the name of the field, what was found, what was expected.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -4,8 +4,8 @@
 //! equation 2 has no direction for a point inside a part, where at rest every point is. These forms keep finite and keep the
 //! intent: c_r·ln(1 + r/ℓ_r); c_e·exp(−r/λ_e), inside at r = 0 along the cut faces; c_v/(r + ε); c_s/(r² + ε²).
 
-use super::bodies::{exp, ln_1p};
-use super::solid::{Nearest, Solid};
+use crate::explode::bodies::{exp, ln_1p};
+use crate::explode::solid::{Nearest, Solid};
 use crate::math::{Camera, DVec3, Projection, Ray};
 
 /// A force and where it is applied, about the part's centre in the part's own frame.

@@ -5,9 +5,11 @@
 //! visible. Measured at degree 1 from the rest pose whatever came before, then scaled with the degree. Knows no picture: what
 //! is hidden is told by a callback, or by the caller between two steps ([`Search`]).
 
-use super::octree::ExplosionPoint;
-use super::simulation::Simulation;
-use super::{ExplodeError, Explosion, Poses};
+use crate::explode::error::ExplodeError;
+use crate::explode::octree::ExplosionPoint;
+use crate::explode::poses::Poses;
+use crate::explode::simulation::Simulation;
+use crate::explode::state::Explosion;
 use crate::math::{Camera, Pose};
 
 /// Measurements at most.

@@ -3,8 +3,9 @@
 //! Splitting metaphor of Exploded Views (2006), 3.1. Parts partition the volume's box at every moment; hiding a part leaves
 //! it in place. Knows no camera (see `splitters`) and no forces.
 
-use super::convex;
-use super::{ExplodeError, Explosion, Face, Forces, Part, PartId};
+use crate::explode::convex;
+use crate::explode::error::ExplodeError;
+use crate::explode::state::{Explosion, Face, Forces, Part, PartId};
 use crate::math::convex::{area, diameter, mean, polygon, volume};
 use crate::math::{DVec3, Plane, Pose, nearest_region};
 use crate::volume::Grid;

@@ -3,7 +3,8 @@
 //! Found again whenever it is wanted, so it is in no history and is saved as a cache only. A part that a hand holds stands where
 //! the hand has it, whatever is noted here. Owns how parts that come, go or are let go of stand; knows no forces.
 
-use super::{ExplodeError, Explosion, Part, PartId};
+use crate::explode::error::ExplodeError;
+use crate::explode::state::{Explosion, Part, PartId};
 use crate::math::Pose;
 use crate::math::convex::diameter;
 use serde::{Deserialize, Serialize};

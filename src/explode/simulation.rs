@@ -4,11 +4,13 @@
 //! speed and not the poses. Importance multiplies the return force. Sums run in the order of parts and points, so the same
 //! input gives the same poses to the bit. Knows the camera, not the picture: gains are given to it.
 
-use super::bodies::{Bodies, STEP_S, State};
-use super::forces::{explosion_force, from_ray, return_force, spacing_force, viewing_force, viewing_ray};
-use super::octree::ExplosionPoint;
-use super::solid::Solid;
-use super::{ExplodeError, Explosion, Forces, Poses};
+use crate::explode::bodies::{Bodies, STEP_S, State};
+use crate::explode::error::ExplodeError;
+use crate::explode::forces::{explosion_force, from_ray, return_force, spacing_force, viewing_force, viewing_ray};
+use crate::explode::octree::ExplosionPoint;
+use crate::explode::poses::Poses;
+use crate::explode::solid::Solid;
+use crate::explode::state::{Explosion, Forces};
 use crate::math::{Camera, DQuat, DVec3, Pose, Ray};
 use rayon::prelude::*;
 

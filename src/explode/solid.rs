@@ -3,8 +3,9 @@
 //! The nearest point of a convex body to a point outside lies on a face that the point is outside of, so only these few are
 //! asked. All in `f64` and in the order of faces: the same input gives the same bits.
 
-use super::bodies::exp;
-use super::{ExplodeError, Part};
+use crate::explode::bodies::exp;
+use crate::explode::error::ExplodeError;
+use crate::explode::state::Part;
 use crate::math::DVec3;
 use crate::math::convex::polygon;
 

@@ -4,8 +4,10 @@
 //! from the direction of sight, so that the plane stays edge-on where it was clicked. Planes are in the world as it is seen,
 //! exploded or not; [`Explosion::split`] takes them back to rest.
 
-use super::convex::ON_PLANE;
-use super::{Axis, Cut, ExplodeError, Explosion, Part, PartId, Poses};
+use crate::explode::convex::ON_PLANE;
+use crate::explode::error::ExplodeError;
+use crate::explode::poses::Poses;
+use crate::explode::state::{Axis, Cut, Explosion, Part, PartId};
 use crate::math::convex::{diameter, section};
 use crate::math::{Camera, DVec2, DVec3, Plane, Pose, Projection};
 

@@ -1,6 +1,6 @@
 //! What of an explosion a person decides, and so what is saved and undone: parts, what a hand holds, degree and forces.
 //!
-//! Where forces take the parts is not here: see [`Poses`](super::Poses). Owns the parts' JSON, the same in projects and in answers.
+//! Where forces take the parts is not here: see [`Poses`](crate::explode::poses::Poses). Owns the parts' JSON, the same in projects and in answers.
 
 use crate::math::{DVec3, Plane, Pose};
 use serde::{Deserialize, Serialize};

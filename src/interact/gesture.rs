@@ -1,13 +1,14 @@
 //! What a held button is doing, from its press to its release.
 
-use super::brush::set_erase;
-use super::slices::{CutSlice, crosshair, cuts_on, set_window, split as split_slice, windowed};
-use super::{Hit, PointerEvent, Tool};
 use crate::document::{
     Command, HistoryCommand, PartCommand, Place, Scene, Splitter, StrokeCommand, StrokePoint, ViewCommand, ViewName,
     Window,
 };
 use crate::explode::{Axis, PartId};
+use crate::interact::brush::set_erase;
+use crate::interact::event::{Hit, PointerEvent};
+use crate::interact::slices::{CutSlice, crosshair, cuts_on, set_window, split as split_slice, windowed};
+use crate::interact::tool::Tool;
 use crate::math::{Camera, DQuat, DVec2, DVec3, Pose};
 
 /// A press this close to its release, in pixels, is a click; a hand that lets go of key and button moves no further between.

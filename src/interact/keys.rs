@@ -1,7 +1,8 @@
 //! The keyboard: one table that the window obeys and the page of keys shows.
 
-use super::{Key, Modifiers, Tool};
 use crate::document::PastOf;
+use crate::interact::event::{Key, Modifiers};
+use crate::interact::tool::Tool;
 
 /// What a key asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,8 +125,8 @@ pub fn action_of(key: Key, modifiers: Modifiers) -> Option<Action> {
         Key::Help => Some(Action::Keys),
         Key::Home if modifiers.shift => Some(Action::Front),
         _ if modifiers.shift => None,
-        Key::BracketLeft => Some(Action::BrushSize(1.0 / super::machine::SIZE_STEP)),
-        Key::BracketRight => Some(Action::BrushSize(super::machine::SIZE_STEP)),
+        Key::BracketLeft => Some(Action::BrushSize(1.0 / crate::interact::machine::SIZE_STEP)),
+        Key::BracketRight => Some(Action::BrushSize(crate::interact::machine::SIZE_STEP)),
         Key::Up => Some(Action::Slice(1)),
         Key::Down => Some(Action::Slice(-1)),
         Key::Home => Some(Action::Fit),

@@ -1,10 +1,12 @@
 //! The machine: which tool, which gesture, and what comes of an event.
 
-use super::brush::set_radius;
-use super::slices::CutSlice;
-use super::{Button, Event, Gesture, PointerEvent, Tool, Wheel};
 use crate::document::{Command, Scene, ViewCommand, ViewName};
 use crate::explode::{Axis, Poses};
+use crate::interact::brush::set_radius;
+use crate::interact::event::{Button, Event, PointerEvent, Wheel};
+use crate::interact::gesture::Gesture;
+use crate::interact::slices::CutSlice;
+use crate::interact::tool::Tool;
 use crate::volume::Grid;
 
 /// One step of the brush's size.

@@ -3,10 +3,12 @@
 //!
 //! Planes, not lines: whoever draws knows which surface is seen, and shows them there. Knows no pixels of pictures.
 
-use super::slices::{Cut, CutSlice, cuts_on};
-use super::{Gesture, Hit, Tool};
 use crate::document::{Scene, SlicePlane};
 use crate::explode::{Axis, Part, Poses, axis_plane, depth_plane, line_plane};
+use crate::interact::event::Hit;
+use crate::interact::gesture::Gesture;
+use crate::interact::slices::{Cut, CutSlice, cuts_on};
+use crate::interact::tool::Tool;
 use crate::math::{DVec2, DVec3, Plane, Ray};
 
 /// What a tool points at.

@@ -1,10 +1,10 @@
 //! Gestures on slices: crosshair, the grey window under the right button, and cuts that are seen as lines.
 
-use super::Tool;
 use crate::document::{
     Command, HistoryCommand, PartCommand, Place, Scene, SlicePlane, Splitter, ViewCommand, ViewName, Window,
 };
 use crate::explode::{Axis, Part, PartId};
+use crate::interact::tool::Tool;
 use crate::math::{DVec2, DVec3, Plane, Ray};
 use crate::volume::Grid;
 

@@ -3,7 +3,9 @@
 //! The density is their brightness in their own type: Rec. 709's luma of the display-referred values, 0.2126 R + 0.7152 G + 0.0722 B,
 //! times alpha, integers rounded. Full is the greatest integer of the type, or 1 of numbers with a fraction. Alpha that is 0 everywhere was not filled in by whoever wrote the file, and counts as none.
 
-use super::{IoError, Progress, statistics};
+use crate::io::error::IoError;
+use crate::io::reader::Progress;
+use crate::io::statistics;
 use crate::volume::{BrickSource, Grid, SourceError, Value, VoxelType, Voxels};
 use crate::with_voxel_type;
 use std::sync::Arc;

@@ -3,9 +3,9 @@
 //! Text gives each number as the bytes of its type, little-endian, so that all encodings look alike behind this door. Knows no
 //! header; says how much a file can hold at the most, so that nobody believes one that asks for more.
 
-use super::IoError;
-use super::error::shown;
-use super::inflate::{GZIP_MAGIC, Inflate, most_inflated, open_file};
+use crate::io::error::IoError;
+use crate::io::error::shown;
+use crate::io::inflate::{GZIP_MAGIC, Inflate, most_inflated, open_file};
 use crate::volume::VoxelType;
 use bzip2::bufread::MultiBzDecoder;
 use flate2::bufread::GzDecoder;

@@ -1,6 +1,6 @@
 //! What can go wrong with a file, in words that name the file, the field, what was found and what was expected.
 
-use super::words::in_words;
+use crate::io::words::in_words;
 use crate::volume::SourceError;
 use std::path::Path;
 

@@ -8,10 +8,12 @@
 //!
 //! Owns what is written; how a format says it is `nrrd_write`'s and `nifti_write`'s.
 
-use super::deflate::Gzip;
-use super::layout::to_native;
-use super::replace::replace;
-use super::{IoError, Progress, nifti_write, nrrd_write};
+use crate::io::deflate::Gzip;
+use crate::io::error::IoError;
+use crate::io::layout::to_native;
+use crate::io::reader::Progress;
+use crate::io::replace::replace;
+use crate::io::{nifti_write, nrrd_write};
 use crate::volume::{BRICK, BrickSource, Field, FieldKind, Grid, Segments, Value, Values, VoxelType, Voxels, is_plain};
 use crate::with_voxels;
 use std::collections::BTreeMap;

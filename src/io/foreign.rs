@@ -3,8 +3,9 @@
 //! Whoever drops one of them is told what it is and what to do, not that some bytes were not expected. Looks at first bytes, never
 //! at all of a file, and at no more than some hundred files of a folder.
 
-use super::reader::{HEAD_BYTES, head, readers};
-use super::{IoError, regular};
+use crate::io::error::IoError;
+use crate::io::reader::{HEAD_BYTES, head, readers};
+use crate::io::regular;
 use std::path::Path;
 
 /// What something is, and what to do with it.
@@ -280,7 +281,7 @@ fn look(path: &Path, found: &mut Contents, depth: usize) {
         found.looked_at += 1;
         found.others += 1;
         if readers().iter().any(|r| r.recognises(&head)) {
-            found.volumes.push(super::error::shown(&path.file_name().unwrap_or_default().to_string_lossy()));
+            found.volumes.push(crate::io::error::shown(&path.file_name().unwrap_or_default().to_string_lossy()));
             continue;
         }
         let len = std::fs::metadata(&path).map_or(HEAD_BYTES, |m| m.len());

@@ -1,6 +1,6 @@
 //! Gzip as a stream: several members one after another are one, what follows the last is ignored, as gzip does.
 
-use super::IoError;
+use crate::io::error::IoError;
 use flate2::bufread::GzDecoder;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
@@ -21,12 +21,12 @@ pub(super) fn most_inflated(compressed: u64) -> u64 {
 pub(super) fn open_file(path: &Path) -> Result<File, IoError> {
     let about = std::fs::metadata(path).map_err(IoError::system(path, "open the file"))?;
     if about.is_file() {
-        super::open_regular(path).map_err(IoError::system(path, "open the file"))
+        crate::io::regular::open_regular(path).map_err(IoError::system(path, "open the file"))
     } else {
         Err(IoError::Unknown {
             file: path.display().to_string(),
-            found: super::regular::kind(&about).into(),
-            expected: super::readers().iter().map(|r| r.name()).collect::<Vec<_>>().join(", "),
+            found: crate::io::regular::kind(&about).into(),
+            expected: crate::io::reader::readers().iter().map(|r| r.name()).collect::<Vec<_>>().join(", "),
         })
     }
 }

@@ -1,6 +1,7 @@
 //! What `burin info` tells of a file.
 
-use super::{IoError, NamedLabel, Progress, open};
+use crate::io::error::IoError;
+use crate::io::reader::{NamedLabel, Progress, open};
 use crate::volume::Number;
 use serde::Serialize;
 use std::path::Path;

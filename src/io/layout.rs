@@ -1,11 +1,13 @@
 //! Voxels in one block of one file, or of several that follow one another, as NIfTI, NRRD and their like keep them: where it
 //! starts, what its axes count, how it is encoded. Owns the bound that nothing is allocated which the files cannot hold.
 
-use super::decode::{Encoding, is_gzip_again};
-use super::raw::RawSource;
-use super::statistics::Accumulator;
-use super::stream::Stream;
-use super::{Contents, FileMark, IoError, Opened, Progress};
+use crate::io::decode::{Encoding, is_gzip_again};
+use crate::io::error::IoError;
+use crate::io::raw::RawSource;
+use crate::io::reader::{Contents, Opened, Progress};
+use crate::io::regular::FileMark;
+use crate::io::statistics::Accumulator;
+use crate::io::stream::Stream;
 use crate::volume::{BrickSource, Grid, MemorySource, Statistics, Value, VoxelType};
 use crate::with_voxel_type;
 use std::io::BufReader;

@@ -3,12 +3,15 @@
 //! Reads what the header says of type, scaling, frames (`dim[4]`) and components (`dim[5]` and on, and the parts of RGB, RGBA and
 //! complex voxels); the place in the world is `nifti_place`'s.
 
-use super::decode::Encoding;
-use super::inflate::{GZIP_MAGIC, open_file};
-use super::layout::{Axis, DataFile, Layout, Role, Skip};
-use super::nifti_header::Header;
-use super::reader::head;
-use super::{FileMark, IoError, Opened, Reader, nifti_place, place};
+use crate::io::decode::Encoding;
+use crate::io::error::IoError;
+use crate::io::inflate::{GZIP_MAGIC, open_file};
+use crate::io::layout::{Axis, DataFile, Layout, Role, Skip};
+use crate::io::nifti_header::Header;
+use crate::io::reader::head;
+use crate::io::reader::{Opened, Reader};
+use crate::io::regular::FileMark;
+use crate::io::{nifti_place, place};
 use crate::volume::VoxelType;
 use std::io::Read;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! The fields of a NIfTI header, of version 1 (348 bytes; nifti1.h, 2005) or 2 (540 bytes; nifti2.h, 2011): the same fields at other
 //! places, wider.
 
-use super::IoError;
+use crate::io::error::IoError;
 
 /// Size of the headers, and what their first field says.
 const SIZES: [usize; 2] = [348, 540];

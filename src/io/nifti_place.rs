@@ -2,8 +2,8 @@
 //!
 //! A form that cannot be used (not finite, singular) is passed over with a warning, as the standard's own reader does.
 
-use super::nifti_header::Header;
-use super::place::flaw;
+use crate::io::nifti_header::Header;
+use crate::io::place::flaw;
 use crate::math::{DAffine3, DMat3, DVec3};
 
 /// RAS+ mm from index.

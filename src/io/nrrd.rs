@@ -1,11 +1,13 @@
 //! NRRD: attached and detached headers, series of data files, every encoding, number type and space.
 
-use super::decode::Encoding;
-use super::inflate::open_file;
-use super::layout::{Axis, DataFile, Layout, Role, Skip};
-use super::nrrd_files::data_files;
-use super::nrrd_header::Header;
-use super::{IoError, Opened, Reader, nrrd_place, nrrd_segments};
+use crate::io::decode::Encoding;
+use crate::io::error::IoError;
+use crate::io::inflate::open_file;
+use crate::io::layout::{Axis, DataFile, Layout, Role, Skip};
+use crate::io::nrrd_files::data_files;
+use crate::io::nrrd_header::Header;
+use crate::io::reader::{Opened, Reader};
+use crate::io::{nrrd_place, nrrd_segments};
 use crate::volume::VoxelType;
 use std::io::{BufRead, BufReader, Seek, SeekFrom};
 use std::path::Path;

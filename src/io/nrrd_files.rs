@@ -3,8 +3,8 @@
 //! Field `data file` of teem's definition, with the number of axes that each file of a series has. A header must not make anyone
 //! read what lies elsewhere: names lead into its own folder or below.
 
-use super::IoError;
-use super::nrrd_header::Header;
+use crate::io::error::IoError;
+use crate::io::nrrd_header::Header;
 use std::path::{Component, Path, PathBuf};
 
 /// Digits that a number in a file's name may be filled up to.

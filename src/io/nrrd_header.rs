@@ -3,9 +3,9 @@
 //! Definition of the NRRD file format (teem.sourceforge.net/nrrd/format.html), versions 1 to 5. What fields mean together is
 //! `nrrd`'s.
 
-use super::IoError;
-use super::error::shown;
-use super::inflate::open_file;
+use crate::io::error::IoError;
+use crate::io::error::shown;
+use crate::io::inflate::open_file;
 use crate::volume::VoxelType;
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Read};

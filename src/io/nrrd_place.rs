@@ -1,8 +1,9 @@
 //! Which axes of a NRRD file are space, frames and components, and where the space lies, in RAS+ mm.
 
-use super::layout::{Axis, Role};
-use super::nrrd_header::Header;
-use super::{IoError, place};
+use crate::io::error::IoError;
+use crate::io::layout::{Axis, Role};
+use crate::io::nrrd_header::Header;
+use crate::io::place;
 use crate::math::{DAffine3, DMat3, DVec3};
 use crate::volume::Grid;
 
@@ -223,7 +224,7 @@ fn mm_per_unit(field: &str, unit: &str, warnings: &mut Vec<String>) -> f64 {
         "cm" | "centimeter" | "centimeters" | "centimetre" | "centimetres" => 10.0,
         "m" | "meter" | "meters" | "metre" | "metres" => 1000.0,
         other => {
-            warnings.push(format!("{field} \"{}\" is not known; taken as mm", super::error::shown(other)));
+            warnings.push(format!("{field} \"{}\" is not known; taken as mm", crate::io::error::shown(other)));
             1.0
         }
     }

@@ -3,7 +3,7 @@
 //! A layer is one of the numbers of a voxel: segments of several layers may overlap. Older files have no values and layers:
 //! each segment is 1 in a layer of its own.
 
-use super::NamedLabel;
+use crate::io::reader::NamedLabel;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What voxels of any type can hold.
@@ -47,7 +47,7 @@ pub(super) fn segments(keys: &[(String, String)], components: u32, warnings: &mu
         labels.push(NamedLabel { value, name: name.map(str::to_owned), colour, component });
     }
     let more = odd.len().saturating_sub(MOST_WARNINGS);
-    warnings.extend(odd.into_iter().take(MOST_WARNINGS).map(|w| format!("{}; not used", super::error::shown(&w))));
+    warnings.extend(odd.into_iter().take(MOST_WARNINGS).map(|w| format!("{}; not used", crate::io::error::shown(&w))));
     if more > 0 {
         warnings.push(format!("{more} more segments of the header are odd"));
     }

@@ -1,6 +1,6 @@
 //! From a header's numbers to a grid: dimensions that are sane, affines that can be inverted.
 
-use super::IoError;
+use crate::io::error::IoError;
 use crate::math::{DAffine3, DMat3};
 use crate::volume::Grid;
 

@@ -4,10 +4,10 @@
 //! a read answers with an error. A file that changed since it was opened (length or time) is an error too, since edits lie
 //! over the voxels that were there.
 
-use super::IoError;
-use super::inflate::open_file;
-use super::layout::{Layout, to_native};
-use super::regular::read_exact_at;
+use crate::io::error::IoError;
+use crate::io::inflate::open_file;
+use crate::io::layout::{Layout, to_native};
+use crate::io::regular::read_exact_at;
 use crate::volume::{BrickSource, Grid, SourceError, VoxelType, Voxels, check_box};
 use std::fs::File;
 use std::path::PathBuf;
@@ -57,7 +57,7 @@ impl RawSource {
     /// `layout` was checked against the files' lengths.
     pub(super) fn open(layout: &Layout, start: u64, strides: [u64; 3]) -> Result<Self, IoError> {
         let hold = layout.data.len() <= HELD;
-        let share = |data: &super::layout::DataFile| {
+        let share = |data: &crate::io::layout::DataFile| {
             let file = open_file(&data.path)?;
             let seen = state(&file).map_err(IoError::system(&data.path, "read the file"))?;
             Ok(Share { path: data.path.clone(), held: hold.then_some(file), start: data.start, seen })
@@ -76,7 +76,10 @@ impl RawSource {
     }
 
     fn unreadable(&self, reason: impl ToString) -> SourceError {
-        SourceError::Unreadable { name: self.name.clone(), reason: super::words::without_numbers(&reason.to_string()) }
+        SourceError::Unreadable {
+            name: self.name.clone(),
+            reason: crate::io::words::without_numbers(&reason.to_string()),
+        }
     }
 
     /// Bytes of the block, from whichever files they are in.
@@ -89,7 +92,7 @@ impl RawSource {
             let share = self.shares.get(n as usize).ok_or_else(|| self.unreadable("it has no such voxels"))?;
             let read = match &share.held {
                 Some(file) => read_exact_at(file, part, share.start + within),
-                None => super::open_regular(&share.path).and_then(|file| {
+                None => crate::io::regular::open_regular(&share.path).and_then(|file| {
                     // Looked at again: meanwhile the name may lead to another file.
                     let same = state(&file)? == share.seen;
                     let changed = || std::io::Error::other(format!("{}: {CHANGED}", share.path.display()));

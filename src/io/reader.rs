@@ -1,8 +1,10 @@
 //! What every format gives: a trait for its reader, the list of readers, and what an opened file offers.
 
-use super::nifti::Nifti;
-use super::nrrd::Nrrd;
-use super::{FileMark, IoError, foreign, inflate};
+use crate::io::error::IoError;
+use crate::io::nifti::Nifti;
+use crate::io::nrrd::Nrrd;
+use crate::io::regular::FileMark;
+use crate::io::{foreign, inflate};
 use crate::volume::{BrickSource, Grid, Statistics, VoxelType};
 use std::io::Read;
 use std::path::Path;
@@ -102,7 +104,7 @@ impl Opened {
             return Ok(None);
         }
         let sources = (0..self.components).map(|c| self.source(c, frame, progress)).collect::<Result<_, _>>()?;
-        super::colour::parts(sources, progress).map(Some)
+        crate::io::colour::parts(sources, progress).map(Some)
     }
 
     /// One component of one frame, both counted from 0. Of colours there is one more, their brightness. Uncompressed voxels stay in the file and are read box by box;
@@ -113,7 +115,7 @@ impl Opened {
     pub fn source(&self, component: u32, frame: u32, progress: Progress<'_>) -> Result<Arc<dyn BrickSource>, IoError> {
         if self.colour && component == self.components && frame < self.frames {
             let parts = self.colours(frame, progress)?.unwrap_or_default();
-            return Ok(Arc::new(super::colour::Luminance { parts }));
+            return Ok(Arc::new(crate::io::colour::Luminance { parts }));
         }
         for (what, count, asked) in [("components", self.components, component), ("frames", self.frames, frame)] {
             if asked >= count {

@@ -1,8 +1,9 @@
 //! A file that is either the old one or the whole new one: written beside it, synced, then renamed over it. What is write-protected
 //! stays, and rights are kept.
 
-use super::regular::{must_be_regular, without_waiting};
-use super::{IoError, disk};
+use crate::io::disk;
+use crate::io::error::IoError;
+use crate::io::regular::{must_be_regular, without_waiting};
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{BufWriter, Error, ErrorKind, Write};
 use std::path::Path;

@@ -1,6 +1,7 @@
 //! Smallest, largest, sum and NaN count of values, in one pass and in exact or compensated sums.
 
-use super::{IoError, Progress};
+use crate::io::error::IoError;
+use crate::io::reader::Progress;
 use crate::volume::{BrickSource, Statistics, Total, Value, Voxels};
 use crate::with_voxels;
 use rayon::prelude::*;

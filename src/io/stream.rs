@@ -1,9 +1,9 @@
 //! The block of a [`Layout`] from its first byte on, decoded, whatever it is encoded in and however many files it lies in.
 
-use super::IoError;
-use super::decode::Encoding;
-use super::inflate::open_file;
-use super::layout::{CHUNK, Layout, Skip, to_native};
+use crate::io::decode::Encoding;
+use crate::io::error::IoError;
+use crate::io::inflate::open_file;
+use crate::io::layout::{CHUNK, Layout, Skip, to_native};
 use crate::volume::Value;
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Seek, SeekFrom, copy, sink};

@@ -3,7 +3,7 @@
 //! Pixel (0, 0) is the top-left corner of the picture; the centre of the first pixel is (0.5, 0.5). Samples of a picture
 //! lie at `t = k·step` along the unit ray from the eye, or from the image plane in orthographic projection.
 
-use super::{Aabb, Ray};
+use crate::math::shapes::{Aabb, Ray};
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 

@@ -4,7 +4,8 @@
 //! lines cross the plane is the section. Lines that are no edges cross inside it. So a corner is never the solution of three
 //! nearly parallel planes, and slivers stay exact. Knows nothing of what is cut, or why.
 
-use super::{Aabb, DVec2, DVec3, Plane};
+use crate::math::shapes::{Aabb, Plane};
+use crate::math::{DVec2, DVec3};
 
 /// How near, as a share of a body's diameter, a corner counts as on a face.
 const ON_FACE: f64 = 1e-6;

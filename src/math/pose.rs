@@ -1,6 +1,6 @@
 //! A rigid motion of a part: `world_from_rest`.
 
-use super::{Plane, Ray};
+use crate::math::shapes::{Plane, Ray};
 use glam::{DAffine3, DQuat, DVec3, EulerRot};
 use serde::{Deserialize, Serialize};
 

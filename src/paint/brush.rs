@@ -1,7 +1,7 @@
 //! What a stroke paints with. All lengths are millimetres, also on anisotropic grids.
 
-use super::PaintError;
 use crate::math::DVec3;
+use crate::paint::error::PaintError;
 use crate::volume::{FieldKind, Number};
 use serde::{Deserialize, Serialize};
 
@@ -119,7 +119,7 @@ pub struct Brush {
     pub target: Target,
     /// Distance of dabs along the stroke as a share of the radius, in (0, ¼].
     pub spacing: f64,
-    /// Only voxels whose density before the stroke is in this closed range are painted; see [`Gate`](super::Gate).
+    /// Only voxels whose density before the stroke is in this closed range are painted; see [`Gate`](crate::paint::gate::Gate).
     pub range: Option<[Number; 2]>,
     /// Whether the brush takes away instead: density as `erase_density` says, colour, selection and label go to 0.
     pub erase: bool,

@@ -3,7 +3,8 @@
 //! Owns a sparse lattice of cells as large as a dab reaches: a voxel's dabs lie in its own cell and those beside it. Knows
 //! dabs, no voxels. The bound is that of hard dabs, up to twice or thrice what piles up really.
 
-use super::{Brush, Dab, Shape};
+use crate::paint::brush::{Brush, Shape};
+use crate::paint::dab::Dab;
 use crate::volume::Grid;
 use std::collections::HashMap;
 

@@ -4,8 +4,8 @@
 //! Direct Volume Editing (2008), equation 2: G = strength·F(d/m), zero beyond the support m. A dab whose support is under half
 //! the voxel's diagonal may reach no centre at all: there the voxel that holds the dab's centre has G = strength·pressure.
 
-use super::{Brush, Falloff, Shape};
 use crate::math::{DMat3, DVec3};
+use crate::paint::brush::{Brush, Falloff, Shape};
 use crate::volume::{BRICK, BrickIndex, Grid};
 
 /// A voxel further from the centre than the radius by less than this share counts as lying on it, so that a voxel at exactly

@@ -6,9 +6,11 @@
 //! diagonal, voxels that the path passes between two dabs get one of their own. Owns where the stroke has got to; of voxels it
 //! knows where they lie, nothing of what they hold.
 
-use super::passed::{cell_of, left};
-use super::{Brush, Dab, PaintError, Sample, Tip, half_diagonal_mm};
 use crate::math::{DAffine3, DVec3};
+use crate::paint::brush::{Brush, Sample, Tip};
+use crate::paint::dab::{Dab, half_diagonal_mm};
+use crate::paint::error::PaintError;
+use crate::paint::passed::{cell_of, left};
 use crate::volume::Grid;
 use std::collections::HashSet;
 

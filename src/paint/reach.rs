@@ -5,7 +5,7 @@
 //! tenth then always arrive. What stands for nothing measured takes no part, or one voxel of −3.4e38 would make the step as large as
 //! all others together. Knows fields, neither documents nor the GPU.
 
-use super::{Brush, Operation, Target};
+use crate::paint::brush::{Brush, Operation, Target};
 use crate::volume::{DensityMap, Field, SourceError, TexelFormat, VoxelType};
 
 /// Values from the least to the greatest that are measurements or were painted.

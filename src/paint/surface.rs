@@ -15,8 +15,8 @@
 //!
 //! So nothing is painted farther than radius and a voxel from what a pixel met. Knows neither pictures nor voxels but for their size.
 
-use super::Sample;
 use crate::math::DVec3;
+use crate::paint::brush::Sample;
 
 /// Most voxels between two looks on one surface.
 pub const CLOSE_VOXELS: f64 = 2.0;

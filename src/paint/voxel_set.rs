@@ -2,7 +2,7 @@
 //!
 //! Memory follows the bricks that hold any. Knows neither fields nor how its voxels were found.
 
-use super::GATE_WORDS;
+use crate::paint::gate::GATE_WORDS;
 use crate::volume::{BRICK, BRICK_VOXELS, BrickIndex, SLOT};
 use std::collections::HashMap;
 
@@ -39,7 +39,7 @@ impl VoxelSet {
         }
     }
 
-    /// A bit for every texel of a slot of level 0 in a volume of `dims` voxels, as [`Gate::slot`](super::Gate::slot) has them: apron
+    /// A bit for every texel of a slot of level 0 in a volume of `dims` voxels, as [`Gate::slot`](crate::paint::gate::Gate::slot) has them: apron
     /// texels as the voxels that they repeat.
     pub fn slot(&self, index: BrickIndex, dims: [u32; 3]) -> Vec<u32> {
         let origin = index.origin();
@@ -58,7 +58,7 @@ impl VoxelSet {
         let reach = |index: &BrickIndex| {
             let lo = index.origin();
             let end = std::array::from_fn(|a| (lo[a] + BRICK).min(dims[a]));
-            super::IndexBox { lo, end }.slots(dims)
+            crate::paint::dab::IndexBox { lo, end }.slots(dims)
         };
         let mut all: Vec<_> = self.0.keys().flat_map(reach).collect();
         all.sort_unstable();

@@ -1,6 +1,6 @@
 //! Boxes of voxels, and moving boxes of texels between blocks; every block is x fastest and tightly packed.
 
-use super::{BRICK, BRICK_VOXELS, Brick, BrickIndex, SLOT};
+use crate::volume::brick::{BRICK, BRICK_VOXELS, Brick, BrickIndex, SLOT};
 
 /// A box of voxels of a level, not empty: from `lo` to before `end`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

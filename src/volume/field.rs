@@ -4,12 +4,13 @@
 //! where someone painted). Coarser levels, cell minima and maxima and brick summaries are kept beside it and refreshed by
 //! [`Field::swap`], whose cost is that of the bricks it is given.
 
-use super::blocks::{Region, copy_box, fill_box};
-use super::grid::level_dims;
-use super::pyramid::texel_value;
-use super::{
-    BRICK, BRICK_VOXELS, Brick, BrickIndex, BrickKey, BrickSource, DensityMap, Grid, SLOT, SourceError, TexelFormat,
-};
+use crate::volume::blocks::{Region, copy_box, fill_box};
+use crate::volume::brick::{BRICK, BRICK_VOXELS, Brick, BrickIndex, BrickKey, SLOT};
+use crate::volume::grid::Grid;
+use crate::volume::grid::level_dims;
+use crate::volume::pyramid::texel_value;
+use crate::volume::source::{BrickSource, SourceError};
+use crate::volume::texel::{DensityMap, TexelFormat};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, OnceLock};
@@ -265,7 +266,7 @@ impl Field {
     /// # Errors
     /// If the source fails or the voxel is outside.
     pub fn texel(&self, voxel: [u32; 3]) -> Result<[u8; 4], SourceError> {
-        super::source::check_box(voxel, [1; 3], self.dims)?;
+        crate::volume::source::check_box(voxel, [1; 3], self.dims)?;
         let index = BrickIndex::of_voxel(voxel);
         if let Some(brick) = self.edits.get(&index) {
             return Ok(brick.texel(voxel.map(|v| v % BRICK), self.format.bytes()));

@@ -2,7 +2,9 @@
 //!
 //! Knows a label map from a CT from anything else by its histogram alone; nothing of grids or views.
 
-use super::{Histogram, Segment, TransferFunction};
+use crate::volume::histogram::Histogram;
+use crate::volume::segments::Segment;
+use crate::volume::transfer::TransferFunction;
 
 /// The largest value of a point that is found from data: room for one above it.
 pub(super) const MOST: f64 = 1e308;
@@ -57,7 +59,7 @@ fn of_measurements(histogram: &Histogram) -> (Points<[f32; 3]>, Points<f32>) {
     let bins = histogram.bins.len();
     let top = histogram.classes().map_or(bins as f64, |c| histogram.share_below(c.upper..bins, 0.995));
     let (clear, top) = apart(histogram.value_at(histogram.clear()), histogram.value_at(top), histogram.bin_width());
-    let places = [0.0, 0.35, 0.7, 1.0].map(|t| super::transfer::mix(clear, top, t));
+    let places = [0.0, 0.35, 0.7, 1.0].map(|t| crate::volume::transfer::mix(clear, top, t));
     let opacities = [0.0, 0.08, 0.35, 0.6];
     (places.into_iter().zip(COLOURS).collect(), places.into_iter().zip(opacities).collect())
 }

@@ -78,7 +78,7 @@ impl Grid {
     pub fn level_count(&self) -> u8 {
         let longest = self.dims.iter().copied().max().unwrap_or(1);
         let mut levels = 1;
-        while longest.div_ceil(1 << (levels - 1)) > super::BRICK {
+        while longest.div_ceil(1 << (levels - 1)) > crate::volume::brick::BRICK {
             levels += 1;
         }
         levels

@@ -3,10 +3,12 @@
 //! The cost of a swap is that of the texels that it changes: neighbours cost only where an apron sees a change, coarser
 //! levels only above one.
 
-use super::blocks::{Region, copy_box, difference, interior};
-use super::field::{Base, Cells, Changes, Field, FieldKind, Refresh};
-use super::pyramid::{About, coarsen, renew, summarise};
-use super::{BRICK, BRICK_VOXELS, Brick, BrickIndex, BrickKey, BrickSource, CELL, DensityMap, SourceError};
+use crate::volume::blocks::{Region, copy_box, difference, interior};
+use crate::volume::brick::{BRICK, BRICK_VOXELS, Brick, BrickIndex, BrickKey, CELL};
+use crate::volume::field::{Base, Cells, Changes, Field, FieldKind, Refresh};
+use crate::volume::pyramid::{About, coarsen, renew, summarise};
+use crate::volume::source::{BrickSource, SourceError};
+use crate::volume::texel::DensityMap;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -1,7 +1,8 @@
 //! What is known of a brick while it is painted, before its texels are the field's: by the cell.
 
-use super::field::{Cells, Field, FieldKind};
-use super::{BRICK, Brick, BrickIndex, BrickKey, CELL, CELLS_PER_BRICK, SourceError};
+use crate::volume::brick::{BRICK, Brick, BrickIndex, BrickKey, CELL, CELLS_PER_BRICK};
+use crate::volume::field::{Cells, Field, FieldKind};
+use crate::volume::source::SourceError;
 
 /// The selection's codes over a cell's own voxels, those in the volume.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

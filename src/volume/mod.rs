@@ -46,4 +46,5 @@ pub use transfer::{TABLE_ENTRIES, TransferFunction};
 pub use values::Values;
 pub(crate) use values::{is_plain, unit};
 pub use volume::{FieldKey, Volume, VolumeId};
-pub use voxels::{Statistics, Value, VoxelType, Voxels};
+pub use voxels::Voxels;
+pub use voxels::{Statistics, Value, VoxelType};

@@ -3,9 +3,10 @@
 //! CT in Hounsfield units is known by its air and has looks by value; any other data has looks by how its values are spread, since
 //! an MR value has no unit. Knows the histogram only.
 
-use super::first_transfer::{MOST, apart};
-use super::transfer::mix;
-use super::{Histogram, TransferFunction};
+use crate::volume::first_transfer::{MOST, apart};
+use crate::volume::histogram::Histogram;
+use crate::volume::transfer::TransferFunction;
+use crate::volume::transfer::mix;
 
 /// A look that is chosen by name.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,9 +1,10 @@
 //! Arithmetic over the texels of one brick or slot: minima and maxima by the cell, and the next coarser level.
 
-use super::blocks::{Region, fill_box};
-use super::brick::shared_texel;
-use super::field::{BrickSummary, Cells};
-use super::{BRICK, BRICK_VOXELS, Brick, CELL, CELLS_PER_BRICK, DensityMap, TexelFormat};
+use crate::volume::blocks::{Region, fill_box};
+use crate::volume::brick::shared_texel;
+use crate::volume::brick::{BRICK, BRICK_VOXELS, Brick, CELL, CELLS_PER_BRICK};
+use crate::volume::field::{BrickSummary, Cells};
+use crate::volume::texel::{DensityMap, TexelFormat};
 use std::borrow::Cow;
 
 /// What is known of a slot.

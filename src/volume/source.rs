@@ -1,6 +1,8 @@
 //! Where unedited voxels come from.
 
-use super::{Grid, VoxelType, Voxels};
+use crate::volume::Voxels;
+use crate::volume::grid::Grid;
+use crate::volume::voxels::VoxelType;
 use crate::with_voxels;
 
 /// Why voxels could not be had.
@@ -97,7 +99,7 @@ impl BrickSource for MemorySource {
     fn read(&self, lo: [u32; 3], size: [u32; 3]) -> Result<Voxels, SourceError> {
         let dims = self.grid.dims;
         check_box(lo, size, dims)?;
-        fn gather<T: super::Value>(all: &[T], lo: [u32; 3], size: [u32; 3], dims: [u32; 3]) -> Voxels {
+        fn gather<T: crate::volume::voxels::Value>(all: &[T], lo: [u32; 3], size: [u32; 3], dims: [u32; 3]) -> Voxels {
             let mut out = Vec::with_capacity(size.iter().map(|&s| s as usize).product());
             for z in lo[2]..lo[2] + size[2] {
                 for y in lo[1]..lo[1] + size[1] {

@@ -1,6 +1,7 @@
 //! Texel formats: the bytes that host, project and GPU share.
 
-use super::{Value, Voxels};
+use crate::volume::Voxels;
+use crate::volume::voxels::Value;
 use crate::with_voxels;
 use serde::{Deserialize, Serialize};
 

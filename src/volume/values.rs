@@ -3,7 +3,11 @@
 //! Texels round what a source holds (16-bit codes, 32-bit floats), and serve pictures and strokes. Whoever tells, compares or
 //! writes values comes here.
 
-use super::{BRICK, BrickIndex, BrickSource, Field, FieldKind, Number, SourceError, Voxels};
+use crate::volume::Voxels;
+use crate::volume::brick::{BRICK, BrickIndex};
+use crate::volume::field::{Field, FieldKind};
+use crate::volume::number::Number;
+use crate::volume::source::{BrickSource, SourceError};
 
 /// A box of density.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,7 +3,13 @@
 //! Owns the four fields and the source behind the density. Any number of volumes lie beside each other; `VolumeId` names one,
 //! `FieldKey` one of its fields, everywhere. What a person calls it, where it is shown and how is the document's, as are files.
 
-use super::{BrickSource, DensityMap, Field, FieldKind, Grid, Histogram, SourceError, Statistics, TexelFormat, unit};
+use crate::volume::field::{Field, FieldKind};
+use crate::volume::grid::Grid;
+use crate::volume::histogram::Histogram;
+use crate::volume::source::{BrickSource, SourceError};
+use crate::volume::texel::{DensityMap, TexelFormat};
+use crate::volume::values::unit;
+use crate::volume::voxels::Statistics;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 //! Voxels in a source's own type.
 
-use super::Number;
+use crate::volume::number::Number;
 use serde::{Deserialize, Serialize};
 
 /// The numeric type of a source's voxels.

@@ -5,10 +5,12 @@
 //! [`Painter::finish`]. Knows no history. Direct Volume Editing (2008) section 3, equations 1 and 2.
 
 use crate::gpu::brush::buffers::{StrokeBuffers, WHOLE_SLOT};
-use crate::gpu::brush::kernel::{self, BrushStroke, Variant};
+use crate::gpu::brush::kernel;
+use crate::gpu::brush::kernel::{BrushStroke, Variant};
 use crate::gpu::brush::live_cells;
 use crate::gpu::brush::live_cells::{CellReader, LiveBricks};
-use crate::gpu::brush::plan::{self, met};
+use crate::gpu::brush::plan;
+use crate::gpu::brush::plan::met;
 use crate::gpu::brush::readback::{Answers, Flags};
 use crate::gpu::brush::stroke::{NewSlot, SLOTS_AT_ONCE, Stroke, locked_bits};
 use crate::gpu::brush::submit::Dispatcher;
