@@ -65,7 +65,8 @@ const INNER: &[(&str, &[&[&str]])] = &[
 ];
 
 /// Floors of which no file may be reached from itself along imports.
-const WITHOUT_CIRCLES: &[&str] = &["gpu", "document", "ui"];
+const WITHOUT_CIRCLES: &[&str] =
+    &["math", "volume", "io", "paint", "mesh", "explode", "gpu", "document", "interact", "script", "ui"];
 
 fn floor_of(module: &str) -> Option<usize> {
     FLOORS.iter().position(|f| f.contains(&module))
@@ -285,7 +286,7 @@ fn no_file_imports_itself_in_a_circle() {
     for floor in WITHOUT_CIRCLES {
         let files: Vec<(String, String)> =
             program.iter().filter(|(path, _)| path.starts_with(&format!("{floor}/"))).cloned().collect();
-        assert!(files.len() > 3, "{floor} not found");
+        assert!(!files.is_empty(), "{floor} not found");
         let found = circles(&files);
         assert!(found.is_empty(), "{found:#?}");
     }

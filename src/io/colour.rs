@@ -4,7 +4,7 @@
 //! times alpha, integers rounded. Full is the greatest integer of the type, or 1 of numbers with a fraction. Alpha that is 0 everywhere was not filled in by whoever wrote the file, and counts as none.
 
 use crate::io::error::IoError;
-use crate::io::reader::Progress;
+use crate::io::progress::Progress;
 use crate::io::statistics;
 use crate::volume::{BrickSource, Grid, SourceError, Value, VoxelType, Voxels};
 use crate::with_voxel_type;

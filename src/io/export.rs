@@ -10,25 +10,15 @@
 
 use crate::io::deflate::Gzip;
 use crate::io::error::IoError;
-use crate::io::layout::to_native;
-use crate::io::reader::Progress;
+use crate::io::leaving::Compression;
+use crate::io::leaving::Leaving;
+use crate::io::progress::Progress;
 use crate::io::replace::replace;
 use crate::io::{nifti_write, nrrd_write};
-use crate::volume::{BRICK, BrickSource, Field, FieldKind, Grid, Segments, Value, Values, VoxelType, Voxels, is_plain};
-use crate::with_voxels;
+use crate::volume::{BRICK, Field, FieldKind, Grid, Segments, VoxelType, is_plain};
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
-
-/// How voxels are put into the file, where its name does not say it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Compression {
-    /// As they are.
-    Raw,
-    /// One gzip member.
-    #[default]
-    Gzip,
-}
 
 /// What an export wrote.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
@@ -41,22 +31,6 @@ pub struct Exported {
     pub voxels_changed: u64,
     /// What could not be written as it is.
     pub warnings: Vec<String>,
-}
-
-/// A field on its way out.
-#[derive(Debug)]
-pub(super) struct Leaving<'a> {
-    pub(super) field: &'a Field,
-    pub(super) grid: &'a Grid,
-    pub(super) segments: &'a Segments,
-    /// Type of the numbers in the file.
-    pub(super) voxel_type: VoxelType,
-    /// Numbers a voxel.
-    pub(super) width: u32,
-    /// `value = slope · stored + intercept` of the numbers in the file.
-    pub(super) scaling: (f64, f64),
-    /// What the file has for the id of each segment.
-    pub(super) values: BTreeMap<u16, i128>,
 }
 
 /// A format that fields can leave in.
@@ -228,60 +202,4 @@ fn holding(file: &str, values: &BTreeMap<u16, i128>) -> Result<VoxelType, IoErro
         let expected = "ids that one type of 64 bits holds; import one of the two label maps alone";
         IoError::field(file, "label ids", format!("{lo} and {hi}"), expected)
     })
-}
-
-impl Leaving<'_> {
-    /// The bytes of planes `z` and on, little-endian, and how many of their voxels count as changed.
-    fn slab(&self, z: u32, size: [u32; 3]) -> Result<(Vec<u8>, u64), IoError> {
-        let (field, lo) = (self.field, [0, 0, z]);
-        let texel_bytes = field.format().bytes();
-        let (FieldKind::Density, Some(source)) = (field.kind(), field.source()) else {
-            let texels = field.read(0, lo.map(i64::from), size)?;
-            let changed = texels.chunks_exact(texel_bytes).filter(|t| t.iter().any(|&b| b != 0)).count();
-            return Ok((self.labelled(texels), changed as u64));
-        };
-        let Values { own: mut voxels, painted, .. } = field.values(lo, size)?;
-        with_voxels!(&mut voxels, v => take_edits(v, &painted, source.scaling()));
-        let mut bytes = self.stored(&**source, voxels);
-        to_native(&mut bytes, self.voxel_type.bytes(), false);
-        Ok((bytes, painted.len() as u64))
-    }
-
-    /// A source's numbers as the file has them.
-    fn stored(&self, source: &dyn BrickSource, voxels: Voxels) -> Vec<u8> {
-        let (slope, intercept) = source.scaling();
-        if self.scaling == (slope, intercept) {
-            return voxels.as_bytes().to_vec();
-        }
-        let values: Vec<f64> = with_voxels!(&voxels, v => v.iter().map(|x| x.to_f64() * slope + intercept).collect());
-        Voxels::F64(values).as_bytes().to_vec()
-    }
-
-    /// The texels, those of labels with the file's ids in place of ours.
-    fn labelled(&self, texels: Vec<u8>) -> Vec<u8> {
-        let bytes = self.voxel_type.bytes();
-        if self.values.iter().all(|(&id, &value)| value == i128::from(id)) && bytes == 2
-            || self.field.kind() != FieldKind::Labels
-        {
-            return texels;
-        }
-        let mut out = Vec::with_capacity(texels.len() / 2 * bytes);
-        let mut last = (0_u16, [0; 16]);
-        for texel in texels.chunks_exact(2) {
-            let id = u16::from_le_bytes([texel[0], texel[1]]);
-            if id != last.0 {
-                let value = self.values.get(&id).copied().unwrap_or(i128::from(id));
-                last = (id, value.to_le_bytes());
-            }
-            out.extend_from_slice(&last.1[..bytes]);
-        }
-        out
-    }
-}
-
-/// Puts painted values in place of the source's numbers.
-fn take_edits<T: Value>(voxels: &mut [T], painted: &[(usize, f64)], (slope, intercept): (f64, f64)) {
-    for &(place, value) in painted {
-        voxels[place] = T::from_f64((value - intercept) / slope);
-    }
 }

@@ -4,7 +4,8 @@
 //! at all of a file, and at no more than some hundred files of a folder.
 
 use crate::io::error::IoError;
-use crate::io::reader::{HEAD_BYTES, head, readers};
+use crate::io::formats::readers;
+use crate::io::head::{HEAD_BYTES, head};
 use crate::io::regular;
 use std::path::Path;
 

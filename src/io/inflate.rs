@@ -26,7 +26,7 @@ pub(super) fn open_file(path: &Path) -> Result<File, IoError> {
         Err(IoError::Unknown {
             file: path.display().to_string(),
             found: crate::io::regular::kind(&about).into(),
-            expected: crate::io::reader::readers().iter().map(|r| r.name()).collect::<Vec<_>>().join(", "),
+            expected: "a file".into(),
         })
     }
 }

@@ -1,7 +1,9 @@
 //! What `burin info` tells of a file.
 
 use crate::io::error::IoError;
-use crate::io::reader::{NamedLabel, Progress, open};
+use crate::io::open::open;
+use crate::io::progress::Progress;
+use crate::io::reader::NamedLabel;
 use crate::volume::Number;
 use serde::Serialize;
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! Readers and writers of volumes.
 //!
-//! Owns the [`Reader`] trait, the list of readers, `info`, the export to NRRD, and how a file is replaced. A reader turns a file into a [`Grid`] in
+//! Owns the [`Reader`] trait, the list of readers (`formats`), `info`, the export to NRRD, and how a file is replaced. A reader turns a file into a [`Grid`] in
 //! RAS+ mm (LPS is turned here and nowhere else) and into `BrickSource`s; voxels keep their file's order, the affine carries
 //! the orientation. Files are hostile: what is allocated is bounded by what the file can hold, and an error names the field.
 //! Knows no GPU and no document.
@@ -14,9 +14,13 @@ pub(crate) mod disk;
 mod error;
 mod export;
 mod foreign;
+mod formats;
+mod head;
 mod inflate;
 mod info;
 mod layout;
+mod layout_read;
+mod leaving;
 mod nifti;
 mod nifti_header;
 mod nifti_place;
@@ -27,7 +31,9 @@ mod nrrd_header;
 mod nrrd_place;
 mod nrrd_segments;
 mod nrrd_write;
+mod open;
 mod place;
+mod progress;
 mod raw;
 mod reader;
 pub(crate) mod regular;
@@ -38,10 +44,14 @@ mod words;
 
 pub use disk::{Told, Witness};
 pub use error::IoError;
-pub use export::{Compression, Exported, export, export_endings};
+pub use export::{Exported, export, export_endings};
 pub use foreign::what_is;
+pub use formats::readers;
 pub use info::{Info, info};
-pub use reader::{Contents, NamedLabel, Opened, Progress, Reader, open, readers};
+pub use leaving::Compression;
+pub use open::open;
+pub use progress::Progress;
+pub use reader::{Contents, NamedLabel, Opened, Reader};
 pub use regular::{FileMark, open_regular, read_regular};
 pub use replace::replace_file;
 pub use statistics::statistics;

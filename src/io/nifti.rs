@@ -5,10 +5,10 @@
 
 use crate::io::decode::Encoding;
 use crate::io::error::IoError;
+use crate::io::head::head;
 use crate::io::inflate::{GZIP_MAGIC, open_file};
 use crate::io::layout::{Axis, DataFile, Layout, Role, Skip};
 use crate::io::nifti_header::Header;
-use crate::io::reader::head;
 use crate::io::reader::{Opened, Reader};
 use crate::io::regular::FileMark;
 use crate::io::{nifti_place, place};

@@ -4,7 +4,7 @@
 //! finds the same. Millimetres, or another of NIfTI's units where only that one keeps 32-bit numbers exact, as files in micrometres
 //! do. The source's slope and intercept are kept where they fit.
 
-use crate::io::export::{Compression, Leaving};
+use crate::io::leaving::{Compression, Leaving};
 use crate::math::{DAffine3, DMat3, DQuat, DVec3};
 use crate::volume::{FieldKind, Grid, VoxelType};
 

@@ -3,7 +3,7 @@
 //! NRRD has no slope: where the source has one, the keys `burin_stored_type`, `burin_slope`, `burin_intercept` tell how to have the
 //! stored numbers back. Knows no voxels but for where each label lies.
 
-use crate::io::export::{Compression, Leaving};
+use crate::io::leaving::{Compression, Leaving};
 use crate::math::{DAffine3, DMat3, DVec3};
 use crate::volume::{BRICK, Field, FieldKind, VoxelType, is_plain};
 use rayon::prelude::*;

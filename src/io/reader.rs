@@ -1,20 +1,11 @@
-//! What every format gives: a trait for its reader, the list of readers, and what an opened file offers.
+//! What every format gives: a trait for its reader, and what an opened file offers.
 
 use crate::io::error::IoError;
-use crate::io::nifti::Nifti;
-use crate::io::nrrd::Nrrd;
+use crate::io::progress::Progress;
 use crate::io::regular::FileMark;
-use crate::io::{foreign, inflate};
 use crate::volume::{BrickSource, Grid, Statistics, VoxelType};
-use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
-
-/// Gets the share done, 0..1, and answers whether to go on.
-pub type Progress<'a> = &'a (dyn Fn(f32) -> bool + Sync);
-
-/// Bytes of a file's beginning, inflated if it is gzip, that readers may look at.
-pub(super) const HEAD_BYTES: u64 = 544;
 
 /// Segments that are named in a message.
 const MOST_NAMES: usize = 10;
@@ -157,61 +148,4 @@ impl Opened {
     pub fn statistics(&self, progress: Progress<'_>) -> Result<Statistics, IoError> {
         self.contents.statistics(progress)
     }
-}
-
-/// All readers, in the order in which they are asked.
-pub fn readers() -> &'static [&'static dyn Reader] {
-    &[&Nifti, &Nrrd]
-}
-
-/// Opens a volume file of any known format.
-///
-/// # Errors
-/// If no reader knows the file, or its reader's.
-pub fn open(path: impl AsRef<Path>) -> Result<Opened, IoError> {
-    let path = path.as_ref();
-    if path.is_dir() {
-        return Err(foreign::folder(path));
-    }
-    let head = head(path)?;
-    // Before anything is believed: whoever compares later knows the file that was read.
-    let named = FileMark::of(path).map_err(IoError::system(path, "open the file"))?;
-    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-    let reader = match readers().iter().find(|r| r.recognises(&head)) {
-        Some(reader) => Some(reader),
-        // A file that is known for something else is that, whatever it is called.
-        None => match foreign::file(path, &head, named.bytes) {
-            Some(foreign) => return Err(foreign),
-            None => readers().iter().find(|r| r.claims(&name)),
-        },
-    };
-    match reader {
-        Some(reader) => {
-            let mut opened = reader.open(path)?;
-            opened.files.retain(|file| !file.is_same_file(&named));
-            opened.files.insert(0, named);
-            Ok(opened)
-        }
-        None => Err(IoError::Unknown {
-            file: path.display().to_string(),
-            found: format!("first bytes \"{}\"", head[..head.len().min(16)].escape_ascii()),
-            expected: readers().iter().map(|r| r.name()).collect::<Vec<_>>().join(", "),
-        }),
-    }
-}
-
-/// The first bytes of a file, inflated if it is gzip; fewer if the file is shorter or damaged.
-pub(super) fn head(path: &Path) -> Result<Vec<u8>, IoError> {
-    let file = inflate::open_file(path)?;
-    let mut start = Vec::new();
-    (&file).take(2).read_to_end(&mut start).map_err(IoError::system(path, "read the file"))?;
-    let mut head = Vec::new();
-    if start == inflate::GZIP_MAGIC {
-        // A damaged stream gives what comes before the damage; the reader that is chosen says what is wrong.
-        let _ = inflate::Inflate::open(path, 0)?.take(HEAD_BYTES).read_to_end(&mut head);
-    } else {
-        head = start;
-        (&file).take(HEAD_BYTES - 2).read_to_end(&mut head).map_err(IoError::system(path, "read the file"))?;
-    }
-    Ok(head)
 }

@@ -1,7 +1,7 @@
 //! Smallest, largest, sum and NaN count of values, in one pass and in exact or compensated sums.
 
 use crate::io::error::IoError;
-use crate::io::reader::Progress;
+use crate::io::progress::Progress;
 use crate::volume::{BrickSource, Statistics, Total, Value, Voxels};
 use crate::with_voxels;
 use rayon::prelude::*;

@@ -6,6 +6,8 @@
 
 use crate::volume::blocks::{Region, copy_box, fill_box};
 use crate::volume::brick::{BRICK, BRICK_VOXELS, Brick, BrickIndex, BrickKey, SLOT};
+use crate::volume::cells::BrickSummary;
+use crate::volume::cells::Cells;
 use crate::volume::grid::Grid;
 use crate::volume::grid::level_dims;
 use crate::volume::pyramid::texel_value;
@@ -52,26 +54,6 @@ impl FieldKind {
             Self::Labels => TexelFormat::R16Uint,
         }
     }
-}
-
-/// What is known of a slot (a brick and its apron) without reading it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BrickSummary {
-    /// The bytes that all 34³ texels share, if they do: such a brick needs no slot.
-    pub uniform: Option<[u8; 4]>,
-    /// Smallest value (density: the volume's unit; selection, alpha: 0..1; label: id); above `max` if all are NaN.
-    pub min: f32,
-    /// Largest value.
-    pub max: f32,
-}
-
-/// Minima and maxima of a brick's 8³ cells of 4³ voxels, each over every tap that a sample in the cell can meet.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Cells {
-    /// All cells have this (min, max).
-    Uniform([f32; 2]),
-    /// x fastest; min > max where all is NaN.
-    Dense(Arc<[[f32; 2]]>),
 }
 
 /// What a swap changed: the slots (changed bricks, and neighbours through their apron) whose texels are new.

@@ -5,7 +5,8 @@
 
 use crate::volume::blocks::{Region, copy_box, difference, interior};
 use crate::volume::brick::{BRICK, BRICK_VOXELS, Brick, BrickIndex, BrickKey, CELL};
-use crate::volume::field::{Base, Cells, Changes, Field, FieldKind, Refresh};
+use crate::volume::cells::Cells;
+use crate::volume::field::{Base, Changes, Field, FieldKind, Refresh};
 use crate::volume::pyramid::{About, coarsen, renew, summarise};
 use crate::volume::source::{BrickSource, SourceError};
 use crate::volume::texel::DensityMap;

@@ -1,7 +1,8 @@
 //! What is known of a brick while it is painted, before its texels are the field's: by the cell.
 
 use crate::volume::brick::{BRICK, Brick, BrickIndex, BrickKey, CELL, CELLS_PER_BRICK};
-use crate::volume::field::{Cells, Field, FieldKind};
+use crate::volume::cells::Cells;
+use crate::volume::field::{Field, FieldKind};
 use crate::volume::source::SourceError;
 
 /// The selection's codes over a cell's own voxels, those in the volume.

@@ -6,6 +6,7 @@
 
 mod blocks;
 mod brick;
+mod cells;
 mod distance;
 mod field;
 mod first_transfer;
@@ -25,12 +26,14 @@ mod transfer;
 mod values;
 #[expect(clippy::module_inception, reason = "the file is named for its type")]
 mod volume;
+mod voxel_type;
 mod voxels;
 
 pub use blocks::Region;
 pub use brick::{BRICK, BRICK_VOXELS, Brick, BrickIndex, BrickKey, CELL, CELLS_PER_BRICK, SLOT, SLOT_VOXELS};
+pub use cells::{BrickSummary, Cells};
 pub use distance::squared_distances;
-pub use field::{BrickSummary, Cells, Changes, Field, FieldKind, Refresh};
+pub use field::{Changes, Field, FieldKind, Refresh};
 pub use grid::Grid;
 pub use histogram::Histogram;
 pub use live::{LiveCells, SelectedCell, selected_cells};
@@ -46,5 +49,6 @@ pub use transfer::{TABLE_ENTRIES, TransferFunction};
 pub use values::Values;
 pub(crate) use values::{is_plain, unit};
 pub use volume::{FieldKey, Volume, VolumeId};
+pub use voxel_type::VoxelType;
 pub use voxels::Voxels;
-pub use voxels::{Statistics, Value, VoxelType};
+pub use voxels::{Statistics, Value};

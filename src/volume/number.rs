@@ -3,7 +3,7 @@
 //! Owns comparison without rounding, and how numbers are written: integers as integers, what is not finite as `"inf"`,
 //! `"-inf"` and `"nan"`.
 
-use crate::volume::voxels::VoxelType;
+use crate::volume::voxel_type::VoxelType;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};

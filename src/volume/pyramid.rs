@@ -3,7 +3,7 @@
 use crate::volume::blocks::{Region, fill_box};
 use crate::volume::brick::shared_texel;
 use crate::volume::brick::{BRICK, BRICK_VOXELS, Brick, CELL, CELLS_PER_BRICK};
-use crate::volume::field::{BrickSummary, Cells};
+use crate::volume::cells::{BrickSummary, Cells};
 use crate::volume::texel::{DensityMap, TexelFormat};
 use std::borrow::Cow;
 

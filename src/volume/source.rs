@@ -2,7 +2,7 @@
 
 use crate::volume::Voxels;
 use crate::volume::grid::Grid;
-use crate::volume::voxels::VoxelType;
+use crate::volume::voxel_type::VoxelType;
 use crate::with_voxels;
 
 /// Why voxels could not be had.
