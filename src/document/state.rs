@@ -48,7 +48,7 @@ impl State {
     /// A document of one volume with all files that its source reads, as they were when they were opened.
     pub(super) fn of_one(volume: Volume, origin: crate::document::scene::Origin, files: Vec<FileMark>) -> Self {
         let first = VolumeId::FIRST;
-        let settings = VolumeSettings::new(volume.source.name(), origin);
+        let settings = VolumeSettings::new(VolumeSettings::called(volume.source.name()), origin);
         let files = (!files.is_empty()).then(|| (first, SourceFiles::opened(files)));
         Self {
             scene: Scene::new(volume.grid(), &volume.histogram, settings),

@@ -115,3 +115,37 @@ fn a_volume_that_is_not_there_is_refused_by_name() {
         assert!(all(&document) == before, "{line}");
     }
 }
+
+#[test]
+fn a_volume_is_called_by_its_file_without_the_folders_and_steps_say_what_was_done_to_it() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut document = three(dir.path());
+    let names = |document: &Document| -> Vec<String> {
+        document.state().unwrap().scene.volumes.all.values().map(|volume| volume.name.clone()).collect()
+    };
+    assert_eq!(names(&document), ["a.nrrd", "b.nrrd", "Atlas"]);
+    for (given, step) in [
+        (json!({"active": true}), "Choose volume b.nrrd"),
+        (json!({"active": true, "opacity": 0.5}), "Change volume b.nrrd"),
+        (json!({"visible": false}), "Hide volume b.nrrd"),
+        (json!({"visible": true}), "Show volume b.nrrd"),
+        (json!({"pose": {"rotation": [0, 0, 0, 1], "translation": [1, 0, 0]}}), "Move volume b.nrrd"),
+        (json!({"name": "PET"}), "Rename volume b.nrrd"),
+    ] {
+        let mut set = json!({"volume": 1});
+        set.as_object_mut().unwrap().extend(given.as_object().unwrap().clone());
+        say(&mut document, json!({"volume": {"set": set}}));
+        assert_eq!(document.history().undo_names().last(), Some(step), "{set}");
+    }
+    say(&mut document, json!({"volume": {"remove": {"volume": 1}}}));
+    assert_eq!(document.history().undo_names().last(), Some("Remove volume PET"));
+    assert_eq!(names(&document), ["a.nrrd", "Atlas"]);
+    // There is nothing to set where there is none.
+    let unknown = run(&mut document, r#"{"volume":{"set":{"volume":1,"visible":true}}}"#).unwrap_err().to_string();
+    assert!(unknown.contains("0 (a.nrrd), 2 (Atlas)"), "{unknown}");
+    for volume in [0, 2] {
+        say(&mut document, json!({"volume": {"remove": {"volume": volume}}}));
+    }
+    let none = run(&mut document, r#"{"volume":{"set":{"volume":0,"visible":true}}}"#);
+    assert!(none.is_err(), "{none:?}");
+}

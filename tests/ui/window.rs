@@ -209,6 +209,26 @@ fn a_step_of_history_is_reached_by_a_click() {
 }
 
 #[test]
+fn the_name_of_a_step_ends_where_the_list_does() {
+    let mut window = Window::open(SMALL);
+    let long = "Remove volume of a follow-up whose name nobody reads to its end";
+    window.snapshot(|s| s.undo.push(long.into()));
+    window.harness.run_steps(3);
+    let row = window.rect(&format!("Step 4: {long}"));
+    let texts: Vec<_> = window
+        .harness
+        .output()
+        .shapes
+        .iter()
+        .filter_map(|s| match &s.shape {
+            egui::Shape::Text(text) if text.galley.text() == long => Some(text.pos.x + text.galley.size().x),
+            _ => None,
+        })
+        .collect();
+    assert!(!texts.is_empty() && texts.iter().all(|right| *right <= row.right()), "{texts:?} in {row:?}");
+}
+
+#[test]
 fn parts_and_segments_are_hidden_pinned_and_locked_by_name() {
     let mut window = Window::open(SMALL);
     assert!(matches!(

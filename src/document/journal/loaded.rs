@@ -178,7 +178,7 @@ impl KeptDocument {
                 settings.origin.path.clone_from(path);
             }
             if settings.name.is_empty() {
-                settings.name.clone_from(&volume.name);
+                settings.name = VolumeSettings::called(&volume.name).to_owned();
             }
         }
         // Journals of before have poses too.
@@ -214,7 +214,7 @@ impl KeptDocument {
         let count = kept.len().max(1) as f32;
         for (done, (id, volume)) in kept.into_iter().enumerate() {
             // A volume that the scene does not know is one all the same.
-            let fresh = || VolumeSettings::new(&volume.name, Origin::nowhere());
+            let fresh = || VolumeSettings::new(VolumeSettings::called(&volume.name), Origin::nowhere());
             let origin = scene.volumes.all.entry(id).or_insert_with(fresh).origin.clone();
             files.extend(volume.files.clone().map(|files| (id, files)));
             let volume = volume.into_volume(|| open(&origin), &|x| progress((done as f32 + x) / count))?;

@@ -26,6 +26,9 @@ impl Scene {
             (_, Some(true)) => format!("Show volume {}", settings.name),
             (_, Some(false)) => format!("Hide volume {}", settings.name),
             _ if pose.is_some() => format!("Move volume {}", settings.name),
+            _ if *active && opacity.is_none() && look.is_none() && !*shared_look => {
+                format!("Choose volume {}", settings.name)
+            }
             _ => format!("Change volume {}", settings.name),
         };
         if let Some(name) = name {

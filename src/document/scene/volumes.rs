@@ -42,6 +42,11 @@ fn all() -> f32 {
 }
 
 impl VolumeSettings {
+    /// What a volume is called that was read as `source` names it: a file by its name, without the folders that it lies in.
+    pub(crate) fn called(source: &str) -> &str {
+        std::path::Path::new(source).file_name().and_then(|name| name.to_str()).unwrap_or(source)
+    }
+
     /// As a volume is until somebody says otherwise.
     pub fn new(name: impl Into<String>, origin: Origin) -> Self {
         Self {

@@ -2,7 +2,7 @@
 
 use crate::document::HistoryCommand;
 use crate::ui::style::theme;
-use crate::ui::style::widgets::list;
+use crate::ui::style::widgets::{cut_text, list};
 use crate::ui::window::app::App;
 use egui::{Align2, Rect, Sense, Ui, vec2};
 
@@ -30,7 +30,8 @@ impl App {
                 });
                 let tip =
                     if here { "This is where you are" } else { "Click to go back or forward to just after this step" };
-                let response = response.on_hover_text(tip);
+                // Names of parts and volumes may be longer than the list is wide.
+                let response = response.on_hover_text(format!("{name}\n{tip}"));
                 let fill = match (here, response.hovered()) {
                     (true, _) => theme::ACCENT_FILL,
                     (false, true) => theme::CONTROL,
@@ -51,7 +52,9 @@ impl App {
                     theme::TEXT_WEAK,
                 );
                 let font = egui::TextStyle::Body.resolve(ui.style());
-                ui.painter().text(rect.left_center() + vec2(36.0, 0.0), Align2::LEFT_CENTER, name, font, colour);
+                let text = cut_text(ui, name, font, colour, rect.width() - 40.0);
+                let at = rect.left_center() + vec2(36.0, -text.size().y * 0.5);
+                ui.painter().galley(at, text, colour);
                 if response.clicked() && !here {
                     jump = Some(i);
                 }
