@@ -6,15 +6,15 @@
 //! wholly selected: nothing is lost, and a threshold in another program is a number a person can guess); colour as RGBA; labels as
 //! the ids that the file they came from has, in the least type that holds them, at least `unsigned short`.
 //!
-//! Owns what is written; how a format says it is `nrrd_write`'s and `nifti_write`'s.
+//! Owns what is written; how a format says it is its own (`formats`).
 
-use crate::io::deflate::Gzip;
+use crate::io::codec::deflate::Gzip;
 use crate::io::error::IoError;
+use crate::io::formats::writers;
 use crate::io::leaving::Compression;
-use crate::io::leaving::Leaving;
+use crate::io::leaving::{Format, Leaving};
 use crate::io::progress::Progress;
 use crate::io::replace::replace;
-use crate::io::{nifti_write, nrrd_write};
 use crate::volume::{BRICK, Field, FieldKind, Grid, Segments, VoxelType, is_plain};
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -33,49 +33,10 @@ pub struct Exported {
     pub warnings: Vec<String>,
 }
 
-/// A format that fields can leave in.
-struct Format {
-    /// How its files' names end, lower case, the usual one first.
-    endings: &'static [&'static str],
-    /// What an ending says of it; `None`: as it is asked for.
-    compression: fn(&str) -> Option<Compression>,
-    /// Whether it is for labels only.
-    labels_only: bool,
-    /// Whether it can say a slope and an intercept of these sizes.
-    keeps: fn((f64, f64)) -> bool,
-    /// All that comes before the voxels, which follow little-endian.
-    header: fn(&Leaving<'_>, Compression) -> Vec<u8>,
-}
-
-/// In the order in which names are compared; those for labels alone keep most of them.
-const FORMATS: [Format; 3] = [
-    Format {
-        endings: &[".seg.nrrd"],
-        compression: |_| None,
-        labels_only: true,
-        keeps: |_| false,
-        header: nrrd_write::header,
-    },
-    Format {
-        endings: &[".nrrd"],
-        compression: |_| None,
-        labels_only: false,
-        keeps: |_| false,
-        header: nrrd_write::header,
-    },
-    Format {
-        endings: &[".nii.gz", ".nii"],
-        compression: |ending| Some(if ending == ".nii" { Compression::Raw } else { Compression::Gzip }),
-        labels_only: false,
-        keeps: nifti_write::keeps,
-        header: nifti_write::header,
-    },
-];
-
 /// How the names of files end that a field can leave in, format by format; the one that keeps most of the field first, and of each
 /// format the usual ending.
 pub fn export_endings(kind: FieldKind) -> Vec<&'static [&'static str]> {
-    FORMATS.iter().filter(|f| !f.labels_only || kind == FieldKind::Labels).map(|f| f.endings).collect()
+    writers().filter(|f| !f.labels_only || kind == FieldKind::Labels).map(|f| f.endings).collect()
 }
 
 /// Voxels handled at once.
@@ -171,7 +132,7 @@ pub fn export(
 fn format(path: &Path, file: &str, kind: FieldKind) -> Result<(&'static Format, Option<Compression>), IoError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     let endings = export_endings(kind).concat().iter().map(|e| &e[1..]).collect::<Vec<_>>().join(", ");
-    let mut all = FORMATS.iter().flat_map(|f| f.endings.iter().map(move |&ending| (f, ending)));
+    let mut all = writers().flat_map(|f| f.endings.iter().map(move |&ending| (f, ending)));
     match all.find(|(_, ending)| name.ends_with(ending)) {
         Some((format, ending)) if format.labels_only && kind != FieldKind::Labels => {
             let expected = format!("one of {endings}: only labels are segments");

@@ -1,7 +1,7 @@
 //! The first bytes of a file: what readers know their format by.
 
+use crate::io::codec::inflate;
 use crate::io::error::IoError;
-use crate::io::inflate;
 use std::io::Read;
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! Voxels in one block of one file, or of several that follow one another, as NIfTI, NRRD and their like keep them: where it
 //! starts, what its axes count, how it is encoded. Owns the bound that nothing is allocated which the files cannot hold.
 
-use crate::io::decode::Encoding;
+use crate::io::codec::decode::Encoding;
 use crate::io::error::IoError;
 use crate::volume::{Grid, VoxelType};
 use std::path::PathBuf;

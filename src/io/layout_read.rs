@@ -1,6 +1,6 @@
 //! Reading a [`Layout`]: its files checked, and its voxels as a source or as statistics.
 
-use crate::io::decode::{Encoding, is_gzip_again};
+use crate::io::codec::decode::{Encoding, is_gzip_again};
 use crate::io::error::IoError;
 use crate::io::layout::{Axis, CHUNK, Layout, Role, Skip};
 use crate::io::progress::Progress;

@@ -95,3 +95,17 @@ pub(crate) fn take_edits<T: Value>(voxels: &mut [T], painted: &[(usize, f64)], (
         voxels[place] = T::from_f64((value - intercept) / slope);
     }
 }
+
+/// A format that fields can leave in.
+pub(crate) struct Format {
+    /// How its files' names end, lower case, the usual one first.
+    pub(crate) endings: &'static [&'static str],
+    /// What an ending says of it; `None`: as it is asked for.
+    pub(crate) compression: fn(&str) -> Option<Compression>,
+    /// Whether it is for labels only.
+    pub(crate) labels_only: bool,
+    /// Whether it can say a slope and an intercept of these sizes.
+    pub(crate) keeps: fn((f64, f64)) -> bool,
+    /// All that comes before the voxels, which follow little-endian.
+    pub(crate) header: fn(&Leaving<'_>, Compression) -> Vec<u8>,
+}

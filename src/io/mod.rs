@@ -7,30 +7,18 @@
 //!
 //! [`Grid`]: crate::volume::Grid
 
+pub(crate) mod codec;
 mod colour;
-mod decode;
-mod deflate;
 pub(crate) mod disk;
 mod error;
 mod export;
 mod foreign;
 mod formats;
 mod head;
-mod inflate;
 mod info;
 mod layout;
 mod layout_read;
 mod leaving;
-mod nifti;
-mod nifti_header;
-mod nifti_place;
-mod nifti_write;
-mod nrrd;
-mod nrrd_files;
-mod nrrd_header;
-mod nrrd_place;
-mod nrrd_segments;
-mod nrrd_write;
 mod open;
 mod place;
 mod progress;

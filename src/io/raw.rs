@@ -4,8 +4,8 @@
 //! a read answers with an error. A file that changed since it was opened (length or time) is an error too, since edits lie
 //! over the voxels that were there.
 
+use crate::io::codec::inflate::open_file;
 use crate::io::error::IoError;
-use crate::io::inflate::open_file;
 use crate::io::layout::{Layout, to_native};
 use crate::io::regular::read_exact_at;
 use crate::volume::{BrickSource, Grid, SourceError, VoxelType, Voxels, check_box};

@@ -1,8 +1,8 @@
 //! The block of a [`Layout`] from its first byte on, decoded, whatever it is encoded in and however many files it lies in.
 
-use crate::io::decode::Encoding;
+use crate::io::codec::decode::Encoding;
+use crate::io::codec::inflate::open_file;
 use crate::io::error::IoError;
-use crate::io::inflate::open_file;
 use crate::io::layout::{CHUNK, Layout, Skip, to_native};
 use crate::volume::Value;
 use std::fs::File;

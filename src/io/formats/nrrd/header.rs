@@ -3,9 +3,9 @@
 //! Definition of the NRRD file format (teem.sourceforge.net/nrrd/format.html), versions 1 to 5. What fields mean together is
 //! `nrrd`'s.
 
+use crate::io::codec::inflate::open_file;
 use crate::io::error::IoError;
 use crate::io::error::shown;
-use crate::io::inflate::open_file;
 use crate::volume::VoxelType;
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Read};
@@ -70,21 +70,21 @@ const FIELDS: [&str; 29] = [
 
 /// Fields by their usual lower-case names.
 #[derive(Debug)]
-pub(super) struct Header {
-    pub(super) file: String,
+pub(crate) struct Header {
+    pub(crate) file: String,
     fields: BTreeMap<String, String>,
     /// Free keys with their values, in the file's order.
-    pub(super) keys: Vec<(String, String)>,
+    pub(crate) keys: Vec<(String, String)>,
     /// Names of data files that follow a header with a list of them.
-    pub(super) data_names: Vec<String>,
+    pub(crate) data_names: Vec<String>,
     /// Byte after the empty line that ends the header.
-    pub(super) end: u64,
+    pub(crate) end: u64,
     /// Number of axes, 1 to 16.
-    pub(super) dimension: usize,
+    pub(crate) dimension: usize,
 }
 
 impl Header {
-    pub(super) fn read(path: &Path, warnings: &mut Vec<String>) -> Result<Self, IoError> {
+    pub(crate) fn read(path: &Path, warnings: &mut Vec<String>) -> Result<Self, IoError> {
         let file = path.display().to_string();
         let wrong = |field: &str, found: &str, expected: &str| IoError::field(&file, field, found, expected);
         let mut lines = BufReader::new(open_file(path)?.take(MAX_HEADER_BYTES));
@@ -169,21 +169,21 @@ impl Header {
         }
     }
 
-    pub(super) fn get(&self, field: &str) -> Option<&str> {
+    pub(crate) fn get(&self, field: &str) -> Option<&str> {
         self.fields.get(field).map(String::as_str)
     }
 
-    pub(super) fn wrong(&self, field: &str, found: impl std::fmt::Display, expected: impl Into<String>) -> IoError {
+    pub(crate) fn wrong(&self, field: &str, found: impl std::fmt::Display, expected: impl Into<String>) -> IoError {
         IoError::field(&self.file, field, found, expected)
     }
 
-    pub(super) fn number(&self, field: &str) -> Result<Option<i64>, IoError> {
+    pub(crate) fn number(&self, field: &str) -> Result<Option<i64>, IoError> {
         let Some(text) = self.get(field) else { return Ok(None) };
         text.parse().map(Some).map_err(|_| self.wrong(field, text, "a whole number"))
     }
 
     /// One word per axis; a word may be quoted.
-    pub(super) fn words(&self, field: &str) -> Result<Option<Vec<String>>, IoError> {
+    pub(crate) fn words(&self, field: &str) -> Result<Option<Vec<String>>, IoError> {
         let Some(text) = self.get(field) else { return Ok(None) };
         let mut words = Vec::new();
         let mut rest = text.trim_start();
@@ -199,7 +199,7 @@ impl Header {
     }
 
     /// As `words`, one for each of `count` axes.
-    pub(super) fn words_for(&self, field: &str, count: usize) -> Result<Option<Vec<String>>, IoError> {
+    pub(crate) fn words_for(&self, field: &str, count: usize) -> Result<Option<Vec<String>>, IoError> {
         match self.words(field)? {
             Some(words) if words.len() != count => {
                 Err(self.wrong(field, format!("{} entries", words.len()), format!("{count}, one per axis")))
@@ -208,7 +208,7 @@ impl Header {
         }
     }
 
-    pub(super) fn sizes(&self) -> Result<Vec<u64>, IoError> {
+    pub(crate) fn sizes(&self) -> Result<Vec<u64>, IoError> {
         let Some(words) = self.words_for("sizes", self.dimension)? else {
             return Err(self.wrong("sizes", "", format!("{} whole numbers", self.dimension)));
         };
@@ -220,7 +220,7 @@ impl Header {
     }
 
     /// Numbers per axis; what is not finite is `None`.
-    pub(super) fn spacings(&self) -> Result<Option<Vec<Option<f64>>>, IoError> {
+    pub(crate) fn spacings(&self) -> Result<Option<Vec<Option<f64>>>, IoError> {
         let Some(words) = self.words_for("spacings", self.dimension)? else { return Ok(None) };
         let number = |w: &String| match number(w) {
             Some(n) => Ok(Some(n).filter(|n: &f64| n.is_finite())),
@@ -230,7 +230,7 @@ impl Header {
     }
 
     /// Vectors of `len` numbers, `(x,y,z)`, or `none`; spaces are allowed anywhere. A vector of NaN is none.
-    pub(super) fn vectors(&self, field: &str, len: usize) -> Result<Option<Vec<Option<Vec<f64>>>>, IoError> {
+    pub(crate) fn vectors(&self, field: &str, len: usize) -> Result<Option<Vec<Option<Vec<f64>>>>, IoError> {
         let Some(text) = self.get(field) else { return Ok(None) };
         let expected = format!("vectors of {len} numbers like (1,0,0), or none");
         let mut vectors = Vec::new();
@@ -255,7 +255,7 @@ impl Header {
         Ok(Some(vectors))
     }
 
-    pub(super) fn voxel_type(&self) -> Result<VoxelType, IoError> {
+    pub(crate) fn voxel_type(&self) -> Result<VoxelType, IoError> {
         let found = self.get("type").unwrap_or_default();
         let name = found.split_whitespace().collect::<Vec<_>>().join(" ").to_ascii_lowercase();
         match name.as_str() {

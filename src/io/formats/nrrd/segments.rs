@@ -13,7 +13,7 @@ const WHOLE: std::ops::Range<i128> = i64::MIN as i128..1 << 64;
 const MOST_WARNINGS: usize = 5;
 
 /// The segments in the order of their numbers; `keys` are the header's free ones.
-pub(super) fn segments(keys: &[(String, String)], components: u32, warnings: &mut Vec<String>) -> Vec<NamedLabel> {
+pub(crate) fn segments(keys: &[(String, String)], components: u32, warnings: &mut Vec<String>) -> Vec<NamedLabel> {
     let mut found: BTreeMap<u32, BTreeMap<&str, &str>> = BTreeMap::new();
     for (key, value) in keys {
         let Some((number, field)) = key.strip_prefix("Segment").and_then(|k| k.split_once('_')) else { continue };

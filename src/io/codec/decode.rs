@@ -3,9 +3,9 @@
 //! Text gives each number as the bytes of its type, little-endian, so that all encodings look alike behind this door. Knows no
 //! header; says how much a file can hold at the most, so that nobody believes one that asks for more.
 
+use crate::io::codec::inflate::{GZIP_MAGIC, Inflate, most_inflated, open_file};
 use crate::io::error::IoError;
 use crate::io::error::shown;
-use crate::io::inflate::{GZIP_MAGIC, Inflate, most_inflated, open_file};
 use crate::volume::VoxelType;
 use bzip2::bufread::MultiBzDecoder;
 use flate2::bufread::GzDecoder;
@@ -15,7 +15,7 @@ use std::path::Path;
 
 /// How voxels are kept in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Encoding {
+pub(crate) enum Encoding {
     /// As they are.
     Raw,
     /// In a gzip stream.
@@ -37,7 +37,7 @@ const LONGEST_WORD: usize = 1100;
 
 impl Encoding {
     /// Its name in messages.
-    pub(super) const fn name(self) -> &'static str {
+    pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Raw => "raw",
             Self::Gzip => "gzip",
@@ -48,7 +48,7 @@ impl Encoding {
     }
 
     /// The most bytes of voxels that `bytes` of a file can hold.
-    pub(super) fn most(self, bytes: u64, voxel_type: VoxelType) -> u64 {
+    pub(crate) fn most(self, bytes: u64, voxel_type: VoxelType) -> u64 {
         match self {
             Self::Raw => bytes,
             Self::Gzip => most_inflated(bytes),
@@ -60,7 +60,7 @@ impl Encoding {
     }
 
     /// The stream that starts at byte `start` of a file; not for raw data, which are read in place.
-    pub(super) fn open(self, path: &Path, start: u64, voxel_type: VoxelType) -> Result<Box<dyn Read + Send>, IoError> {
+    pub(crate) fn open(self, path: &Path, start: u64, voxel_type: VoxelType) -> Result<Box<dyn Read + Send>, IoError> {
         let file = || -> Result<BufReader<File>, IoError> {
             let mut file = open_file(path)?;
             file.seek(SeekFrom::Start(start)).map_err(IoError::system(path, "read the file"))?;
@@ -78,7 +78,7 @@ impl Encoding {
 
 /// Whether inflated data are gzip themselves: a file that was compressed twice. A magic number alone may be voxels; a stream
 /// that can be inflated is none.
-pub(super) fn is_gzip_again(inflated: impl BufRead) -> bool {
+pub(crate) fn is_gzip_again(inflated: impl BufRead) -> bool {
     let mut inflated = inflated;
     let starts = inflated.fill_buf().is_ok_and(|b| b.starts_with(&GZIP_MAGIC));
     starts && GzDecoder::new(inflated).read(&mut [0; 64]).is_ok()

@@ -13,20 +13,20 @@ const LEVEL: u32 = 2;
 
 /// A gzip member under construction.
 #[derive(Debug)]
-pub(super) struct Gzip<W> {
+pub(crate) struct Gzip<W> {
     out: W,
     sum: Crc,
 }
 
 impl<W: Write> Gzip<W> {
     /// Writes the member's head: deflate, no name, no time, unknown system.
-    pub(super) fn new(mut out: W) -> std::io::Result<Self> {
+    pub(crate) fn new(mut out: W) -> std::io::Result<Self> {
         out.write_all(&[0x1f, 0x8b, 8, 0, 0, 0, 0, 0, 0, 255])?;
         Ok(Self { out, sum: Crc::new() })
     }
 
     /// Writes the end of the deflate stream (an empty last block), the checksum and the length.
-    pub(super) fn finish(mut self) -> std::io::Result<()> {
+    pub(crate) fn finish(mut self) -> std::io::Result<()> {
         self.out.write_all(&[3, 0])?;
         self.out.write_all(&self.sum.sum().to_le_bytes())?;
         self.out.write_all(&self.sum.amount().to_le_bytes())

@@ -1,20 +1,25 @@
 //! NRRD: attached and detached headers, series of data files, every encoding, number type and space.
 
-use crate::io::decode::Encoding;
+pub(crate) mod files;
+pub(crate) mod header;
+pub(crate) mod place;
+pub(crate) mod segments;
+pub(crate) mod write;
+
+use crate::io::codec::decode::Encoding;
+use crate::io::codec::inflate::open_file;
 use crate::io::error::IoError;
-use crate::io::inflate::open_file;
+use crate::io::formats::nrrd::files::data_files;
+use crate::io::formats::nrrd::header::Header;
 use crate::io::layout::{Axis, DataFile, Layout, Role, Skip};
-use crate::io::nrrd_files::data_files;
-use crate::io::nrrd_header::Header;
 use crate::io::reader::{Opened, Reader};
-use crate::io::{nrrd_place, nrrd_segments};
 use crate::volume::VoxelType;
 use std::io::{BufRead, BufReader, Seek, SeekFrom};
 use std::path::Path;
 
 /// The reader.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Nrrd;
+pub(crate) struct Nrrd;
 
 impl Reader for Nrrd {
     fn name(&self) -> &'static str {
@@ -33,7 +38,7 @@ impl Reader for Nrrd {
         let mut warnings = Vec::new();
         let header = Header::read(path, &mut warnings)?;
         let voxel_type = header.voxel_type()?;
-        let (grid, axes) = nrrd_place::place(&header, &mut warnings)?;
+        let (grid, axes) = place::place(&header, &mut warnings)?;
         let encoding = encoding(&header)?;
         let big_endian = match header.get("endian").map(str::to_ascii_lowercase).as_deref() {
             Some("big") => true,
@@ -66,7 +71,7 @@ impl Reader for Nrrd {
         let mut opened = layout.opened(warnings)?;
         opened.format = format!("NRRD, {}", encoding.name());
         opened.colour = colour;
-        opened.labels = nrrd_segments::segments(&header.keys, opened.components, &mut opened.warnings);
+        opened.labels = segments::segments(&header.keys, opened.components, &mut opened.warnings);
         Ok(opened)
     }
 }

@@ -7,18 +7,18 @@ use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 /// How a gzip file begins.
-pub(super) const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
+pub(crate) const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 
 /// Deflate cannot expand further than this: 258 bytes for two bits, and a little for the stream's frame.
 const MAX_EXPANSION: u64 = 1032;
 
 /// The most bytes that a gzip stream of `compressed` bytes can hold.
-pub(super) fn most_inflated(compressed: u64) -> u64 {
+pub(crate) fn most_inflated(compressed: u64) -> u64 {
     compressed.saturating_mul(MAX_EXPANSION).saturating_add(1024)
 }
 
 /// Opens a regular file for reading.
-pub(super) fn open_file(path: &Path) -> Result<File, IoError> {
+pub(crate) fn open_file(path: &Path) -> Result<File, IoError> {
     let about = std::fs::metadata(path).map_err(IoError::system(path, "open the file"))?;
     if about.is_file() {
         crate::io::regular::open_regular(path).map_err(IoError::system(path, "open the file"))
@@ -33,13 +33,13 @@ pub(super) fn open_file(path: &Path) -> Result<File, IoError> {
 
 /// A gzip file that is read from one byte of its content on.
 #[derive(Debug)]
-pub(super) struct Inflate {
+pub(crate) struct Inflate {
     member: Option<GzDecoder<BufReader<File>>>,
 }
 
 impl Inflate {
     /// The stream that starts at byte `start` of a file.
-    pub(super) fn open(path: &Path, start: u64) -> Result<Self, IoError> {
+    pub(crate) fn open(path: &Path, start: u64) -> Result<Self, IoError> {
         let mut file = open_file(path)?;
         file.seek(SeekFrom::Start(start)).map_err(IoError::system(path, "read the file"))?;
         Ok(Self { member: Some(GzDecoder::new(BufReader::with_capacity(1 << 16, file))) })

@@ -4,14 +4,14 @@
 //! read what lies elsewhere: names lead into its own folder or below.
 
 use crate::io::error::IoError;
-use crate::io::nrrd_header::Header;
+use crate::io::formats::nrrd::header::Header;
 use std::path::{Component, Path, PathBuf};
 
 /// Digits that a number in a file's name may be filled up to.
 const MOST_DIGITS: usize = 64;
 
 /// The files in order; `None`: the header's own, behind it.
-pub(super) fn data_files(path: &Path, header: &Header, sizes: &[u64]) -> Result<Option<Vec<PathBuf>>, IoError> {
+pub(crate) fn data_files(path: &Path, header: &Header, sizes: &[u64]) -> Result<Option<Vec<PathBuf>>, IoError> {
     let Some(field) = header.get("data file") else { return Ok(None) };
     let words: Vec<&str> = field.split_whitespace().collect();
     if let Some((list, subdim)) = words.split_first().filter(|(w, _)| w.eq_ignore_ascii_case("list")) {

@@ -1,14 +1,14 @@
 //! Which axes of a NRRD file are space, frames and components, and where the space lies, in RAS+ mm.
 
 use crate::io::error::IoError;
+use crate::io::formats::nrrd::header::Header;
 use crate::io::layout::{Axis, Role};
-use crate::io::nrrd_header::Header;
-use crate::io::place;
+use crate::io::place::{dimension, grid};
 use crate::math::{DAffine3, DMat3, DVec3};
 use crate::volume::Grid;
 
 /// The grid and what each axis counts, fastest first.
-pub(super) fn place(header: &Header, warnings: &mut Vec<String>) -> Result<(Grid, Vec<Axis>), IoError> {
+pub(crate) fn place(header: &Header, warnings: &mut Vec<String>) -> Result<(Grid, Vec<Axis>), IoError> {
     let sizes = header.sizes()?;
     let space = Space::new(header, warnings)?;
     let directions = match &space {
@@ -25,7 +25,7 @@ pub(super) fn place(header: &Header, warnings: &mut Vec<String>) -> Result<(Grid
     let mut dims = [1; 3];
     for (a, role) in roles.iter().enumerate() {
         let Role::Space(to) = *role else { continue };
-        dims[to] = place::dimension(&header.file, "sizes", sizes[a])?;
+        dims[to] = dimension(&header.file, "sizes", sizes[a])?;
         let column = match directions.as_ref().map(|d| d[a]) {
             Some(Some(v)) => v,
             _ => {
@@ -52,7 +52,7 @@ pub(super) fn place(header: &Header, warnings: &mut Vec<String>) -> Result<(Grid
         }
     };
     let field = if directions.is_some() { "space directions" } else { "spacings" };
-    let grid = place::grid(&header.file, field, dims, world_from_index)?;
+    let grid = grid(&header.file, field, dims, world_from_index)?;
     let axes = sizes.into_iter().zip(roles).map(|(len, role)| Axis { len, role }).collect();
     Ok((grid, axes))
 }

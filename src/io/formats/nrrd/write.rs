@@ -3,15 +3,21 @@
 //! NRRD has no slope: where the source has one, the keys `burin_stored_type`, `burin_slope`, `burin_intercept` tell how to have the
 //! stored numbers back. Knows no voxels but for where each label lies.
 
-use crate::io::leaving::{Compression, Leaving};
+use crate::io::leaving::{Compression, Format, Leaving};
 use crate::math::{DAffine3, DMat3, DVec3};
 use crate::volume::{BRICK, Field, FieldKind, VoxelType, is_plain};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+/// What fields leave in; the one for labels alone keeps most of them.
+pub(crate) const FORMATS: [Format; 2] = [
+    Format { endings: &[".seg.nrrd"], compression: |_| None, labels_only: true, keeps: |_| false, header },
+    Format { endings: &[".nrrd"], compression: |_| None, labels_only: false, keeps: |_| false, header },
+];
+
 /// All lines before the voxels.
-pub(super) fn header(leaving: &Leaving<'_>, compression: Compression) -> Vec<u8> {
+pub(crate) fn header(leaving: &Leaving<'_>, compression: Compression) -> Vec<u8> {
     let Leaving { field, grid, width, voxel_type, .. } = *leaving;
     let lps = DAffine3::from_mat3(DMat3::from_diagonal(DVec3::new(-1.0, -1.0, 1.0))) * grid.world_from_index;
     let vector = |v: DVec3| format!("({:?},{:?},{:?})", v.x + 0.0, v.y + 0.0, v.z + 0.0);

@@ -8,36 +8,36 @@ const SIZES: [usize; 2] = [348, 540];
 
 /// The fields that say what voxels are, where they are in the file and in the world.
 #[derive(Clone, Debug)]
-pub(super) struct Header {
-    pub(super) file: String,
+pub(crate) struct Header {
+    pub(crate) file: String,
     /// 1 or 2.
-    pub(super) version: u8,
-    pub(super) big_endian: bool,
+    pub(crate) version: u8,
+    pub(crate) big_endian: bool,
     /// Whether the voxels follow in the same file.
-    pub(super) single: bool,
+    pub(crate) single: bool,
     /// `dim[0]` is how many of the others count.
-    pub(super) dim: [i64; 8],
-    pub(super) datatype: i16,
-    pub(super) bitpix: i16,
+    pub(crate) dim: [i64; 8],
+    pub(crate) datatype: i16,
+    pub(crate) bitpix: i16,
     /// `pixdim[0]` is the sign of k in the qform.
-    pub(super) pixdim: [f64; 8],
-    pub(super) vox_offset: f64,
-    pub(super) slope: f64,
-    pub(super) intercept: f64,
-    pub(super) xyzt_units: i32,
-    pub(super) qform_code: i32,
-    pub(super) sform_code: i32,
+    pub(crate) pixdim: [f64; 8],
+    pub(crate) vox_offset: f64,
+    pub(crate) slope: f64,
+    pub(crate) intercept: f64,
+    pub(crate) xyzt_units: i32,
+    pub(crate) qform_code: i32,
+    pub(crate) sform_code: i32,
     /// `quatern_b`, `_c`, `_d`.
-    pub(super) quaternion: [f64; 3],
+    pub(crate) quaternion: [f64; 3],
     /// `qoffset_x`, `_y`, `_z`.
-    pub(super) offset: [f64; 3],
+    pub(crate) offset: [f64; 3],
     /// `srow_x`, `_y`, `_z`.
-    pub(super) rows: [[f64; 4]; 3],
+    pub(crate) rows: [[f64; 4]; 3],
 }
 
 impl Header {
     /// Reads a header from a file's first bytes.
-    pub(super) fn new(file: &str, head: &[u8]) -> Result<Self, IoError> {
+    pub(crate) fn new(file: &str, head: &[u8]) -> Result<Self, IoError> {
         let wrong = |field: &str, found: String, expected: &str| Err(IoError::field(file, field, found, expected));
         let size = |big_endian| Bytes { bytes: head, big_endian }.i32(0);
         let short = || IoError::Truncated {
@@ -74,7 +74,7 @@ impl Header {
         Ok(if version == 0 { bytes.first(file, single) } else { bytes.second(file, single) })
     }
 
-    pub(super) fn wrong(&self, field: &str, found: impl std::fmt::Display, expected: &str) -> IoError {
+    pub(crate) fn wrong(&self, field: &str, found: impl std::fmt::Display, expected: &str) -> IoError {
         IoError::field(&self.file, field, found, expected)
     }
 }

@@ -1,17 +1,21 @@
 //! NIfTI-1 and -2: `.nii`, `.nii.gz`, and `.hdr` with `.img` (either gzipped), in both byte orders.
 //!
 //! Reads what the header says of type, scaling, frames (`dim[4]`) and components (`dim[5]` and on, and the parts of RGB, RGBA and
-//! complex voxels); the place in the world is `nifti_place`'s.
+//! complex voxels); the place in the world is `place`'s.
 
-use crate::io::decode::Encoding;
+pub(crate) mod header;
+pub(crate) mod place;
+pub(crate) mod write;
+
+use crate::io::codec::decode::Encoding;
+use crate::io::codec::inflate::{GZIP_MAGIC, open_file};
 use crate::io::error::IoError;
+use crate::io::formats::nifti::header::Header;
 use crate::io::head::head;
-use crate::io::inflate::{GZIP_MAGIC, open_file};
 use crate::io::layout::{Axis, DataFile, Layout, Role, Skip};
-use crate::io::nifti_header::Header;
+use crate::io::place::{dimension, grid};
 use crate::io::reader::{Opened, Reader};
 use crate::io::regular::FileMark;
-use crate::io::{nifti_place, place};
 use crate::volume::VoxelType;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -21,7 +25,7 @@ const SINGLE_OFFSETS: [u64; 2] = [352, 544];
 
 /// The reader.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Nifti;
+pub(crate) struct Nifti;
 
 impl Reader for Nifti {
     fn name(&self) -> &'static str {
@@ -49,7 +53,7 @@ impl Reader for Nifti {
         let (dims, frames, parts) = header.dims(&mut warnings)?;
         let (voxel_type, inner) = header.voxel_type(&mut warnings)?;
         let scaling = if inner.is_some_and(|i| i.colour) { (1.0, 0.0) } else { header.scaling(&mut warnings) };
-        let grid = place::grid(&file, "sform", dims, nifti_place::world_from_index(&header, &mut warnings))?;
+        let grid = grid(&file, "sform", dims, place::world_from_index(&header, &mut warnings))?;
         let offset = header.offset(earliest, &mut warnings)?;
         let mut axes: Vec<Axis> = inner.iter().map(|i| Axis { len: i.parts, role: Role::Component }).collect();
         axes.extend((0..3).map(|a| Axis { len: u64::from(dims[a]), role: Role::Space(a) }));
@@ -99,7 +103,7 @@ impl Header {
         }
         let mut out = [0; 3];
         for a in 0..3 {
-            out[a] = place::dimension(&self.file, &format!("dim[{}]", a + 1), dims[a + 1])?;
+            out[a] = dimension(&self.file, &format!("dim[{}]", a + 1), dims[a + 1])?;
         }
         Ok((out, dims[4], [dims[5], dims[6], dims[7]]))
     }

@@ -2,12 +2,12 @@
 //!
 //! A form that cannot be used (not finite, singular) is passed over with a warning, as the standard's own reader does.
 
-use crate::io::nifti_header::Header;
+use crate::io::formats::nifti::header::Header;
 use crate::io::place::flaw;
 use crate::math::{DAffine3, DMat3, DVec3};
 
 /// RAS+ mm from index.
-pub(super) fn world_from_index(header: &Header, warnings: &mut Vec<String>) -> DAffine3 {
+pub(crate) fn world_from_index(header: &Header, warnings: &mut Vec<String>) -> DAffine3 {
     let mm = mm_per_unit(header.xyzt_units, warnings);
     let scaled = |a: DAffine3| DAffine3 { matrix3: a.matrix3 * mm, translation: a.translation * mm };
     let (sform_code, qform_code) = (header.sform_code, header.qform_code);

@@ -4,9 +4,18 @@
 //! finds the same. Millimetres, or another of NIfTI's units where only that one keeps 32-bit numbers exact, as files in micrometres
 //! do. The source's slope and intercept are kept where they fit.
 
-use crate::io::leaving::{Compression, Leaving};
+use crate::io::leaving::{Compression, Format, Leaving};
 use crate::math::{DAffine3, DMat3, DQuat, DVec3};
 use crate::volume::{FieldKind, Grid, VoxelType};
+
+/// What fields leave in.
+pub(crate) const FORMATS: [Format; 1] = [Format {
+    endings: &[".nii.gz", ".nii"],
+    compression: |ending| Some(if ending == ".nii" { Compression::Raw } else { Compression::Gzip }),
+    labels_only: false,
+    keeps,
+    header,
+}];
 
 /// `NIFTI_XFORM_SCANNER_ANAT`: where the voxels lie in the patient.
 const SCANNER: i16 = 1;
@@ -18,13 +27,13 @@ const LONGEST: u32 = i16::MAX as u32;
 const SQUARE: f64 = 1e-6;
 
 /// Whether the header holds these numbers as they are.
-pub(super) fn keeps((slope, intercept): (f64, f64)) -> bool {
+pub(crate) fn keeps((slope, intercept): (f64, f64)) -> bool {
     let exact = |x: f64| f64::from(x as f32) == x;
     slope != 0.0 && exact(slope) && exact(intercept)
 }
 
 /// All bytes before the voxels.
-pub(super) fn header(leaving: &Leaving<'_>, _: Compression) -> Vec<u8> {
+pub(crate) fn header(leaving: &Leaving<'_>, _: Compression) -> Vec<u8> {
     let Leaving { field, grid, voxel_type, width, scaling: (slope, intercept), .. } = *leaving;
     let (datatype, bits) = match (width, code(voxel_type)) {
         (4, _) => (2304, 32),
