@@ -148,4 +148,31 @@ fn a_volume_is_called_by_its_file_without_the_folders_and_steps_say_what_was_don
     }
     let none = run(&mut document, r#"{"volume":{"set":{"volume":0,"visible":true}}}"#);
     assert!(none.is_err(), "{none:?}");
+
+fn questions_and_exports_reach_a_volume_that_is_not_the_active_one() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut document = three(dir.path());
+    let dims = [[40, 20, 10], [12, 35, 9], [33, 8, 8]];
+    let spacing = [1.0, 2.0, 0.5];
+    say(&mut document, json!({"volume": {"set": {"volume": 0, "active": true}}}));
+    for (id, (dims, spacing)) in dims.into_iter().zip(spacing).enumerate() {
+        assert_eq!(say(&mut document, json!({"ask": {"volume": {"volume": id}}}))["dims"], json!(dims));
+        let labels = say(&mut document, json!({"ask": {"field": {"field": "labels", "volume": id}}}));
+        assert_eq!(labels["nonzero"] != json!(0), id == 2, "{labels}");
+        let at = json!({"index": [5.0, 6.0, 7.0]});
+        let voxel = say(&mut document, json!({"ask": {"voxel": {"at": at, "volume": id}}}));
+        let mm = [-3.0 + 5.0 * spacing, 2.0 + 6.0 * spacing, 1.0 + 7.0 * spacing];
+        assert_eq!(voxel["mm"], json!(mm));
+        let path = dir.path().join(format!("out{id}.nrrd"));
+        say(&mut document, json!({"volume": {"export": {"field": "density", "path": path, "volume": id}}}));
+        let mut again = Document::new();
+        say(&mut again, json!({"volume": {"open": {"path": path}}}));
+        assert_eq!(say(&mut again, json!({"ask": {"volume": {}}}))["dims"], json!(dims));
+    }
+    let left_out = say(&mut document, json!({"ask": {"volume": {}}}));
+    assert_eq!(left_out["dims"], json!(dims[0]));
+    for question in [json!({"volume": {"volume": 7}}), json!({"field": {"field": "labels", "volume": 7}})] {
+        let refused = run(&mut document, &json!({"ask": question}).to_string()).unwrap_err().to_string();
+        assert!(refused.contains('7'), "{refused}");
+    }
 }

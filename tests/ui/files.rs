@@ -242,7 +242,11 @@ fn what_was_written_is_said_with_a_way_to_it() {
     for (command, said) in [
         (image("/data/view 1.png"), "Saved picture view 1.png"),
         (
-            Command::Volume(VolumeCommand::Export { field: FieldKind::Labels, path: "/data/l.nrrd".into() }),
+            Command::Volume(VolumeCommand::Export {
+                field: FieldKind::Labels,
+                path: "/data/l.nrrd".into(),
+                volume: None,
+            }),
             "Exported labels to l.nrrd",
         ),
         (

@@ -169,8 +169,11 @@ fn a_stroke_by_hand_is_in_the_saved_project() {
             generation: None,
         }))
         .unwrap();
-    let painted =
-        document.apply(Command::Ask(Question::Field { field: FieldKind::Selection })).unwrap().to_json().unwrap();
+    let painted = document
+        .apply(Command::Ask(Question::Field { field: FieldKind::Selection, volume: None }))
+        .unwrap()
+        .to_json()
+        .unwrap();
     let count = painted["nonzero"].as_u64().unwrap();
     // A ball of 5 mm drawn along 24 pixels, 31 if the press counted as it fell, in voxels of 8 mm³; a tenth for their corners.
     let scene = document.apply(Command::Ask(Question::Scene {})).unwrap().to_json().unwrap();

@@ -22,19 +22,19 @@ use std::collections::BTreeMap;
 impl Document {
     pub(crate) fn ask(&mut self, question: &Question) -> Result<Said, DocumentError> {
         Ok(match *question {
-            Question::Volume {} => volume(&self.open()?.at(None)?).into(),
+            Question::Volume { volume: id } => volume(&self.open()?.at(id)?).into(),
             Question::Scene {} => SceneSaid { scene: self.open()?.scene.clone(), parts: self.standing_parts()? }.into(),
             Question::Parts {} => {
                 PartsSaid { degree: self.open()?.scene.explosion.degree, parts: self.standing_parts()? }.into()
             }
-            Question::Voxel { at } => {
-                let world = self.resolve(at, None)?.map(|sample| sample.position);
+            Question::Voxel { at, volume: id } => {
+                let world = self.resolve(at, id)?.map(|sample| sample.position);
                 match world {
-                    Some(world) => voxel(&self.open()?.at(None)?, world)?.into(),
+                    Some(world) => voxel(&self.open()?.at(id)?, world)?.into(),
                     None => VoxelSaid::default().into(),
                 }
             }
-            Question::Field { field } => sums(&self.open()?.at(None)?, field)?.into(),
+            Question::Field { field, volume: id } => sums(&self.open()?.at(id)?, field)?.into(),
             Question::History { commands } => {
                 let (memory, disk) = self.history.bytes();
                 let past = |of| {

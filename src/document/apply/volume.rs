@@ -31,9 +31,9 @@ impl Document {
                 let whole = Command::Volume(altering.clone());
                 self.record(&whole, |document, said, edit| document.alter_volumes(altering, said, edit))
             }
-            VolumeCommand::Export { field, path } => {
+            VolumeCommand::Export { field, path, volume } => {
                 let state = self.open()?;
-                let subject = state.at(None)?;
+                let subject = state.at(volume)?;
                 check_target(&path, &state.files)?;
                 let exported = export(
                     path,

@@ -308,7 +308,7 @@ impl HistoryCommand {
 impl Question {
     fn effects(&self) -> Effects {
         Effects::question(match self {
-            Self::Volume {} => "ask.volume",
+            Self::Volume { .. } => "ask.volume",
             Self::Scene {} => "ask.scene",
             Self::Parts {} => "ask.parts",
             Self::Voxel { .. } => "ask.voxel",

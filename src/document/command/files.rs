@@ -116,7 +116,13 @@ pub enum VolumeCommand {
     },
     /// Writes a field to NRRD (`.nrrd`; labels also `.seg.nrrd`) or NIfTI (`.nii`, `.nii.gz`) on the original grid. Density keeps
     /// the source's type, unedited voxels bit for bit; labels have the ids of the file that they came from.
-    Export { field: FieldKind, path: PathBuf },
+    Export {
+        field: FieldKind,
+        path: PathBuf,
+        /// Which volume, the active one if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        volume: Option<VolumeId>,
+    },
 }
 
 /// What the values of a file mean to whoever opens it.

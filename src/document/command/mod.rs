@@ -20,7 +20,7 @@ use crate::document::command::parts::{ExplosionCommand, PartCommand};
 use crate::document::command::views::{TransferCommand, ViewCommand};
 use crate::document::scene::ViewName;
 use crate::math::Camera;
-use crate::volume::FieldKind;
+use crate::volume::{FieldKind, VolumeId};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -163,13 +163,22 @@ fn one_step() -> u32 {
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Question {
     /// Grid, type, statistics of the volume.
-    Volume {},
+    Volume {
+        /// Which volume, the active one if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        volume: Option<VolumeId>,
+    },
     /// The whole scene, and where its parts stand.
     Scene {},
     /// Parts with their poses.
     Parts {},
     /// Density, colour, selection and label of the voxel at a place.
-    Voxel { at: Place },
+    Voxel {
+        at: Place,
+        /// Which volume, the active one if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        volume: Option<VolumeId>,
+    },
     /// First visible surface under a pixel of the 3D view: world mm, rest mm, index, part.
     Pick {
         px: [f64; 2],
@@ -177,7 +186,12 @@ pub enum Question {
         size: Option<[u32; 2]>,
     },
     /// Sum, count of non-zero and largest of a field's voxels.
-    Field { field: FieldKind },
+    Field {
+        field: FieldKind,
+        /// Which volume, the active one if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        volume: Option<VolumeId>,
+    },
     /// Share of the selection's pixels with less than 5 % opacity before it.
     Visibility {
         #[serde(default)]

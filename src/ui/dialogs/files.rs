@@ -116,7 +116,9 @@ impl App {
                 generation: None,
             })),
             What::SaveAs => self.send_save(Some(path)),
-            What::Export(Export { field, .. }) => self.send(Command::Volume(VolumeCommand::Export { field, path })),
+            What::Export(Export { field, .. }) => {
+                self.send(Command::Volume(VolumeCommand::Export { field, path, volume: None }))
+            }
             What::Image(wish) => {
                 if let Some(scene) = &self.scene {
                     let command = wish.command(scene, path);

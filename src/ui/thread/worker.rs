@@ -361,10 +361,11 @@ impl Worker {
         let Some((view, px, size)) = self.probe.take() else { return };
         let at = Place::Pixel { view, px: px.to_array(), size: Some(size) };
         // Nothing under the pointer is an answer too.
-        let voxel = match self.document.apply(Command::Ask(Question::Voxel { at })).map(|answer| answer.said) {
-            Ok(Said::Voxel(voxel)) => Some(*voxel),
-            Ok(_) | Err(_) => None,
-        };
+        let voxel =
+            match self.document.apply(Command::Ask(Question::Voxel { at, volume: None })).map(|answer| answer.said) {
+                Ok(Said::Voxel(voxel)) => Some(*voxel),
+                Ok(_) | Err(_) => None,
+            };
         self.report(Report::Probe(voxel));
     }
 

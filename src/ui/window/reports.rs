@@ -149,7 +149,7 @@ impl App {
                     self.confirm(format!("Saved project {}", named(&path)), Some(path));
                 }
             }
-            Command::Volume(VolumeCommand::Export { field, path }) => {
+            Command::Volume(VolumeCommand::Export { field, path, .. }) => {
                 self.confirm(format!("Exported {} to {}", field.name(), named(path)), Some(path.clone()));
             }
             Command::Render(RenderCommand::Image { path, .. }) => {
