@@ -175,7 +175,7 @@ impl Document {
         let mut edit = Edit::new(Some(state));
         let (views, looks) = ((*state.scene.views).clone(), state.scene.looks());
         let bounds = state.bounds();
-        let ground = state.at(None).map(|subject| (*subject.grid(), subject.histogram.clone()));
+        let ground = state.at(command.volume()).map(|subject| (*subject.grid(), subject.histogram.clone()));
         let changed = match (&ground, command) {
             (Ok((grid, histogram)), _) => {
                 let ground = Ground { grid, bounds, histogram, poses: self.motion.poses() };
@@ -183,7 +183,7 @@ impl Document {
             }
             // Volumes come to a document that has none.
             (Err(_), Command::Volume(_)) => Ok(Changed::default()),
-            (Err(_), _) => Err(DocumentError::NothingOpen),
+            (Err(_), _) => Err(state.at(command.volume()).err().unwrap_or(DocumentError::NothingOpen)),
         };
         let said = changed.and_then(|changed| {
             edit.name(changed.name);

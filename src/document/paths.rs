@@ -31,7 +31,7 @@ impl Command {
             | Self::Selection(SelectionCommand::Import { path, .. })
             | Self::Segment(SegmentCommand::Import { path, .. })
             | Self::Render(RenderCommand::Image { path, .. }) => vec![path],
-            Self::Selection(SelectionCommand::FromLabel { .. } | SelectionCommand::Clear {})
+            Self::Selection(SelectionCommand::FromLabel { .. } | SelectionCommand::Clear { .. })
             | Self::Segment(SegmentCommand::Set { .. } | SegmentCommand::Remove { .. })
             | Self::Volume(VolumeCommand::Remove { .. } | VolumeCommand::Set { .. })
             | Self::Transfer(_)

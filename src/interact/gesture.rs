@@ -48,7 +48,7 @@ impl Gesture {
                 vec![Command::History(HistoryCommand::Begin {}), crosshair(*view, e.px, e.size)]
             }
             Self::Stroke { erase, .. } => {
-                let begin = Command::Stroke(StrokeCommand::Begin { points: vec![stroke_point(e)] });
+                let begin = Command::Stroke(StrokeCommand::Begin { points: vec![stroke_point(e)], volume: None });
                 if *erase { vec![set_erase(true), begin] } else { vec![begin] }
             }
             Self::Window { .. } | Self::Part { .. } | Self::Orbit { .. } | Self::Pan { .. } | Self::Zoom { .. } => {
@@ -88,7 +88,7 @@ impl Gesture {
                 if switch {
                     // From where the key changed on it is another stroke.
                     *erase = e.modifiers.erase;
-                    let begin = StrokeCommand::Begin { points: vec![stroke_point(last)] };
+                    let begin = StrokeCommand::Begin { points: vec![stroke_point(last)], volume: None };
                     commands.push(Command::Stroke(StrokeCommand::End {}));
                     commands.extend([set_erase(*erase), Command::Stroke(begin)]);
                 }

@@ -111,5 +111,5 @@ pub(super) fn windowed(start: Window, moved_px: DVec2, height_px: u32) -> Window
 
 /// As a command.
 pub(super) fn set_window(window: Window) -> Command {
-    Command::View(ViewCommand::Window { level: window.level, width: window.width })
+    Command::View(ViewCommand::Window { level: window.level, width: window.width, volume: None })
 }

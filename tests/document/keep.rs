@@ -245,7 +245,7 @@ fn a_project_can_be_looked_at_while_it_is_open() {
     let project = dir.path().join("project");
     for n in 0..2 {
         let (kind, index, _) = paint(&mut state, FieldKind::Labels, [n, 0, 0], u64::from(n));
-        let command = burin::document::Command::Selection(burin::document::SelectionCommand::Clear {});
+        let command = burin::document::Command::Selection(burin::document::SelectionCommand::Clear { volume: None });
         keeper.record(&command, &state, &[(kind, index)], true).unwrap();
         let before = files(&project);
         let seen = Keeper::look(&project).unwrap();

@@ -4,6 +4,8 @@ use super::maker::{run, write_nrrd};
 use burin::document::Document;
 use burin::math::DVec3;
 use burin::volume::{FieldKind, Grid, VolumeId};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -148,7 +150,9 @@ fn a_volume_is_called_by_its_file_without_the_folders_and_steps_say_what_was_don
     }
     let none = run(&mut document, r#"{"volume":{"set":{"volume":0,"visible":true}}}"#);
     assert!(none.is_err(), "{none:?}");
+}
 
+#[test]
 fn questions_and_exports_reach_a_volume_that_is_not_the_active_one() {
     let dir = tempfile::tempdir().unwrap();
     let mut document = three(dir.path());
@@ -174,5 +178,172 @@ fn questions_and_exports_reach_a_volume_that_is_not_the_active_one() {
     for question in [json!({"volume": {"volume": 7}}), json!({"field": {"field": "labels", "volume": 7}})] {
         let refused = run(&mut document, &json!({"ask": question}).to_string()).unwrap_err().to_string();
         assert!(refused.contains('7'), "{refused}");
+    }
+}
+
+/// What one volume holds, field by field, and its segments.
+fn of(document: &Document, id: u32) -> (Vec<Vec<u8>>, String) {
+    let (bytes, _) = all(document);
+    let own = bytes.into_iter().filter(|(volume, _)| *volume == VolumeId(id)).map(|(_, texels)| texels).collect();
+    let settings = &document.state().unwrap().scene.volumes.all[&VolumeId(id)];
+    (own, serde_json::to_string(settings).unwrap())
+}
+
+#[test]
+fn what_names_a_volume_changes_that_one_alone_and_is_taken_back() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut document = three(dir.path());
+    let labels = file(dir.path(), "d.nrrd", [12, 35, 9], 2.0);
+    let mut commands = vec![
+        json!({"segment": {"set": {"id": 3, "name": "Liver", "volume": 2}}}),
+        json!({"segment": {"remove": {"id": 4, "volume": 2}}}),
+        json!({"selection": {"from_label": {"label": 2, "volume": 2}}}),
+        json!({"selection": {"clear": {"volume": 2}}}),
+        json!({"segment": {"import": {"path": labels, "volume": 1}}}),
+        json!({"selection": {"import": {"path": labels, "threshold": 2.5, "volume": 1}}}),
+    ];
+    let paints = crate::common::gpu::gpu().is_some();
+    if paints {
+        let points = json!([{"at": {"index": [5, 5, 5]}}, {"at": {"index": [7, 5, 4]}}]);
+        commands.push(json!({"stroke": {"paint": {"points": points, "volume": 1}}}));
+        commands.push(json!({"stroke": {"paint": {"points": points, "volume": 2}}}));
+    }
+    for (target, commands) in
+        [(json!({"density": 9.0}), &commands[..]), (json!({"colour": [1, 0, 0, 1]}), &commands[6..])]
+    {
+        say(&mut document, json!({"brush": {"set": {"target": target, "radius_mm": 2.0}}}));
+        for command in commands {
+            let verb = command.as_object().unwrap().values().next().unwrap().as_object().unwrap().values().next();
+            let named = verb.unwrap()["volume"].as_u64().unwrap() as u32;
+            let before: Vec<_> = (0..3).map(|id| of(&document, id)).collect();
+            let answer = say(&mut document, command.clone());
+            assert_ne!(answer["step"], Value::Null, "{command}: {answer}");
+            for id in 0..3 {
+                assert_eq!(of(&document, id) != before[id as usize], id == named, "{command}: volume {id}");
+            }
+            let after = of(&document, named);
+            say(&mut document, json!({"history": {"undo": {}}}));
+            for id in 0..3 {
+                assert!(of(&document, id) == before[id as usize], "{command} taken back: volume {id}");
+            }
+            say(&mut document, json!({"history": {"redo": {}}}));
+            assert!(of(&document, named) == after, "{command} done again");
+            let mut elsewhere = command.clone();
+            let noun = elsewhere.as_object_mut().unwrap().values_mut().next().unwrap();
+            noun.as_object_mut().unwrap().values_mut().next().unwrap()["volume"] = json!(9);
+            let refused = run(&mut document, &elsewhere.to_string()).unwrap_err().to_string();
+            assert!(refused.contains("2 (Atlas)"), "{refused}");
+        }
+    }
+}
+
+#[test]
+fn windows_and_transfer_functions_are_those_of_the_volume_that_is_named() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut document = three(dir.path());
+    let shown = |document: &Document, id: u32| {
+        let scene = &document.state().unwrap().scene;
+        let id = VolumeId(id);
+        (scene.window_of(id), scene.transfer_of(id).clone())
+    };
+    let before: Vec<_> = (0..3).map(|id| shown(&document, id)).collect();
+    say(&mut document, json!({"view": {"window": {"level": 3.0, "width": 5.0, "volume": 1}}}));
+    assert_eq!((shown(&document, 1).0.level, shown(&document, 1).0.width), (3.0, 5.0));
+    let function = json!({"colour": [[0, [1, 0, 0]]], "opacity": [[0, 0], [6, 1]], "unit_mm": 1});
+    say(&mut document, json!({"transfer": {"set": {"function": function, "volume": 2}}}));
+    assert_eq!(shown(&document, 2).1.opacity.len(), 2);
+    assert!(
+        shown(&document, 0) == before[0]
+            && shown(&document, 1).1 == before[1].1
+            && shown(&document, 2).0 == before[2].0
+    );
+    say(&mut document, json!({"transfer": {"reset": {"volume": 2}}}));
+    assert!(shown(&document, 2) == before[2], "made from its own histogram");
+    for command in [
+        json!({"view": {"window": {"level": 1, "width": 1, "volume": 7}}}),
+        json!({"transfer": {"reset": {"volume": 7}}}),
+    ] {
+        let refused = run(&mut document, &command.to_string()).unwrap_err().to_string();
+        assert!(refused.contains("1 (b.nrrd)"), "{refused}");
+    }
+}
+
+/// What undo knows: every byte, and what was decided of the volumes.
+fn decided(document: &Document) -> (Vec<(VolumeId, Vec<u8>)>, String) {
+    (all(document).0, serde_json::to_string(&document.state().unwrap().scene.volumes).unwrap())
+}
+
+/// A command on any of the volumes that there are, or one that adds or takes away one.
+fn any_command(rng: &mut ChaCha8Rng, document: &Document, dir: &Path, n: usize) -> Value {
+    let ids: Vec<u32> = document.state().unwrap().volumes.keys().map(|id| id.0).collect();
+    let volume = ids[rng.random_range(0..ids.len())];
+    let label = rng.random_range(1..7);
+    match rng.random_range(0..12) {
+        0 if ids.len() > 1 => json!({"volume": {"remove": {"volume": volume}}}),
+        0 | 1 => {
+            let dims = [rng.random_range(3..40), rng.random_range(3..40), rng.random_range(3..12)];
+            let open_as = if rng.random_bool(0.5) { "labels" } else { "image" };
+            json!({"volume": {"add": {"path": file(dir, &format!("{n}.nrrd"), dims, 1.5), "as": open_as}}})
+        }
+        2 => json!({"volume": {"set": {"volume": volume, "opacity": rng.random_range(0..9) as f64 / 8.0}}}),
+        3 => {
+            json!({"volume": {"set": {"volume": volume, "name": format!("Volume {n}"), "visible": rng.random_bool(0.5)}}})
+        }
+        4 => json!({"volume": {"set": {"volume": volume, "active": true}}}),
+        5 => {
+            let shift = [rng.random_range(-9..9), 0, rng.random_range(-9..9)];
+            json!({"volume": {"set": {"volume": volume, "pose": {"rotation": [0, 0, 0, 1], "translation": shift}}}})
+        }
+        6 => json!({"segment": {"set": {"id": label, "name": format!("Segment {n}"), "volume": volume}}}),
+        7 => json!({"segment": {"remove": {"id": label, "volume": volume}}}),
+        8 => json!({"segment": {"import": {"path": dir.join("c.nrrd"), "volume": volume}}}),
+        9 => json!({"selection": {"from_label": {"label": label, "volume": volume}}}),
+        10 => json!({"selection": {"import": {"path": dir.join("a.nrrd"), "threshold": label - 1, "volume": volume}}}),
+        _ => json!({"selection": {"clear": {"volume": volume}}}),
+    }
+}
+
+#[test]
+fn random_walks_over_volumes_come_back_by_undo_redo_crashes_and_saves() {
+    for seed in 0..4 {
+        let dir = tempfile::tempdir().unwrap();
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut document = three(dir.path());
+        let mut trace = Vec::new();
+        let mut kept = vec![decided(&document)];
+        let begun = document.history().undo_names().count();
+        for n in 0..24 {
+            let command = any_command(&mut rng, &document, dir.path(), n);
+            trace.push(command.to_string());
+            // A label that is not there, or a file that lies elsewhere, is refused, and has changed nothing.
+            let step = run(&mut document, &command.to_string()).is_ok_and(|answer| answer["step"] != Value::Null);
+            if step {
+                kept.push(decided(&document));
+            } else {
+                assert!(decided(&document) == kept[kept.len() - 1], "{seed}: changed without a step: {trace:#?}");
+            }
+        }
+        assert_eq!(document.history().undo_names().count() - begun, kept.len() - 1, "{seed}: {trace:#?}");
+        for at in (0..kept.len() - 1).rev() {
+            say(&mut document, json!({"history": {"undo": {}}}));
+            assert!(decided(&document) == kept[at], "{seed}: undo to {at} of {trace:#?}");
+        }
+        for (at, kept) in kept.iter().enumerate().skip(1) {
+            say(&mut document, json!({"history": {"redo": {}}}));
+            assert!(decided(&document) == *kept, "{seed}: redo to {at} of {trace:#?}");
+        }
+        let last = all(&document);
+        // A program that ends without a word.
+        std::mem::drop(document);
+        let mut document = Document::new();
+        document.keep_unsaved_in(dir.path().join("unsaved"));
+        let lost = say(&mut document, json!({"project": {"lost": {}}}))["lost"].clone();
+        say(&mut document, json!({"project": {"recover": {"id": lost[0]["id"]}}}));
+        assert!(all(&document) == last, "{seed}: after a crash: {trace:#?}");
+        say(&mut document, json!({"project": {"save": {"path": dir.path().join("p")}}}));
+        drop(document);
+        let mut document = Document::new();
+        say(&mut document, json!({"project": {"open": {"path": dir.path().join("p")}}}));
+        assert!(all(&document) == last, "{seed}: from the project: {trace:#?}");
     }
 }

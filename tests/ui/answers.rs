@@ -195,7 +195,7 @@ fn a_held_key_chooses_once_and_grows_the_brush_as_long_as_it_is_held() {
 
 fn begun(sent: &[Command]) -> Option<f32> {
     sent.iter().find_map(|c| match c {
-        Command::Stroke(StrokeCommand::Begin { points }) => match points[..] {
+        Command::Stroke(StrokeCommand::Begin { points, .. }) => match points[..] {
             [StrokePoint { pressure, .. }] => Some(pressure),
             _ => None,
         },

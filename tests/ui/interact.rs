@@ -81,7 +81,7 @@ const END: Command = Command::History(HistoryCommand::End {});
 
 fn pixel_of(command: &Command) -> [f64; 2] {
     let points = match command {
-        Command::Stroke(StrokeCommand::Begin { points } | StrokeCommand::Extend { points }) => points,
+        Command::Stroke(StrokeCommand::Begin { points, .. } | StrokeCommand::Extend { points }) => points,
         other => panic!("a stroke expected, {other:?} found"),
     };
     match points[..] {
@@ -242,20 +242,20 @@ fn right_drag_windows_a_slice_as_one_step_and_zooms_in_3d() {
     assert_eq!(hand.press(Button::Secondary, 50.0, 50.0), [Command::History(HistoryCommand::Begin {})]);
     let wider = hand.drag(50.0 + 150.0, 50.0);
     assert!(
-        matches!(wider[..], [Command::View(ViewCommand::Window { level, width })]
+        matches!(wider[..], [Command::View(ViewCommand::Window { level, width, .. })]
         if (level - start.level).abs() <= 0.5 && (width - 2.0 * start.width).abs() <= 0.5),
         "half a picture to the right doubles, to the whole number: {wider:?}"
     );
     let end = hand.release(Button::Secondary, 50.0, 50.0 + 150.0);
     assert!(
-        matches!(end[..], [Command::View(ViewCommand::Window { level, width }), Command::History(HistoryCommand::End {})]
+        matches!(end[..], [Command::View(ViewCommand::Window { level, width, .. }), Command::History(HistoryCommand::End {})]
         if (width - start.width).abs() <= 0.5 && level > start.level + 1.0),
         "down darkens: {end:?}"
     );
     hand.press(Button::Secondary, 50.0, 50.0);
     let odd = hand.drag(50.0 + 37.0, 50.0 + 11.0);
     assert!(
-        matches!(odd[..], [Command::View(ViewCommand::Window { level, width })] if level.fract() == 0.0 && width.fract() == 0.0),
+        matches!(odd[..], [Command::View(ViewCommand::Window { level, width, .. })] if level.fract() == 0.0 && width.fract() == 0.0),
         "hundreds have no decimals: {odd:?}"
     );
     assert_eq!(hand.send(Event::Abort), [Command::History(HistoryCommand::Cancel {})]);

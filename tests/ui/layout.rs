@@ -403,7 +403,7 @@ fn an_opacity_point_moves_without_its_colour_and_with_it_while_shift_is_held() {
     assert_eq!(old.colour[1].0, old.opacity[1].0, "both begin at one value");
     let last = |sent: Vec<Command>| {
         let set = sent.into_iter().rev().find_map(|c| match c {
-            Command::Transfer(TransferCommand::Set { function }) => Some(function),
+            Command::Transfer(TransferCommand::Set { function, .. }) => Some(function),
             _ => None,
         });
         set.expect("the function was set")

@@ -10,7 +10,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 /// The one function that was sent.
 fn set(sent: &[Command]) -> &TransferFunction {
     let mut found = sent.iter().filter_map(|c| match c {
-        Command::Transfer(TransferCommand::Set { function }) => Some(function),
+        Command::Transfer(TransferCommand::Set { function, .. }) => Some(function),
         _ => None,
     });
     let function = found.next().unwrap_or_else(|| panic!("no function in {sent:?}"));

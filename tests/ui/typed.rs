@@ -64,6 +64,6 @@ fn a_number_whose_first_digits_are_out_of_order_can_be_typed() {
     window.snapshot(|_| {});
     window.click("Opacity point 2");
     let sent = enter(&mut window, "Value of the point", "64", Key::Enter);
-    let [Command::Transfer(TransferCommand::Set { function })] = &sent[..] else { panic!("{sent:?}") };
+    let [Command::Transfer(TransferCommand::Set { function, .. })] = &sent[..] else { panic!("{sent:?}") };
     assert_eq!(function.opacity[1], (64.0, 0.5));
 }

@@ -187,7 +187,7 @@ fn a_dragged_point_of_the_transfer_function_is_one_step_and_stays_a_function() {
     let set: Vec<_> = sent
         .iter()
         .filter_map(|c| match c {
-            Command::Transfer(TransferCommand::Set { function }) => Some(function),
+            Command::Transfer(TransferCommand::Set { function, .. }) => Some(function),
             _ => None,
         })
         .collect();

@@ -20,16 +20,16 @@ impl Document {
     ) -> Result<Said, DocumentError> {
         let watch = self.watch.clone();
         let state = self.open_mut()?;
-        let subject = state.at(None)?;
+        let subject = state.at(command.volume())?;
         let labels = FieldKey::new(subject.id, FieldKind::Labels);
         match command {
             SegmentCommand::Set { .. } => Ok(said),
-            SegmentCommand::Remove { id } => {
+            SegmentCommand::Remove { id, .. } => {
                 let changes = without_label(&subject, *id)?;
                 edit.swap(state, labels, changes)?;
                 Ok(said)
             }
-            SegmentCommand::Import { path, component, frame } => {
+            SegmentCommand::Import { path, component, frame, .. } => {
                 let opened = io::open(path)?;
                 let other = opened.source(*component, *frame, &|x| watch.go_on(x * 0.3))?;
                 edit.reads(&opened.files, &|| watch.go_on(0.3))?;

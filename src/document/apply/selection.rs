@@ -20,13 +20,13 @@ impl Document {
     pub(crate) fn selection(&mut self, command: &SelectionCommand, edit: &mut Edit) -> Result<Said, DocumentError> {
         let watch = self.watch.clone();
         let state = self.open_mut()?;
-        let subject = state.at(None)?;
+        let subject = state.at(command.volume())?;
         let id = subject.id;
         let (mut covered, mut warnings) = (None, None);
         let changes = match command {
-            SelectionCommand::FromLabel { label } => from_label(&subject, *label)?,
-            SelectionCommand::Clear {} => Changes::new(),
-            SelectionCommand::Import { path, threshold, soften_mm } => {
+            SelectionCommand::FromLabel { label, .. } => from_label(&subject, *label)?,
+            SelectionCommand::Clear { .. } => Changes::new(),
+            SelectionCommand::Import { path, threshold, soften_mm, .. } => {
                 let (threshold, soften_mm) = (finite("threshold", *threshold)?, *soften_mm);
                 let most = (subject.grid().spacing() * MAX_SOFTEN_VOXELS).min_element();
                 if !(0.0..=most).contains(&soften_mm) {

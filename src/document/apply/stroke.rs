@@ -54,19 +54,15 @@ impl Running {
 
 impl Document {
     pub(crate) fn stroke(&mut self, command: &StrokeCommand) -> Result<Answer, DocumentError> {
-        let volume = self.open()?.at(None)?.id;
+        let volume = self.open()?.at(command.volume())?.id;
         let running = self.running.is_some();
         match command {
             StrokeCommand::Begin { .. } | StrokeCommand::Paint { .. } if running => {
                 Err(DocumentError::NotNow("a stroke is running; end it (stroke.end) or cancel it first".into()))
             }
-            StrokeCommand::Begin { points } => {
-                let resolved = self.follow(volume, points, None)?;
-                self.begin_stroke(volume, resolved)
-            }
-            StrokeCommand::Paint { points } => {
-                let resolved = self.follow(volume, points, None)?;
-                self.begin_stroke(volume, resolved)?;
+            StrokeCommand::Begin { points, .. } => self.begin_with(volume, points),
+            StrokeCommand::Paint { points, .. } => {
+                self.begin_with(volume, points)?;
                 self.finish_stroke()
             }
             StrokeCommand::Extend { .. } | StrokeCommand::End {} | StrokeCommand::Cancel {} if !running => {
@@ -86,6 +82,16 @@ impl Document {
         }
     }
 
+    /// Begins a stroke on a volume with these points.
+    fn begin_with(&mut self, volume: VolumeId, points: &[StrokePoint]) -> Result<Answer, DocumentError> {
+        self.graphics.paint_on(Some(volume));
+        let begun = self.follow(volume, points, None).and_then(|resolved| self.begin_stroke(volume, resolved));
+        if begun.is_err() {
+            self.graphics.paint_on(None);
+        }
+        begun
+    }
+
     /// Whether a stroke runs.
     pub fn is_painting(&self) -> bool {
         self.running.is_some()
@@ -103,6 +109,7 @@ impl Document {
         let changes: Vec<_> =
             self.graphics.finish(state)?.into_iter().map(|(index, brick)| (index, Some(brick))).collect();
         let Some(mut running) = self.running.take() else { return Ok(Answer::default()) };
+        self.graphics.paint_on(None);
         let swapped = running.edit.swap(state, key, changes);
         let (voxels, bricks) = running.edit.counts();
         if swapped.is_err() || voxels == 0 {
@@ -138,7 +145,10 @@ impl Document {
             let normal = (normal != axial).then(|| normal.to_array());
             StrokePoint { at: Place::Mm(position.to_array()), pressure, breaks, normal }
         };
-        let done = Command::Stroke(StrokeCommand::Paint { points: running.samples.iter().map(at).collect() });
+        let done = Command::Stroke(StrokeCommand::Paint {
+            points: running.samples.iter().map(at).collect(),
+            volume: (key.volume != state.scene.volumes.active).then_some(key.volume),
+        });
         running.edit.made_by(ResolvedCommand {
             brush: Some(running.brush),
             camera: running.camera,
@@ -198,6 +208,7 @@ impl Document {
     pub(crate) fn drop_stroke(&mut self) {
         let (Some(running), Some(state)) = (self.running.take(), &mut self.state) else { return };
         self.graphics.cancel(state, running.field());
+        self.graphics.paint_on(None);
         // Of a stroke there is at most a segment and a map to take back; a source that fails leaves the wider map.
         match running.edit.roll_back(state) {
             Ok(refreshed) => self.mirror(&refreshed),

@@ -4,6 +4,7 @@
 
 use crate::document::command::Place;
 use crate::paint::BrushChange;
+use crate::volume::VolumeId;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -41,13 +42,33 @@ pub enum BrushCommand {
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum StrokeCommand {
     /// A whole stroke at once.
-    Paint { points: Vec<StrokePoint> },
+    Paint {
+        points: Vec<StrokePoint>,
+        /// The active one if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        volume: Option<VolumeId>,
+    },
     /// Starts a stroke.
-    Begin { points: Vec<StrokePoint> },
+    Begin {
+        points: Vec<StrokePoint>,
+        /// The active one if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        volume: Option<VolumeId>,
+    },
     /// Continues it.
     Extend { points: Vec<StrokePoint> },
     /// Ends it: one step of history, none if nothing changed.
     End {},
     /// Takes it back.
     Cancel {},
+}
+
+impl StrokeCommand {
+    /// The volume that it names, where it begins a stroke.
+    pub(crate) fn volume(&self) -> Option<VolumeId> {
+        match self {
+            Self::Paint { volume, .. } | Self::Begin { volume, .. } => *volume,
+            Self::Extend { .. } | Self::End {} | Self::Cancel {} => None,
+        }
+    }
 }

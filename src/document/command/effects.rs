@@ -185,7 +185,7 @@ impl TransferCommand {
     fn effects(&self) -> Effects {
         match self {
             Self::Set { .. } => Effects::change("transfer.set"),
-            Self::Reset {} => Effects::change("transfer.reset"),
+            Self::Reset { .. } => Effects::change("transfer.reset"),
         }
     }
 }
@@ -246,7 +246,7 @@ impl SelectionCommand {
         Effects::change(match self {
             Self::Import { .. } => "selection.import",
             Self::FromLabel { .. } => "selection.from_label",
-            Self::Clear {} => "selection.clear",
+            Self::Clear { .. } => "selection.clear",
         })
         .lasting(Lasts::AWhile("Selecting"))
     }

@@ -57,6 +57,46 @@ pub enum Command {
     Render(RenderCommand),
 }
 
+impl Command {
+    /// The volume that it names; `None` where it means the active one, or none at all.
+    pub(crate) fn volume(&self) -> Option<VolumeId> {
+        match self {
+            Self::Transfer(TransferCommand::Set { volume, .. } | TransferCommand::Reset { volume })
+            | Self::View(ViewCommand::Window { volume, .. }) => *volume,
+            Self::Stroke(command) => command.volume(),
+            Self::Selection(command) => command.volume(),
+            Self::Segment(command) => command.volume(),
+            Self::View(_)
+            | Self::Project(_)
+            | Self::Volume(_)
+            | Self::Brush(_)
+            | Self::Part(_)
+            | Self::Explosion(_)
+            | Self::History(_)
+            | Self::Ask(_)
+            | Self::Render(_) => None,
+        }
+    }
+}
+
+impl SelectionCommand {
+    /// The volume that it names.
+    pub(crate) fn volume(&self) -> Option<VolumeId> {
+        match self {
+            Self::Import { volume, .. } | Self::FromLabel { volume, .. } | Self::Clear { volume } => *volume,
+        }
+    }
+}
+
+impl SegmentCommand {
+    /// The volume that it names.
+    pub(crate) fn volume(&self) -> Option<VolumeId> {
+        match self {
+            Self::Set { volume, .. } | Self::Remove { volume, .. } | Self::Import { volume, .. } => *volume,
+        }
+    }
+}
+
 /// A place: world mm, continuous index, or a pixel of a named view (in the 3D view: of the picked surface).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
@@ -90,11 +130,23 @@ pub enum SelectionCommand {
         threshold: f64,
         #[serde(default)]
         soften_mm: f64,
+        /// The active one if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        volume: Option<VolumeId>,
     },
     /// Selects the voxels of a label.
-    FromLabel { label: u16 },
+    FromLabel {
+        label: u16,
+        /// The active one if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        volume: Option<VolumeId>,
+    },
     /// Nothing is selected.
-    Clear {},
+    Clear {
+        /// The active one if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        volume: Option<VolumeId>,
+    },
 }
 
 /// See [`Command::Segment`].
@@ -112,9 +164,17 @@ pub enum SegmentCommand {
         visible: Option<bool>,
         #[serde(default)]
         locked: Option<bool>,
+        /// The active one if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        volume: Option<VolumeId>,
     },
     /// Takes a segment out of the table and its label out of the voxels.
-    Remove { id: u16 },
+    Remove {
+        id: u16,
+        /// The active one if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        volume: Option<VolumeId>,
+    },
     /// Brings in the labels of a file, nearest voxel by world position where the grid differs. They lie over those that are there,
     /// but for voxels of locked segments. An id that is taken by another segment becomes a free one, and the segment's
     /// `source_value` says the file's. Answers `segments` (each with `id`, `value` in the file, `name`, `voxels`),
@@ -127,6 +187,9 @@ pub enum SegmentCommand {
         component: u32,
         #[serde(default)]
         frame: u32,
+        /// The active one if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        volume: Option<VolumeId>,
     },
 }
 

@@ -48,8 +48,11 @@ impl ResolvedCommand {
     /// Whether nothing is left of an earlier command once this one is done: it sets all that the earlier one set.
     fn supersedes(&self, earlier: &Self) -> bool {
         match (&earlier.command, &self.command) {
-            (Command::Transfer(TransferCommand::Set { .. }), Command::Transfer(TransferCommand::Set { .. }))
-            | (
+            (
+                Command::Transfer(TransferCommand::Set { volume: a, .. }),
+                Command::Transfer(TransferCommand::Set { volume: b, .. }),
+            ) => a == b,
+            (
                 Command::Explosion(ExplosionCommand::Degree { .. }),
                 Command::Explosion(ExplosionCommand::Degree { .. }),
             )

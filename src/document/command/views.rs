@@ -6,7 +6,7 @@ use crate::document::command::Place;
 use crate::document::scene::past::PastOf;
 use crate::document::scene::{Layer, ViewName};
 use crate::math::Camera;
-use crate::volume::{Lighting, Mode, TransferFunction};
+use crate::volume::{Lighting, Mode, TransferFunction, VolumeId};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -15,9 +15,18 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum TransferCommand {
     /// Replaces the whole function.
-    Set { function: TransferFunction },
+    Set {
+        function: TransferFunction,
+        /// The active one if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        volume: Option<VolumeId>,
+    },
     /// Starts again from the histogram.
-    Reset {},
+    Reset {
+        /// The active one if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        volume: Option<VolumeId>,
+    },
 }
 
 /// See [`Command::View`].
@@ -69,7 +78,13 @@ pub enum ViewCommand {
         background: Option<[f32; 3]>,
     },
     /// Grey window of the slices.
-    Window { level: f64, width: f64 },
+    Window {
+        level: f64,
+        width: f64,
+        /// The active one if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        volume: Option<VolumeId>,
+    },
     /// How a field is shown.
     Layer(Layer),
     /// What was seen before the last change of view, look, layer, window or transfer function; with `of` before the last change of

@@ -38,6 +38,8 @@ pub(crate) struct Graphics {
     painter: Option<Painter>,
     /// The volume whose fields the pools mirror.
     shown: VolumeId,
+    /// The volume that a stroke runs on: pictures are its own until the stroke ends.
+    painted: Option<VolumeId>,
     moving: bool,
 }
 
@@ -50,6 +52,16 @@ impl Graphics {
     /// Works on this device instead of one of its own.
     pub(crate) fn use_gpu(&mut self, gpu: Gpu) {
         *self = Self { gpu: Some(gpu), ..Self::default() };
+    }
+
+    /// Shows this volume instead of the active one: a stroke runs on it, or begins to. `None`: none runs any more.
+    pub(crate) fn paint_on(&mut self, volume: Option<VolumeId>) {
+        self.painted = volume;
+    }
+
+    /// The volume that pictures are of while a stroke runs on it; `None`: the active one.
+    pub(crate) fn painted_on(&self) -> Option<VolumeId> {
+        self.painted
     }
 
     /// Whether pictures are in motion: they then wait for a bounded number of bricks, and coarser ones stand in.
@@ -71,6 +83,7 @@ impl Graphics {
     pub(crate) fn forget(&mut self) {
         self.tools = None;
         self.painter = None;
+        self.painted = None;
     }
 
     /// Hands changed voxels on. What fails here is made again when it is next needed.
@@ -291,7 +304,7 @@ impl Graphics {
         what: &'static str,
         mut work: impl FnMut(&mut Tools, &mut Painter, &Fields<'_>, &Subject<'_>) -> Result<T, GpuError>,
     ) -> Result<T, DocumentError> {
-        let subject = state.at(None)?;
+        let subject = state.at(self.painted)?;
         let fields = fields(&subject);
         let mut again = true;
         loop {

@@ -7,7 +7,7 @@ use crate::document::error::DocumentError;
 use crate::document::reduce::{Changed, Ground};
 use crate::document::scene::check::check_transfer;
 use crate::document::scene::{Layer, Look, Scene, Window, first_look};
-use crate::volume::{Lighting, Mode};
+use crate::volume::{Lighting, Mode, VolumeId};
 
 /// What of a look is given: mode, shaded, lighting, step, background.
 type Given = (Option<Mode>, Option<bool>, Option<Lighting>, (Option<f64>, Option<bool>), Option<[f32; 3]>);
@@ -18,14 +18,17 @@ impl Scene {
         command: &TransferCommand,
         ground: &Ground<'_>,
     ) -> Result<Changed, DocumentError> {
+        let volume = match command {
+            TransferCommand::Set { volume, .. } | TransferCommand::Reset { volume } => self.meant(*volume)?,
+        };
         let (name, function) = match command {
-            TransferCommand::Set { function } => ("Transfer function", function.clone()),
-            TransferCommand::Reset {} => {
+            TransferCommand::Set { function, .. } => ("Transfer function", function.clone()),
+            TransferCommand::Reset { .. } => {
                 ("Reset transfer function", first_look::transfer(ground.grid, ground.histogram))
             }
         };
         check_transfer(&function)?;
-        let transfer = self.transfer_mut(self.volumes.active);
+        let transfer = self.transfer_mut(volume);
         *transfer = function;
         let (lo, hi) = transfer.domain();
         let said = TransferSaid {
@@ -69,10 +72,16 @@ impl Scene {
         Ok(Changed::new(name, LookSaid { look }))
     }
 
-    pub(crate) fn set_window(&mut self, level: f64, width: f64) -> Result<Changed, DocumentError> {
+    pub(crate) fn set_window(
+        &mut self,
+        volume: Option<VolumeId>,
+        level: f64,
+        width: f64,
+    ) -> Result<Changed, DocumentError> {
+        let volume = self.meant(volume)?;
         let window = Window { level, width };
         window.check()?;
-        self.show_in(self.volumes.active, window);
+        self.show_in(volume, window);
         Ok(Changed::new("Window", WindowSaid { window }))
     }
 

@@ -21,11 +21,11 @@ use crate::volume::{Grid, Histogram};
 /// What a scene stands on and does not hold.
 #[derive(Clone, Copy, Debug)]
 pub struct Ground<'a> {
-    /// The active volume's lattice where it lies.
+    /// The lattice where it lies of the volume that the command means.
     pub grid: &'a Grid,
     /// The box of all volumes, world mm.
     pub bounds: Aabb,
-    /// Of the source's values.
+    /// Of its source's values.
     pub histogram: &'a Histogram,
     /// Where parts stand.
     pub poses: &'a Poses,
@@ -68,8 +68,8 @@ impl Scene {
             Command::Volume(command) => next.apply_volume(command),
             Command::Selection(command) => Ok(Changed::named(match command {
                 SelectionCommand::Import { .. } => "Import selection".into(),
-                SelectionCommand::FromLabel { label } => format!("Select label {label}"),
-                SelectionCommand::Clear {} => "Clear selection".into(),
+                SelectionCommand::FromLabel { label, .. } => format!("Select label {label}"),
+                SelectionCommand::Clear { .. } => "Clear selection".into(),
             })),
             // Voxels, history, files, questions.
             Command::Stroke(_) | Command::History(_) | Command::Project(_) | Command::Ask(_) | Command::Render(_) => {

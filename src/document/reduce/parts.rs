@@ -11,16 +11,16 @@ use crate::document::scene::Scene;
 use crate::document::scene::check::check_segment;
 use crate::explode::{Cut, Explosion, Part, PartId, PartRecord};
 use crate::math::{DVec3, Plane};
-use crate::volume::{Grid, Segment, Segments};
+use crate::volume::{Grid, Segment, Segments, VolumeId};
 
 impl Scene {
     pub(crate) fn apply_segment(&mut self, command: &SegmentCommand) -> Result<Changed, DocumentError> {
         match command {
-            SegmentCommand::Set { id, name, colour, visible, locked } => {
+            SegmentCommand::Set { id, name, colour, visible, locked, volume } => {
                 let id = *id;
                 let wanted = Segment::new(id);
                 check_segment(&Segment { colour: colour.unwrap_or(wanted.colour), ..wanted })?;
-                let table = self.table()?;
+                let table = self.table(*volume)?;
                 let known = table.get(id).cloned();
                 let step = match (&known, name) {
                     (None, _) => format!("Add segment {id}"),
@@ -37,8 +37,8 @@ impl Scene {
                 segment.locked = locked.unwrap_or(segment.locked);
                 Ok(Changed::new(step, SegmentSaid { segment: segment.clone() }))
             }
-            SegmentCommand::Remove { id } => {
-                let table = self.table()?;
+            SegmentCommand::Remove { id, volume } => {
+                let table = self.table(*volume)?;
                 let Some(segment) = table.get(*id) else {
                     return Err(DocumentError::no_segment("id", *id, table));
                 };
@@ -51,9 +51,9 @@ impl Scene {
         }
     }
 
-    /// The active volume's segments.
-    fn table(&mut self) -> Result<&mut Segments, DocumentError> {
-        let volume = self.volumes.active;
+    /// The segments of a volume, the active one if none is named.
+    fn table(&mut self, volume: Option<VolumeId>) -> Result<&mut Segments, DocumentError> {
+        let volume = self.meant(volume)?;
         self.segments_mut(volume).ok_or(DocumentError::NothingOpen)
     }
 

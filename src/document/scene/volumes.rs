@@ -128,6 +128,17 @@ impl Scene {
         self.volumes.all.get_mut(&volume).map(|volume| &mut volume.segments)
     }
 
+    /// The volume that a command means: the one that it names, or the active one.
+    ///
+    /// # Errors
+    /// If there is none of that name.
+    pub(crate) fn meant(&self, named: Option<VolumeId>) -> Result<VolumeId, DocumentError> {
+        match named {
+            Some(id) if !self.volumes.all.contains_key(&id) => Err(self.volumes.none_of(id)),
+            named => Ok(named.unwrap_or(self.volumes.active)),
+        }
+    }
+
     /// The grey window of the active volume's slices.
     pub fn window(&self) -> Window {
         self.window_of(self.volumes.active)

@@ -125,9 +125,11 @@ impl App {
                     self.send(Command::Render(command));
                 }
             }
-            What::Labels => self.send(Command::Segment(SegmentCommand::Import { path, component: 0, frame: 0 })),
+            What::Labels => {
+                self.send(Command::Segment(SegmentCommand::Import { path, component: 0, frame: 0, volume: None }))
+            }
             What::Selection => {
-                let import = SelectionCommand::Import { path, threshold: 0.0, soften_mm: 0.0 };
+                let import = SelectionCommand::Import { path, threshold: 0.0, soften_mm: 0.0, volume: None };
                 self.send(Command::Selection(import));
             }
         }

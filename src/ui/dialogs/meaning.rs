@@ -153,10 +153,16 @@ impl App {
             Means::New(open_as) => self.open_guarded(Coming::Volume(path.into(), open_as)),
             Means::Beside(open_as) => self.add_volume(path.into(), open_as),
             Means::IntoLabels => {
-                self.send(Command::Segment(SegmentCommand::Import { path: path.into(), component: 0, frame: 0 }));
+                self.send(Command::Segment(SegmentCommand::Import {
+                    path: path.into(),
+                    component: 0,
+                    frame: 0,
+                    volume: None,
+                }));
             }
             Means::IntoSelection => {
-                let import = SelectionCommand::Import { path: path.into(), threshold: 0.0, soften_mm: 0.0 };
+                let import =
+                    SelectionCommand::Import { path: path.into(), threshold: 0.0, soften_mm: 0.0, volume: None };
                 self.send(Command::Selection(import));
             }
         }

@@ -90,7 +90,7 @@ impl App {
             if response.changed() {
                 let (level, width) = if letter == "L" { (*value, window.width) } else { (window.level, *value) };
                 let width = width.max(f64::MIN_POSITIVE);
-                self.edit(&response, Command::View(ViewCommand::Window { level, width }));
+                self.edit(&response, Command::View(ViewCommand::Window { level, width, volume: None }));
             }
         }
         let about = ("Ready windows", "", "Ready windows: from black to white for what you want to see");
@@ -110,7 +110,7 @@ impl App {
             let Window { level, width } = window;
             let tip = format!("Level {}, width {}", readout::short(level), readout::short(width));
             if ui.button(name).on_hover_text(tip).clicked() {
-                self.send(Command::View(ViewCommand::Window { level, width }));
+                self.send(Command::View(ViewCommand::Window { level, width, volume: None }));
             }
         }
     }

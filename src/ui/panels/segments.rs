@@ -43,7 +43,8 @@ impl App {
         if icon_button(&mut corner, face).clicked()
             && let Some(next) = free
         {
-            let add = SegmentCommand::Set { id: next, name: None, colour: None, visible: None, locked: None };
+            let add =
+                SegmentCommand::Set { id: next, name: None, colour: None, visible: None, locked: None, volume: None };
             self.send(Command::Segment(add));
             self.paint_with(Target::Label(next));
         }
@@ -51,8 +52,9 @@ impl App {
 
     fn segment_row(&mut self, ui: &mut Ui, segment: &Segment, painted: bool) {
         let id = segment.id;
-        let same =
-            |name, colour, visible, locked| Command::Segment(SegmentCommand::Set { id, name, colour, visible, locked });
+        let same = |name, colour, visible, locked| {
+            Command::Segment(SegmentCommand::Set { id, name, colour, visible, locked, volume: None })
+        };
         ui.push_id(("segment", id), |ui| {
             ui.horizontal(|ui| {
                 let full = egui::Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), ROW));
@@ -91,7 +93,7 @@ impl App {
                     if icon_button(ui, Face::small(Icon::Trash, &remove, "Remove this segment and its voxels’ label"))
                         .clicked()
                     {
-                        self.send(Command::Segment(SegmentCommand::Remove { id }));
+                        self.send(Command::Segment(SegmentCommand::Remove { id, volume: None }));
                     }
                     let lock = format!("Lock {}", segment.name);
                     let icon = if segment.locked { Icon::Lock } else { Icon::Unlock };

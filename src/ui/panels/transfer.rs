@@ -93,7 +93,7 @@ impl App {
         if new != old
             && let Some(response) = touched
         {
-            self.edit(&response, Command::Transfer(TransferCommand::Set { function: new }));
+            self.edit(&response, Command::Transfer(TransferCommand::Set { function: new, volume: None }));
         }
     }
 
@@ -187,7 +187,7 @@ impl App {
             let tip = "Start again: colours and opacities from how often each value occurs";
             if button(ui, vec2(ui.available_width(), ROW), "Rebuild from histogram", tip) {
                 self.transfer.selected = None;
-                self.send(Command::Transfer(TransferCommand::Reset {}));
+                self.send(Command::Transfer(TransferCommand::Reset { volume: None }));
             }
         });
         touched
@@ -199,7 +199,7 @@ impl App {
         for Preset { name, tip, function } in TransferFunction::presets(&open.histogram.clone(), unit_mm) {
             if ui.button(name).on_hover_text(tip).clicked() {
                 self.transfer.selected = None;
-                self.send(Command::Transfer(TransferCommand::Set { function }));
+                self.send(Command::Transfer(TransferCommand::Set { function, volume: None }));
             }
         }
     }

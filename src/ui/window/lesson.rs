@@ -77,7 +77,8 @@ impl App {
         match step {
             0 => {
                 let Some(sample) = self.recent.folder().map(Sample::below) else { return };
-                let import = SelectionCommand::Import { path: sample.brain, threshold: BRAIN, soften_mm: SOFT_MM };
+                let import =
+                    SelectionCommand::Import { path: sample.brain, threshold: BRAIN, soften_mm: SOFT_MM, volume: None };
                 self.send(Command::Selection(import));
             }
             1 => {
