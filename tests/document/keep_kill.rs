@@ -73,7 +73,12 @@ fn paints_and_saves_until_it_is_killed() {
         let n = steps_in(&state) + 1;
         for i in 0..rng.random_range(0..3) {
             let position = DVec3::new(f64::from(i), n as f64, 0.0);
-            keeper.samples(&[Sample { position, normal: DVec3::Z, pressure: 1.0, breaks: false }]).unwrap();
+            keeper
+                .samples(
+                    burin::volume::VolumeId::FIRST,
+                    &[Sample { position, normal: DVec3::Z, pressure: 1.0, breaks: false }],
+                )
+                .unwrap();
         }
         let touched = step(&mut state, n, is_large(round));
         keeper.record(&Command::Stroke(StrokeCommand::End {}), &state, &touched, true).unwrap();

@@ -268,6 +268,30 @@ fn windows_and_transfer_functions_are_those_of_the_volume_that_is_named() {
     }
 }
 
+#[test]
+fn a_stroke_that_a_crash_cut_off_is_painted_on_the_volume_that_it_ran_on() {
+    if crate::common::gpu::gpu().is_none() {
+        return;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let mut document = three(dir.path());
+    say(&mut document, json!({"brush": {"set": {"target": {"selection": 1.0}, "radius_mm": 3.0}}}));
+    let before: Vec<_> = (0..3).map(|id| of(&document, id)).collect();
+    say(&mut document, json!({"stroke": {"begin": {"points": [{"at": {"index": [5, 5, 5]}}], "volume": 1}}}));
+    say(&mut document, json!({"stroke": {"extend": {"points": [{"at": {"index": [8, 6, 5]}}]}}}));
+    // A program that ends without a word.
+    std::mem::drop(document);
+    let mut document = Document::new();
+    document.keep_unsaved_in(dir.path().join("unsaved"));
+    let lost = say(&mut document, json!({"project": {"lost": {}}}))["lost"].clone();
+    say(&mut document, json!({"project": {"recover": {"id": lost[0]["id"]}}}));
+    for id in 0..3 {
+        assert_eq!(of(&document, id) != before[id as usize], id == 1, "volume {id}");
+    }
+    let voxel = json!({"ask": {"voxel": {"at": {"index": [8, 6, 5]}, "volume": 1}}});
+    assert_eq!(say(&mut document, voxel)["selection"], json!(1.0));
+}
+
 /// What undo knows: every byte, and what was decided of the volumes.
 fn decided(document: &Document) -> (Vec<(VolumeId, Vec<u8>)>, String) {
     (all(document).0, serde_json::to_string(&document.state().unwrap().scene.volumes).unwrap())

@@ -279,14 +279,16 @@ impl Document {
         }
         self.no_stroke();
         let keeper = self.keeper.take();
-        let active = self.state.as_ref().map_or(VolumeId::FIRST, |state| state.scene.volumes.active);
-        let begun = self.begin_stroke(active, Resolved { samples: recovered.stroke.clone(), ..Resolved::default() });
+        let volume = recovered.stroke_volume;
+        self.graphics.paint_on(Some(volume));
+        let begun = self.begin_stroke(volume, Resolved { samples: recovered.stroke.clone(), ..Resolved::default() });
         self.keeper = keeper;
         match begun.and_then(|_| self.finish_stroke()) {
             Ok(_) => StrokeFate::Painted,
             Err(error) => {
                 warnings.push(format!("the stroke that was running is lost: {error}"));
                 self.drop_stroke();
+                self.graphics.paint_on(None);
                 StrokeFate::Lost
             }
         }

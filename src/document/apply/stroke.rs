@@ -331,10 +331,11 @@ impl Document {
         running.trail = trail;
         running.dabs += dabs.len() as u64;
         running.missed += missed;
+        let volume = running.volume;
         let length_mm = running.path.length_mm();
         let said = ExtendedSaid { dabs: dabs.len(), missed, bricks_touched: bricks.len(), length_mm };
         let mut answer = Answer::from(Said::from(said));
-        let noted = if samples.is_empty() { None } else { self.keeper.as_mut().map(|k| k.samples(&samples)) };
+        let noted = if samples.is_empty() { None } else { self.keeper.as_mut().map(|k| k.samples(volume, &samples)) };
         if let Some(Err(error)) = noted {
             answer.trouble.push(error.to_string());
         }

@@ -24,7 +24,7 @@ use crate::document::state::State;
 use crate::explode::Poses;
 use crate::io::FileMark;
 use crate::paint::Sample;
-use crate::volume::{BrickIndex, FieldKey};
+use crate::volume::{BrickIndex, FieldKey, VolumeId};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -228,12 +228,12 @@ impl Keeper {
         }
     }
 
-    /// Notes samples of the running stroke, without waiting for the disk.
+    /// Notes samples of the stroke that runs on a volume, without waiting for the disk.
     ///
     /// # Errors
     /// If the disk refuses.
-    pub fn samples(&mut self, samples: &[Sample]) -> Result<(), KeepError> {
-        self.journal.samples(samples)
+    pub fn samples(&mut self, volume: VolumeId, samples: &[Sample]) -> Result<(), KeepError> {
+        self.journal.samples(volume, samples)
     }
 
     /// Notes that the running stroke was taken back, or ended and changed nothing.

@@ -60,10 +60,13 @@ pub(crate) struct StepHead {
     pub past: Option<PastDelta>,
 }
 
-/// The JSON part of samples.
-#[derive(Debug, Serialize, Deserialize)]
+/// The JSON part of samples, and the running stroke that all of them make.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SamplesHead {
     pub samples: Vec<Sample>,
+    /// What is painted; a journal of one volume does not say it.
+    #[serde(default)]
+    pub volume: VolumeId,
 }
 
 /// A brick as a record has it: where its bytes are in the body.

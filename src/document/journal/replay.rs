@@ -12,7 +12,6 @@ use crate::document::journal::record::{
 use crate::document::journal::{Beginning, Journal, MAGIC, Now, ONE_VOLUME, VERSION};
 use crate::document::project::manifest::{JOURNAL_HEADER, VolumeRecord};
 use crate::document::scene::past::Past;
-use crate::paint::Sample;
 use crate::volume::{Brick, BrickIndex, DensityMap, FieldKey, VolumeId};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -37,8 +36,8 @@ pub(crate) struct Replay {
     pub volumes: BTreeMap<VolumeId, Option<VolumeRecord>>,
     /// The bricks that they touched, `None` where an edit is gone.
     pub bricks: BTreeMap<(FieldKey, BrickIndex), Option<Brick>>,
-    /// The stroke that was running.
-    pub stroke: Vec<Sample>,
+    /// The stroke that was running; without samples if none was.
+    pub stroke: SamplesHead,
     /// Bytes at the end that are no whole step.
     pub torn_bytes: u64,
     /// Where a copy of the journal was put because a record in it is damaged, not merely unfinished; and what is wrong.
@@ -82,8 +81,8 @@ impl Journal {
         shorten.set_len(journal.end).map_err(KeepError::io("shorten", path))?;
         if journal.old {
             journal.gather()?;
-            if !replay.stroke.is_empty() {
-                journal.samples(&replay.stroke)?;
+            if !replay.stroke.samples.is_empty() {
+                journal.samples(replay.stroke.volume, &replay.stroke.samples)?;
             }
         }
         Ok(Some((journal, replay)))
@@ -114,7 +113,7 @@ impl Journal {
         let old = is_old(&file).map_err(reading)?;
         let mut reader = BufReader::with_capacity(1 << 20, file);
         reader.seek(SeekFrom::Start(JOURNAL_HEADER)).map_err(reading)?;
-        let (mut body, mut stroke) = (Vec::new(), Vec::new());
+        let (mut body, mut stroke) = (Vec::new(), SamplesHead::default());
         while left > 0 {
             let Body::Whole = next_body(&mut reader, left, &mut body).map_err(reading)? else { return Ok(true) };
             left -= (RECORD_HEAD + body.len()) as u64;
@@ -123,7 +122,7 @@ impl Journal {
                 return Ok(true);
             }
         }
-        Ok(!stroke.is_empty())
+        Ok(!stroke.samples.is_empty())
     }
 
     /// The journal up to its last whole step, what it brings back, and what is wrong with the record after that if it is more
@@ -160,12 +159,12 @@ impl Journal {
         &mut self,
         reader: &mut BufReader<File>,
         length: u64,
-    ) -> Result<(Vec<Sample>, Option<String>), KeepError> {
+    ) -> Result<(SamplesHead, Option<String>), KeepError> {
         let path = self.path().to_owned();
         reader.seek(SeekFrom::Start(JOURNAL_HEADER)).map_err(KeepError::io("read", &path))?;
         let (mut at, mut sequence) = (self.end, self.sequence);
         let mut body = Vec::new();
-        let mut stroke = Vec::new();
+        let mut stroke = SamplesHead::default();
         // Bricks whose step has not come yet, with the offset of their body.
         let mut waiting: Vec<(Vec<BrickEntry>, u64)> = Vec::new();
         let damage = loop {
@@ -193,7 +192,7 @@ impl Journal {
             waiting.drain(..).for_each(|(entries, body_at)| self.note(&entries, body_at));
             (self.end, self.sequence) = (at, sequence);
         };
-        self.stroke_runs = !stroke.is_empty();
+        self.stroke_runs = !stroke.samples.is_empty();
         Ok((stroke, damage))
     }
 
@@ -341,7 +340,7 @@ fn copy(from: &mut File, to: &Path) -> std::io::Result<()> {
 }
 
 /// What a record says apart from bricks; `None` if its head cannot be read.
-fn read_head(record: &Record<'_>, old: bool, known: &Map<String, Value>, stroke: &mut Vec<Sample>) -> Option<StepHead> {
+fn read_head(record: &Record<'_>, old: bool, known: &Map<String, Value>, stroke: &mut SamplesHead) -> Option<StepHead> {
     match record.kind {
         Kind::Step | Kind::Checkpoint => {
             let head = match old {
@@ -349,17 +348,18 @@ fn read_head(record: &Record<'_>, old: bool, known: &Map<String, Value>, stroke:
                 false => serde_json::from_slice::<StepHead>(record.head).ok()?,
             };
             if head.command.get("stroke").is_some() {
-                stroke.clear();
+                stroke.samples.clear();
             }
             Some(head)
         }
         Kind::Samples => {
             let head: SamplesHead = serde_json::from_slice(record.head).ok()?;
-            stroke.extend(head.samples);
+            stroke.samples.extend(head.samples);
+            stroke.volume = head.volume;
             Some(StepHead::default())
         }
         Kind::NoStroke => {
-            stroke.clear();
+            stroke.samples.clear();
             Some(StepHead::default())
         }
         Kind::Part => Some(StepHead::default()),
