@@ -269,6 +269,34 @@ fn windows_and_transfer_functions_are_those_of_the_volume_that_is_named() {
 }
 
 #[test]
+fn a_place_is_told_of_every_visible_volume() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut document = three(dir.path());
+    // The value of a file is (x + 2y + 3z) mod 7; where a volume is moved, another of its voxels lies there.
+    let at = |index: [u32; 3]| f64::from((index[0] + 2 * index[1] + 3 * index[2]) % 7);
+    let pose = json!({"rotation": [0, 0, 0, 1], "translation": [4.0, 0.0, 0.0]});
+    say(&mut document, json!({"volume": {"set": {"volume": 1, "pose": pose}}}));
+    let place = json!({"ask": {"voxel": {"at": {"mm": [-3.0 + 8.0, 2.0 + 2.0, 1.0 + 2.0]}}}});
+    let told = say(&mut document, place.clone());
+    assert_eq!(told["density"], json!(at([8, 2, 2])));
+    let names: Vec<_> =
+        told["volumes"].as_array().unwrap().iter().map(|v| (v["volume"].clone(), v["name"].clone())).collect();
+    assert_eq!(names, [(json!(0), json!("a.nrrd")), (json!(1), json!("b.nrrd")), (json!(2), json!("Atlas"))]);
+    assert_eq!(told["volumes"][0]["density"], json!(at([8, 2, 2])));
+    assert_eq!(told["volumes"][1]["density"], json!(at([2, 1, 1])), "moved by two of its voxels");
+    assert_eq!(
+        (&told["volumes"][2]["density"], &told["volumes"][2]["label"]),
+        (&json!(at([16, 4, 4])), &json!(at([16, 4, 4]) as u32))
+    );
+    say(&mut document, json!({"volume": {"set": {"volume": 1, "visible": false}}}));
+    let told = say(&mut document, place.clone());
+    assert_eq!(told["volumes"].as_array().unwrap().len(), 2, "{told}");
+    say(&mut document, json!({"volume": {"remove": {"volume": 1}}}));
+    say(&mut document, json!({"volume": {"remove": {"volume": 2}}}));
+    assert_eq!(say(&mut document, place).get("volumes"), None, "one volume is told as ever");
+}
+
+#[test]
 fn a_stroke_that_a_crash_cut_off_is_painted_on_the_volume_that_it_ran_on() {
     if crate::common::gpu::gpu().is_none() {
         return;

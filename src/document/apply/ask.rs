@@ -4,17 +4,18 @@ use crate::document::Document;
 use crate::document::command::Question;
 use crate::document::command::answers::{Said, SceneSaid};
 use crate::document::command::answers_ask::{
-    FieldSaid, HiddenBy, HistorySaid, HitSaid, PartsSaid, PastCounts, PickSaid, VisibilitySaid, VolumeSaid, VoxelSaid,
-    VoxelValues,
+    FieldSaid, HiddenBy, HistorySaid, HitSaid, PartsSaid, PastCounts, PickSaid, VisibilitySaid, VolumeSaid,
+    VolumeVoxelSaid, VoxelSaid, VoxelValues,
 };
 use crate::document::error::DocumentError;
 use crate::document::frame::WHOLE;
 use crate::document::scene::check::check_size;
 use crate::document::scene::check::safe_camera;
 use crate::document::scene::past::PastOf;
+use crate::document::state::State;
 use crate::document::subject::Subject;
 use crate::explode::{Part, PartRecord};
-use crate::math::DVec2;
+use crate::math::{DVec2, DVec3};
 use crate::volume::{BrickIndex, FieldKind, Number, SourceError, Total};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -30,7 +31,10 @@ impl Document {
             Question::Voxel { at, volume: id } => {
                 let world = self.resolve(at, id)?.map(|sample| sample.position);
                 match world {
-                    Some(world) => voxel(&self.open()?.at(id)?, world)?.into(),
+                    Some(world) => {
+                        let state = self.open()?;
+                        VoxelSaid { volumes: all_at(state, world)?, ..voxel(&state.at(id)?, world)? }.into()
+                    }
                     None => VoxelSaid::default().into(),
                 }
             }
@@ -124,7 +128,20 @@ pub(crate) fn volume(subject: &Subject<'_>) -> VolumeSaid {
     }
 }
 
-fn voxel(subject: &Subject<'_>, world: crate::math::DVec3) -> Result<VoxelSaid, DocumentError> {
+/// What every visible volume has at a place of the world; nothing where there is only one volume.
+fn all_at(state: &State, world: DVec3) -> Result<Vec<VolumeVoxelSaid>, DocumentError> {
+    if state.volumes.len() < 2 {
+        return Ok(Vec::new());
+    }
+    let visible = state.subjects().filter(|subject| subject.settings.visible);
+    let one = |subject: Subject<'_>| {
+        let values = voxel(&subject, world)?.values;
+        Ok(VolumeVoxelSaid { volume: subject.id, name: subject.settings.name.clone(), values })
+    };
+    visible.map(one).collect()
+}
+
+fn voxel(subject: &Subject<'_>, world: DVec3) -> Result<VoxelSaid, DocumentError> {
     let index = subject.grid().index_from_world().transform_point3(world);
     let place = VoxelSaid { mm: Some(world.to_array()), index: Some(index.to_array()), ..VoxelSaid::default() };
     let Some(voxel) = subject.grid().voxel_at(index) else { return Ok(place) };

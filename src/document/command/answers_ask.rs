@@ -4,7 +4,7 @@
 
 use crate::document::command::resolved::ResolvedCommand;
 use crate::explode::{PartId, PartRecord};
-use crate::volume::{Number, TexelFormat, VoxelType};
+use crate::volume::{Number, TexelFormat, VolumeId, VoxelType};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -41,6 +41,18 @@ pub struct VoxelSaid {
     pub mm: Option<[f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub index: Option<[f64; 3]>,
+    #[serde(flatten)]
+    pub values: Option<VoxelValues>,
+    /// What every visible volume has at that place of the world, where the document has several.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub volumes: Vec<VolumeVoxelSaid>,
+}
+
+/// What one of several volumes has at a place; no more than its name where the place is outside.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct VolumeVoxelSaid {
+    pub volume: VolumeId,
+    pub name: String,
     #[serde(flatten)]
     pub values: Option<VoxelValues>,
 }

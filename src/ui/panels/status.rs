@@ -70,6 +70,22 @@ impl App {
                 ui.add(Label::new(RichText::new(label).color(theme::TEXT)).selectable(false).truncate());
             }
         }
+        let others = self.other_volumes();
+        if !others.is_empty() {
+            ui.add(Label::new(RichText::new(others).color(theme::TEXT_WEAK)).selectable(false).truncate());
+        }
+    }
+
+    /// What the other visible volumes have under the pointer: the name of the segment, else the value.
+    fn other_volumes(&self) -> String {
+        let (Some(scene), Some(probe)) = (&self.scene, &self.probe) else { return String::new() };
+        let others = probe.volumes.iter().filter(|other| other.volume != scene.volumes.active);
+        let told = others.filter_map(|other| {
+            let values = other.values.as_ref()?;
+            let what = values.segment.clone().unwrap_or_else(|| readout::short(values.density.to_f64()));
+            Some(format!("{}: {what}", other.name))
+        });
+        told.collect::<Vec<_>>().join("   ")
     }
 
     /// Value and label of the voxel as the document answered last.
