@@ -37,12 +37,13 @@ impl Volume {
     }
 
     pub fn fields(&self) -> burin::gpu::Fields<'_> {
-        burin::gpu::Fields {
+        burin::gpu::Fields::one(burin::gpu::VolumeFields {
+            grid: self.grid,
             density: &self.density,
             colour: &self.colour,
             selection: &self.selection,
             labels: &self.labels,
-        }
+        })
     }
 }
 
@@ -141,6 +142,8 @@ pub fn frame(camera: Camera, mode: Mode, shaded: bool, bodies: Vec<Body>) -> Fra
         bodies,
         overlay: Overlay::default(),
         layers: Default::default(),
+        looks: Vec::new(),
+        overlays: Default::default(),
     }
 }
 

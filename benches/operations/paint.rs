@@ -6,7 +6,7 @@ use super::measure::{Report, measure, measure_by_turns};
 use burin::gpu::{Body, Caster, FieldPools, Frame, Gpu, Overlay, Painter};
 use burin::math::{Camera, DQuat, DVec3};
 use burin::paint::{Brush, Falloff, Reach, Sample, StrokePath, Target};
-use burin::volume::{Mode, Segments, TransferFunction, Value};
+use burin::volume::{Mode, Segments, TransferFunction, Value, VolumeId};
 use serde_json::json;
 
 /// A volume that can be clicked on.
@@ -45,7 +45,7 @@ impl Easel {
     /// One click: a stroke of one dab, kept. Answers how many bricks changed.
     pub fn click(&mut self, brush: &Brush, at: DVec3) -> Result<usize, Failure> {
         let volume = &mut self.volume;
-        self.painter.begin(&volume.grid, &volume.fields(), brush, &Segments::default(), Reach([0.0; 2]))?;
+        self.painter.begin(VolumeId::FIRST, &volume.fields(), brush, &Segments::default(), Reach([0.0; 2]))?;
         let mut path = StrokePath::new(brush, &volume.grid)?;
         let dabs = path.extend(&[Sample { position: at, normal: DVec3::Z, pressure: 1.0, breaks: false }])?;
         self.painter.extend(&mut self.pools, &volume.fields(), &dabs)?;
@@ -143,6 +143,8 @@ pub fn stamp(report: &mut Report) -> Result<(), Failure> {
         bodies: vec![Body::whole(0)],
         overlay: Overlay::default(),
         layers: Default::default(),
+        looks: Vec::new(),
+        overlays: Default::default(),
     };
     let brush = Brush { radius_mm: 16.0, falloff: Falloff::Hard, target: Target::Density(2.0), ..Brush::default() };
     let mut picture = None;

@@ -1,12 +1,20 @@
-// Pictures of bodies, in any mode: bodies in order of sight one after another, or (MERGE) any number of overlapping ones at once.
+// Pictures of bodies, in any mode: bodies in order of sight one after another, or (MERGE, MODES) any number of overlapping ones at
+// once.
 
 #import burin::body::{Ray, BodyRay, body_ray, interval, listed_at, body_at, ray_through}
 #import burin::layers
 #import burin::picture::{Picture, before_at}
 #import burin::march::march
+#ifdef MODES
+#import burin::merge::march_merged
+#else
 #ifdef MERGE
 #import burin::merge::march_merged
 #endif
+#endif
+#ifdef MODES
+#import burin::modes as mode
+#else
 #ifdef ISO
 #import burin::iso as mode
 #else
@@ -16,7 +24,9 @@
 #import burin::dvr as mode
 #endif
 #endif
+#endif
 
+#ifndef MODES
 // An interval of a body's ray.
 fn pass_through(whole: BodyRay, within: vec2<f32>) {
     var r = whole;
@@ -25,6 +35,7 @@ fn pass_through(whole: BodyRay, within: vec2<f32>) {
     march(r, span.x, span.y);
     mode::leave(r);
 }
+#endif
 
 // The picture at a pixel's centre.
 fn picture_of(px: vec2<f32>) -> Picture {
@@ -35,6 +46,9 @@ fn picture_of(px: vec2<f32>) -> Picture {
     }
     let listed = listed_at(px);
     let ray = ray_through(px);
+#ifdef MODES
+    march_merged(listed, ray);
+#else
 #ifdef MERGE
     march_merged(listed, ray);
 #else
@@ -54,6 +68,7 @@ fn picture_of(px: vec2<f32>) -> Picture {
             break;
         }
     }
+#endif
 #endif
     return layers::backed(mode::end(before, ray));
 }

@@ -5,8 +5,8 @@
 // No branch here hangs on a uniform's value alone: Mesa's software Vulkan (22.3) takes such a value for a constant, compiles the
 // whole shader anew for every draw, and keeps each one, a megabyte and more, as long as the pipeline lives.
 
-#import burin::constants::{MOST_BODIES, MOST_PLANES, TILE, LIST_WIDTH, MERGE_MARK}
-#import burin::field::info
+#import burin::constants::{MOST_BODIES, MOST_PLANES, TILE, LIST_WIDTH, MERGE_MARK, MODE_DVR}
+#import burin::field::{enter_volume, info}
 
 struct View {
     corner: vec3<f32>,          // ray through the picture's corner: from the eye, before it is given length 1
@@ -47,11 +47,30 @@ struct CastBody {
     unused_b: u32,
 }
 
+// What a body shows: the numbers that its volume's texels mean to its look, and how its volume's painted fields show.
+struct BodyMatter {
+    skip_place: vec3<u32>,      // the first cell of its map of empty space
+    volume: u32,                // place among the volumes that the picture shows
+    table_scale: f32,           // entry of the table = texel·scale + bias
+    table_bias: f32,
+    iso: f32,                   // texel of the iso-surface
+    row: i32,                   // of the table of looks; less than 0: nothing shows
+    overlay: vec3<f32>,         // opacities of painted colour, labels, selection
+    segments_row: u32,          // of the volume's first row of segment colours
+    mode: u32,
+    label_rows: u32,            // the first row of its looks by label, NO_ROWS if they do not go by label
+    last_label: u32,            // all labels beyond it have its look
+    unused_a: u32,
+    selection_colour: vec3<f32>,
+    unused_b: u32,
+}
+
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> bodies: array<CastBody, MOST_BODIES>;
 @group(0) @binding(2) var<uniform> planes: array<vec4<f32>, MOST_PLANES>;
 @group(0) @binding(3) var tile_heads: texture_2d<u32>;
 @group(0) @binding(4) var tile_lists: texture_2d<u32>;
+@group(0) @binding(10) var<uniform> matters: array<BodyMatter, MOST_BODIES>;
 
 // A pixel's ray in world mm: `start` as seen from the eye.
 struct Ray {
@@ -69,6 +88,84 @@ struct BodyRay {
     cell_d: vec3<f32>,
     cell_i: vec3<f32>,          // 1 / cell_d
     within: vec2<f32>,          // where it is inside the body, in steps, once that is known
+    skip_place: vec3<u32>,
+}
+
+#ifdef OWN_LOOKS
+// Of the body whose ray was made last; with LABEL_LOOKS, of the matter that was looked at last.
+var<private> meaning: BodyMatter;
+#endif
+
+// Entry of the table for a texel of the body whose ray was made last.
+fn table_place(texel: f32) -> f32 {
+#ifdef OWN_LOOKS
+    return texel * meaning.table_scale + meaning.table_bias;
+#else
+    return texel * view.table_scale + view.table_bias;
+#endif
+}
+
+// The same as a place between entries: an entry's middle is a whole number.
+fn table_x(texel: f32) -> f32 {
+#ifdef OWN_LOOKS
+    return texel * meaning.table_scale + (meaning.table_bias - 0.5);
+#else
+    return texel * view.table_scale + (view.table_bias - 0.5);
+#endif
+}
+
+// The row of the table that is its look's; where samples stand for stretches, the row behind it has its integrals.
+fn table_row() -> i32 {
+#ifdef OWN_LOOKS
+    return meaning.row;
+#else
+    return 0;
+#endif
+}
+
+// The texel of its iso-surface.
+fn iso_texel() -> f32 {
+#ifdef OWN_LOOKS
+    return meaning.iso;
+#else
+    return view.iso;
+#endif
+}
+
+// Its mode.
+fn body_mode() -> u32 {
+#ifdef OWN_LOOKS
+    return meaning.mode;
+#else
+    return MODE_DVR;
+#endif
+}
+
+// Opacities of painted colour, labels and selection over it.
+fn overlay_strengths() -> vec3<f32> {
+#ifdef OWN_LOOKS
+    return meaning.overlay;
+#else
+    return vec3<f32>(view.colour_opacity, view.label_opacity, view.selection_opacity);
+#endif
+}
+
+// The colour that the selection is tinted with.
+fn selection_colour() -> vec3<f32> {
+#ifdef OWN_LOOKS
+    return meaning.selection_colour;
+#else
+    return view.selection_colour;
+#endif
+}
+
+// The first row of its volume's segment colours.
+fn first_segments() -> u32 {
+#ifdef OWN_LOOKS
+    return meaning.segments_row;
+#else
+    return 0u;
+#endif
 }
 
 fn ray_through(px: vec2<f32>) -> Ray {
@@ -104,7 +201,12 @@ fn matrix_of(b: u32) -> mat3x3<f32> {
 
 fn body_ray(b: u32, ray: Ray) -> BodyRay {
     let m = matrix_of(b);
+    enter_volume(matters[b].volume);
+#ifdef OWN_LOOKS
+    meaning = matters[b];
+#endif
     var r: BodyRay;
+    r.skip_place = matters[b].skip_place;
     r.body = b;
     r.mask = bodies[b].mask;
     r.o = bodies[b].eye + m * ray.start;

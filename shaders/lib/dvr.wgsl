@@ -14,7 +14,7 @@
 #import burin::look::{Matter, integrals_at, shows_between, matter_between, colour_of_entry}
 #endif
 #import burin::light::{gradient, slope_of, lit, lit_evenly, facing}
-#import burin::picture::{Picture, object_of}
+#import burin::picture::{Picture, object_at}
 #import burin::span::{Run, samples_in, stretches_in, texel_on}
 
 const RUN: f32 = 32.0;
@@ -186,7 +186,7 @@ fn end(before: Picture, ray: Ray) -> Picture {
     if (1.0 - before.colour.a > 0.5 && clear <= 0.5) {
         let r = body_ray(half_body, ray);
         picture.depth = half_at * view.step_mm;
-        picture.object = object_of(half_body, selected(r.o + r.d * half_at));
+        picture.object = object_at(half_body, r.o + r.d * half_at);
     }
     return picture;
 }

@@ -3,7 +3,7 @@
 // p is a place in voxels of level 0, voxel centres at integers. Values come as texels: density 0..1 of a 16-bit code or the
 // value itself (value = value_lo + texel·value_span), NaN where a tap is NaN.
 
-#import burin::constants::{BRICK, SLOT}
+#import burin::constants::{BRICK, SLOT, MOST_VOLUMES, PAGES_WIDTH, NO_PAGES}
 
 struct FieldInfo {
     dims: vec3<u32>,            // voxels of level 0
@@ -13,24 +13,37 @@ struct FieldInfo {
     density_texel: vec3<f32>,   // 1 / texels of the pool
     value_span: f32,
     colour_texel: vec3<f32>,
-    pad_a: u32,
+    floats: u32,                // whether density's texels are values and not codes
     selection_texel: vec3<f32>,
-    pad_b: u32,
+    second_pool: u32,           // whether they lie in float_pool
+    density_pages: u32,         // the numbers of the fields' first pages
+    colour_pages: u32,
+    selection_pages: u32,
+    label_pages: u32,
 }
 
+#ifdef MANY_VOLUMES
+@group(1) @binding(0) var<uniform> infos: array<FieldInfo, MOST_VOLUMES>;
+// The volume that is looked at: see enter_volume.
+var<private> info: FieldInfo;
+#else
 @group(1) @binding(0) var<uniform> info: FieldInfo;
+#endif
 @group(1) @binding(1) var density_pool: texture_3d<f32>;
-@group(1) @binding(2) var density_pages: texture_3d<u32>;
+@group(1) @binding(2) var float_pool: texture_3d<f32>;
 @group(1) @binding(3) var colour_pool: texture_3d<f32>;
-@group(1) @binding(4) var colour_pages: texture_3d<u32>;
-@group(1) @binding(5) var selection_pool: texture_3d<f32>;
-@group(1) @binding(6) var selection_pages: texture_3d<u32>;
-@group(1) @binding(7) var label_pool: texture_3d<u32>;
-@group(1) @binding(8) var label_pages: texture_3d<u32>;
-@group(1) @binding(9) var linear_sampler: sampler;
-@group(1) @binding(10) var density_skip: texture_3d<u32>;
-@group(1) @binding(11) var selection_skip: texture_3d<u32>;
-@group(1) @binding(12) var background_skip: texture_3d<u32>;
+@group(1) @binding(4) var selection_pool: texture_3d<f32>;
+@group(1) @binding(5) var label_pool: texture_3d<u32>;
+@group(1) @binding(6) var pages: texture_2d<u32>;
+@group(1) @binding(7) var skip_maps: texture_3d<u32>;
+@group(1) @binding(8) var linear_sampler: sampler;
+
+// All that follows is of this volume from here on, by its place in the list of those that the picture shows.
+fn enter_volume(place: u32) {
+#ifdef MANY_VOLUMES
+    info = infos[place];
+#endif
+}
 
 // Where a brick's texels are. A run inside one brick samples at q = p·scale + off: one fused multiply-add.
 struct Page {
@@ -47,6 +60,13 @@ struct Page {
 // The brick of level 0 that a sample belongs to: ⌊(p+½)/32⌋, inside the volume.
 fn brick_of(p: vec3<f32>) -> vec3<i32> {
     return clamp(vec3<i32>(floor((p + 0.5) * (1.0 / f32(BRICK)))), vec3<i32>(0), vec3<i32>(info.bricks) - 1);
+}
+
+// The entry for a brick in the table that begins at page `first`; that of nothing where the field has none.
+fn entry_of(first: u32, brick: vec3<i32>) -> vec2<u32> {
+    let at = vec3<u32>(brick);
+    let i = select(first + at.x + info.bricks.x * (at.y + info.bricks.y * at.z), 0u, first == NO_PAGES);
+    return textureLoad(pages, vec2<i32>(vec2<u32>(i % PAGES_WIDTH, i / PAGES_WIDTH)), 0).rg;
 }
 
 fn page_of(entry: u32, brick: vec3<i32>, texel: vec3<f32>) -> Page {
@@ -95,39 +115,74 @@ fn density_page(brick: vec3<i32>) -> Page {
 }
 #else
 fn density_page(brick: vec3<i32>) -> Page {
-    let entry = textureLoad(density_pages, brick, 0);
+    let entry = entry_of(info.density_pages, brick);
     var page = page_of(entry.r, brick, info.density_texel);
+    let code = f32(entry.g) * (1.0 / 65535.0);
 #ifdef FLOAT_DENSITY
-    page.value = vec4<f32>(bitcast<f32>(entry.g));
+    page.value = vec4<f32>(select(code, bitcast<f32>(entry.g), info.floats != 0u));
 #else
-    page.value = vec4<f32>(f32(entry.g) * (1.0 / 65535.0));
+    page.value = vec4<f32>(code);
 #endif
     return page;
 }
 #endif
 
-// The texel at an address of the page, linear between voxels.
-fn density_texel(page: Page, q: vec3<f32>) -> f32 {
 #ifdef MANUAL_FILTER
+// Between the eight texels about an address: these floats no sampler filters.
+fn filtered(pool: texture_3d<f32>, q: vec3<f32>) -> f32 {
     let x = q / info.density_texel - 0.5;
     let lo = floor(x);
     let f = x - lo;
     let a = vec3<i32>(lo);
-    let v000 = textureLoad(density_pool, a, 0).r;
-    let v100 = textureLoad(density_pool, a + vec3<i32>(1, 0, 0), 0).r;
-    let v010 = textureLoad(density_pool, a + vec3<i32>(0, 1, 0), 0).r;
-    let v110 = textureLoad(density_pool, a + vec3<i32>(1, 1, 0), 0).r;
-    let v001 = textureLoad(density_pool, a + vec3<i32>(0, 0, 1), 0).r;
-    let v101 = textureLoad(density_pool, a + vec3<i32>(1, 0, 1), 0).r;
-    let v011 = textureLoad(density_pool, a + vec3<i32>(0, 1, 1), 0).r;
-    let v111 = textureLoad(density_pool, a + vec3<i32>(1, 1, 1), 0).r;
+    let v000 = textureLoad(pool, a, 0).r;
+    let v100 = textureLoad(pool, a + vec3<i32>(1, 0, 0), 0).r;
+    let v010 = textureLoad(pool, a + vec3<i32>(0, 1, 0), 0).r;
+    let v110 = textureLoad(pool, a + vec3<i32>(1, 1, 0), 0).r;
+    let v001 = textureLoad(pool, a + vec3<i32>(0, 0, 1), 0).r;
+    let v101 = textureLoad(pool, a + vec3<i32>(1, 0, 1), 0).r;
+    let v011 = textureLoad(pool, a + vec3<i32>(0, 1, 1), 0).r;
+    let v111 = textureLoad(pool, a + vec3<i32>(1, 1, 1), 0).r;
     let z0 = mix(mix(v000, v100, f.x), mix(v010, v110, f.x), f.y);
     let z1 = mix(mix(v001, v101, f.x), mix(v011, v111, f.x), f.y);
-    let texel = mix(z0, z1, f.z);
-#else
-    let texel = textureSampleLevel(density_pool, linear_sampler, q, 0.0).r;
+    return mix(z0, z1, f.z);
+}
 #endif
-    return select(page.value.x, texel, page.held);
+
+// The same of the pool of floats, where several volumes are drawn.
+fn float_at(q: vec3<f32>) -> f32 {
+#ifdef MANUAL_FILTER
+    return filtered(float_pool, q);
+#else
+    return textureSampleLevel(float_pool, linear_sampler, q, 0.0).r;
+#endif
+}
+
+fn pooled(q: vec3<f32>) -> f32 {
+#ifdef MANY_VOLUMES
+#ifdef FLOAT_POOL
+#ifdef CODE_POOL
+    if (info.second_pool != 0u) {
+        return float_at(q);
+    }
+    return textureSampleLevel(density_pool, linear_sampler, q, 0.0).r;
+#else
+    return float_at(q);
+#endif
+#else
+    return textureSampleLevel(density_pool, linear_sampler, q, 0.0).r;
+#endif
+#else
+#ifdef MANUAL_FILTER
+    return filtered(density_pool, q);
+#else
+    return textureSampleLevel(density_pool, linear_sampler, q, 0.0).r;
+#endif
+#endif
+}
+
+// The texel at an address of the page, linear between voxels.
+fn density_texel(page: Page, q: vec3<f32>) -> f32 {
+    return select(page.value.x, pooled(q), page.held);
 }
 
 // Density in the volume's unit at a place of the page's brick.
@@ -138,7 +193,7 @@ fn density_at(page: Page, p: vec3<f32>) -> f32 {
 // ---- selection, 0..1
 
 fn selection_page(brick: vec3<i32>) -> Page {
-    let entry = textureLoad(selection_pages, brick, 0);
+    let entry = entry_of(info.selection_pages, brick);
     var page = page_of(entry.r, brick, info.selection_texel);
     page.value = vec4<f32>(f32(entry.g) * (1.0 / 255.0));
     return page;
@@ -164,7 +219,7 @@ fn selected(p: vec3<f32>) -> f32 {
 // ---- painted colour, not premultiplied
 
 fn colour_page(brick: vec3<i32>) -> Page {
-    let entry = textureLoad(colour_pages, brick, 0);
+    let entry = entry_of(info.colour_pages, brick);
     var page = page_of(entry.r, brick, info.colour_texel);
     page.value = unpack4x8unorm(entry.g);
     return page;
@@ -180,9 +235,22 @@ fn colour_at(page: Page, p: vec3<f32>) -> vec4<f32> {
 
 // ---- labels: the voxel's own
 
+// The entry of a brick's labels.
+fn label_entry(brick: vec3<i32>) -> vec2<u32> {
+    return entry_of(info.label_pages, brick);
+}
+
+// Whether a brick of this entry has several labels.
+fn has_labels(entry: vec2<u32>) -> bool {
+    return (entry.r & 1u) != 0u;
+}
+
 fn label_at(p: vec3<f32>) -> u32 {
     let brick = brick_of(p);
-    let entry = textureLoad(label_pages, brick, 0);
+    return label_in(label_entry(brick), brick, p);
+}
+
+fn label_in(entry: vec2<u32>, brick: vec3<i32>, p: vec3<f32>) -> u32 {
     let page = page_of(entry.r, brick, vec3<f32>(1.0));
     if (!page.held) {
         return entry.g;
@@ -196,14 +264,8 @@ fn cell_of(p: vec3<f32>) -> vec3<i32> {
     return vec3<i32>(floor((p + 0.5) / f32(info.cell)));
 }
 
-fn skip_all(cell: vec3<i32>) -> u32 {
-    return textureLoad(density_skip, cell, 0).r;
-}
-
-fn skip_selection(cell: vec3<i32>) -> u32 {
-    return textureLoad(selection_skip, cell, 0).r;
-}
-
-fn skip_background(cell: vec3<i32>) -> u32 {
-    return textureLoad(background_skip, cell, 0).r;
+// `place` is the first cell of a map in the texture of all maps. Cells beside the volume are those at its faces.
+fn skip_at(place: vec3<u32>, cell: vec3<i32>) -> u32 {
+    let last = vec3<i32>((info.dims - 1u) / info.cell);
+    return textureLoad(skip_maps, vec3<i32>(place) + clamp(cell, vec3<i32>(0), last), 0).r;
 }

@@ -10,9 +10,9 @@
 #ifdef CUTS
 #import burin::layers::cut_cosine
 #endif
-#import burin::look::{reaches, surface_colour, painted}
+#import burin::look::{reaches, surface_colour, surface_opacity, painted, look_at}
 #import burin::light::{gradient, selection_gradient, lit, facing}
-#import burin::picture::{Picture, object_of}
+#import burin::picture::{Picture, object_at}
 #import burin::span::Run
 
 const RUN: f32 = 8.0;
@@ -27,10 +27,15 @@ var<private> hit: f32;
 var<private> hit_caps: bool;
 
 fn begin(before: Picture) -> bool {
+    restart();
+    return before.object == 0u;
+}
+
+// As if no body had been met.
+fn restart() {
     nearest = FAR;
     nearest_caps = false;
     nearest_body = 0u;
-    return before.object == 0u;
 }
 
 fn owns(mask: u32, s: f32) -> bool {
@@ -44,22 +49,28 @@ fn dense(p: vec3<f32>) -> bool {
 
 fn holds(r: BodyRay, k: f32) -> bool {
     let p = r.o + r.d * k;
+    look_at(p);
     return dense(p) && owns(r.mask, selected(p));
 }
 
 // What a sample finds lies after the sample before it: an entry belongs to the pass of the sample that follows it, and the sample
 // that follows the nearest hit so far may still find something before it.
 fn enter(r: BodyRay) -> vec2<f32> {
+    return enter_between(r, view.k_from, view.k_to);
+}
+
+// The same of the samples from one on and before another.
+fn enter_between(r: BodyRay, k_from: f32, k_to: f32) -> vec2<f32> {
     hit = FAR;
     hit_caps = false;
     let follows = ceil(r.within.x);
-    let enters = r.within.x < r.within.y && r.within.x <= nearest && follows >= view.k_from && follows < view.k_to;
+    let enters = r.within.x < r.within.y && r.within.x <= nearest && follows >= k_from && follows < k_to;
     if (enters && holds(r, r.within.x)) {
         hit = r.within.x;
         hit_caps = true;
         return vec2<f32>(0.0);
     }
-    return vec2<f32>(max(follows, view.k_from), min(min(ceil(r.within.y), ceil(nearest) + 1.0), view.k_to));
+    return vec2<f32>(max(follows, k_from), min(min(ceil(r.within.y), ceil(nearest) + 1.0), k_to));
 }
 
 fn after(k: f32) -> f32 {
@@ -164,26 +175,31 @@ fn surface_cosine(r: BodyRay, k: f32) -> f32 {
     return facing(r, gradient(page, p), density_texel(page, address(page, p)));
 }
 
+// Colour and opacity of the nearest hit, which is of this body.
+fn surface(r: BodyRay, ray: Ray) -> vec4<f32> {
+    let p = r.o + r.d * nearest;
+    look_at(p);
+    // The colour of the surface's value, for caps too.
+    var colour = painted(surface_colour(), p, selected(p)) * bodies[r.body].tint;
+#ifdef LIT
+    var cosine = 1.0;
+    if (nearest_caps) {
+        cosine = entry_cosine(r, ray, nearest);
+    } else {
+        cosine = surface_cosine(r, nearest);
+    }
+    colour = lit(colour, cosine);
+#endif
+    return vec4<f32>(colour, surface_opacity());
+}
+
 fn end(before: Picture, ray: Ray) -> Picture {
     var picture = before;
     if (nearest < FAR) {
         let r = body_ray(nearest_body, ray);
-        let p = r.o + r.d * nearest;
-        let s = selected(p);
-        // The colour of the surface's value, for caps too.
-        var colour = painted(surface_colour(), p, s) * bodies[nearest_body].tint;
-#ifdef LIT
-        var cosine = 1.0;
-        if (nearest_caps) {
-            cosine = entry_cosine(r, ray, nearest);
-        } else {
-            cosine = surface_cosine(r, nearest);
-        }
-        colour = lit(colour, cosine);
-#endif
-        picture.colour = vec4<f32>(colour, 1.0);
+        picture.colour = vec4<f32>(surface(r, ray).rgb, 1.0);
         picture.depth = nearest * view.step_mm;
-        picture.object = object_of(nearest_body, s);
+        picture.object = object_at(nearest_body, r.o + r.d * nearest);
     }
     return picture;
 }

@@ -3,6 +3,7 @@
 
 #import burin::field::{Page, density_texel, selection_at, address, is_nan}
 #import burin::body::{BodyRay, view, matrix_of}
+#import burin::look::look_light
 
 fn difference(a: f32, b: f32) -> f32 {
 #ifdef FLOAT_DENSITY
@@ -39,7 +40,7 @@ fn selection_gradient(page: Page, p: vec3<f32>) -> vec3<f32> {
 
 // Blinn-Phong with a headlight, lit on both sides; `cosine` between normal and ray, either sign.
 fn lit(rgb: vec3<f32>, cosine: f32) -> vec3<f32> {
-    return shine(view.lighting, rgb, cosine);
+    return shine(look_light(), rgb, cosine);
 }
 
 // The same by a light's ambient, diffuse, specular share and power.
@@ -60,6 +61,7 @@ fn slope_of(r: BodyRay, g: vec3<f32>, texel: f32) -> vec4<f32> {
 
 // `lit` on the mean from one share of a way to another, on which the slope goes evenly from `a` to `b`.
 fn lit_evenly(rgb: vec3<f32>, a: vec4<f32>, b: vec4<f32>, first: f32, last: f32) -> vec3<f32> {
+    let light = look_light();
     var plain = 0.0;
     var white = 0.0;
     for (var i = 0u; i < LIGHTS; i += 1u) {
@@ -67,10 +69,10 @@ fn lit_evenly(rgb: vec3<f32>, a: vec4<f32>, b: vec4<f32>, first: f32, last: f32)
         let square = dot(slope.xyz, slope.xyz);
         let c = select(min(abs(slope.w) * inverseSqrt(square), 1.0), 1.0, square == 0.0);
         plain += c;
-        white += pow(c, view.lighting.w);
+        white += pow(c, light.w);
     }
     let many = f32(LIGHTS);
-    return rgb * (view.lighting.x + view.lighting.y * plain / many) + view.lighting.z * white / many;
+    return rgb * (light.x + light.y * plain / many) + light.z * white / many;
 }
 
 // Cosine between the ray and the normal of a gradient in index space. A gradient of no more than the noise of arithmetic on

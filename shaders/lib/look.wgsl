@@ -1,17 +1,26 @@
 #define_import_path burin::look
 // From texels to colour: the table, shares of matter, painted fields.
 
-#import burin::constants::{TABLE_LAST, TABLE_MIDDLE, MASK_SELECTION}
+#import burin::constants::{TABLE_LAST, TABLE_MIDDLE, MASK_SELECTION, LOOK_LIGHT, LOOK_OPACITY, NO_ROWS}
 #import burin::field::{brick_of, is_nan, colour_page, colour_at, label_at}
-#import burin::body::view
+#import burin::body::{view, table_place, table_x, table_row, iso_texel, overlay_strengths, selection_colour, first_segments}
+#ifdef OWN_LOOKS
+#import burin::body::meaning
+#endif
 
 @group(0) @binding(5) var table: texture_2d<f32>;
 @group(0) @binding(6) var segment_colours: texture_2d<f32>;
+@group(0) @binding(11) var label_looks: texture_2d<f32>;
 
 // Colour and opacity of a step for a density texel; nothing for NaN.
 fn table_at(texel: f32) -> vec4<f32> {
-    let entry = i32(clamp(texel * view.table_scale + view.table_bias, 0.0, TABLE_LAST));
-    let c = textureLoad(table, vec2<i32>(entry, 0), 0);
+    let entry = i32(clamp(table_place(texel), 0.0, TABLE_LAST));
+#ifdef LABEL_LOOKS
+    let row = table_row();
+    let c = select(textureLoad(table, vec2<i32>(entry, max(row, 0)), 0), vec4<f32>(0.0), row < 0);
+#else
+    let c = textureLoad(table, vec2<i32>(entry, table_row()), 0);
+#endif
 #ifdef FLOAT_DENSITY
     return select(c, vec4<f32>(0.0), is_nan(texel));
 #else
@@ -28,9 +37,9 @@ const BEYOND: f32 = 1.0e6;
 // The table below a density: the density in entries, ∫τ and ∫τ·(x − MIDDLE) up to it, and τ there, τ the extinction of a step;
 // τ under 0 for NaN.
 fn integrals_at(texel: f32) -> vec4<f32> {
-    let x = clamp(texel * view.table_scale + (view.table_bias - 0.5), -BEYOND, BEYOND);
+    let x = clamp(table_x(texel), -BEYOND, BEYOND);
     let entry = clamp(floor(x + 0.5), 0.0, TABLE_LAST);
-    let t = textureLoad(table, vec2<i32>(i32(entry), 1), 0);
+    let t = textureLoad(table, vec2<i32>(i32(entry), table_row() + 1), 0);
     let off = x - entry;
     let all = vec4<f32>(x, t.x + t.z * off, t.y + t.z * off * (entry - TABLE_MIDDLE + 0.5 * off), t.z);
 #ifdef FLOAT_DENSITY
@@ -70,22 +79,75 @@ fn matter_between(a: vec4<f32>, b: vec4<f32>) -> Matter {
 
 // Colour at a place of the table.
 fn colour_of_entry(entry: f32) -> vec3<f32> {
-    return textureLoad(table, vec2<i32>(i32(clamp(entry + 0.5, 0.0, TABLE_LAST)), 0), 0).rgb;
+    return textureLoad(table, vec2<i32>(i32(clamp(entry + 0.5, 0.0, TABLE_LAST)), table_row()), 0).rgb;
 }
 #endif
+
+// Ambient, diffuse, specular and power of the look; 1, 0, 0, 1 where it is not lit.
+fn look_light() -> vec4<f32> {
+#ifdef OWN_LOOKS
+    return textureLoad(table, vec2<i32>(i32(LOOK_LIGHT), max(table_row(), 0)), 0);
+#else
+    return view.lighting;
+#endif
+}
+
+// Opacity of its iso-surface.
+fn surface_opacity() -> f32 {
+#ifdef OWN_LOOKS
+    return textureLoad(table, vec2<i32>(i32(LOOK_OPACITY), max(table_row(), 0)), 0).r;
+#else
+    return 1.0;
+#endif
+}
+
+// Whether the matter that was looked at last is the body's at all.
+fn is_shown() -> bool {
+    return table_row() >= 0;
+}
+
+// Takes the look of a label, where the body's looks go by label.
+fn take_label(label: u32) {
+#ifdef OWN_LOOKS
+    let i = min(label, meaning.last_label);
+    let look = textureLoad(label_looks, vec2<i32>(i32(i & 255u), i32(meaning.label_rows + (i >> 8u))), 0);
+    meaning.table_scale = look.x;
+    meaning.table_bias = look.y;
+    meaning.iso = look.z;
+    meaning.row = i32(look.w);
+#endif
+}
+
+// Whether the body's looks go by label.
+fn goes_by_label() -> bool {
+#ifdef OWN_LOOKS
+    return meaning.label_rows != NO_ROWS;
+#else
+    return false;
+#endif
+}
+
+// Takes the look of the matter at a place, where the body's looks go by label.
+fn look_at(p: vec3<f32>) {
+#ifdef LABEL_LOOKS
+    if (goes_by_label()) {
+        take_label(label_at(p));
+    }
+#endif
+}
 
 // Whether a texel lies at or beyond the surface.
 fn reaches(texel: f32) -> bool {
 #ifdef FLOAT_DENSITY
-    return !is_nan(texel) && texel >= view.iso;
+    return !is_nan(texel) && texel >= iso_texel() && is_shown();
 #else
-    return texel >= view.iso;
+    return texel >= iso_texel() && is_shown();
 #endif
 }
 
 // The colour of the surface's value.
 fn surface_colour() -> vec3<f32> {
-    return table_at(view.iso).rgb;
+    return table_at(iso_texel()).rgb;
 }
 
 // Share of a body in matter whose degree of interest is s.
@@ -104,15 +166,15 @@ fn painted(rgb: vec3<f32>, p: vec3<f32>, s: f32) -> vec3<f32> {
     var c = rgb;
 #ifdef COLOUR
     let paint = colour_at(colour_page(brick_of(p)), p);
-    c = mix(c, paint.rgb, paint.a * view.colour_opacity);
+    c = mix(c, paint.rgb, paint.a * overlay_strengths().x);
 #endif
 #ifdef LABELS
     let label = label_at(p);
-    let segment = textureLoad(segment_colours, vec2<i32>(i32(label & 255u), i32(label >> 8u)), 0);
-    c = mix(c, segment.rgb, segment.a * view.label_opacity);
+    let segment = textureLoad(segment_colours, vec2<i32>(i32(label & 255u), i32(first_segments() + (label >> 8u))), 0);
+    c = mix(c, segment.rgb, segment.a * overlay_strengths().y);
 #endif
 #ifdef SELECTION
-    c = mix(c, view.selection_colour, s * view.selection_opacity);
+    c = mix(c, selection_colour(), s * overlay_strengths().z);
 #endif
     return c;
 }

@@ -19,6 +19,9 @@
 
 #import burin::body::BodyRay
 #import burin::span::{Run, next_sample, run_from, run_texel}
+#ifdef MODES
+#import burin::modes as mode
+#else
 #ifdef ISO
 #import burin::iso as mode
 #else
@@ -32,6 +35,11 @@
 #endif
 #endif
 #endif
+#endif
+#ifdef LABEL_LOOKS
+#import burin::field::label_in
+#import burin::look::take_label
+#endif
 
 // Where a run shows something next.
 struct Found {
@@ -43,10 +51,32 @@ struct Found {
 
 fn seek(r: BodyRay, run: Run, first: f32) -> Found {
     var found = Found(first, first, 0.0, vec4<f32>(0.0));
+#ifdef LABEL_LOOKS
+    // A loop of its own, since a branch in the other one would cost every sample a look at its label.
     loop {
+        if (!run.varies || found.k >= run.end) {
+            break;
+        }
+        take_label(label_in(run.labels, run.brick, r.o + r.d * found.k));
+        found.texel = run_texel(run, found.k);
+        found.colour = mode::meet(r, run, found.k, found.texel);
+        found.at = found.k;
+        found.k = mode::after(found.k);
+        if (found.colour.a > 0.0) {
+            break;
+        }
+    }
+#endif
+    loop {
+#ifdef LABEL_LOOKS
+        if (run.varies || found.k >= run.end) {
+            break;
+        }
+#else
         if (found.k >= run.end) {
             break;
         }
+#endif
         found.texel = run_texel(run, found.k);
         found.colour = mode::meet(r, run, found.k, found.texel);
         found.at = found.k;

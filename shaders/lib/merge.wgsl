@@ -2,17 +2,23 @@
 // Any number of overlapping bodies at once, direct volume rendering: extinctions add, colours are weighted by extinction.
 //
 // Where only one body's samples lie ahead its ray is marched as if it were alone; where several overlap their samples are
-// gathered, SHARED_RUN at a time, and composed together.
+// gathered, SHARED_RUN at a time, and composed together. With MODES, samples that stand for a whole body lie between them.
 
 #import burin::constants::{FAR, MOST_BODIES}
 #import burin::body::{Ray, BodyRay, Listed, body_ray, body_at, interval}
 #import burin::layers
-#import burin::dvr::{samples_of, evaluate, compose, turn_to, done}
+#import burin::dvr::{samples_of, evaluate, compose, turn_to, done as clouded}
 #ifdef REFINE
 #import burin::dvr::inside
 #endif
 #import burin::span::{next_sample, run_from}
 #import burin::march::{march, seek, further, begin_run}
+#ifdef MODES
+#import burin::constants::{MODE_DVR, MODE_ISO}
+#import burin::body::{view, body_mode}
+#import burin::iso
+#import burin::mip
+#endif
 
 // Extinction that stands for an opaque sample: finite, so that overlapping ones share the colour.
 const OPAQUE: f32 = 1.0e6;
@@ -80,6 +86,52 @@ fn ray_within(body: u32, ray: Ray, within: vec2<f32>) -> BodyRay {
     return r;
 }
 
+#ifdef MODES
+// One sample of a whole body: an iso-surface, or a maximum.
+struct Event {
+    at: f32,                    // where it lies among the samples of others, in steps; FAR if there is none
+    shown_at: f32,              // what depth it tells
+    colour: vec4<f32>,
+}
+
+// Events that lie no farther apart come in the order of their bodies.
+const TOGETHER: f32 = 0.001;
+
+// Looks for the surface or the maximum of a body on an interval of its ray.
+fn search(whole: BodyRay, within: vec2<f32>) {
+    var r = whole;
+    r.within = within;
+    if (body_mode() == MODE_ISO) {
+        let span = iso::enter_between(r, 0.0, FAR);
+        march(r, span.x, span.y);
+        iso::leave(r);
+    } else {
+        march(r, ceil(within.x), ceil(within.y));
+    }
+}
+
+fn event_of(r: BodyRay, ray: Ray, within: vec2<f32>) -> Event {
+    iso::restart();
+    mip::restart();
+#ifdef CUTS
+    var piece = layers::next_piece(within.x, within.y);
+    while (piece.x < piece.y && iso::nearest == FAR) {
+        search(r, piece);
+        piece = layers::next_piece(piece.y, within.y);
+    }
+#else
+    search(r, within);
+#endif
+    if (iso::nearest < FAR) {
+        return Event(iso::nearest, iso::nearest, iso::surface(r, ray));
+    }
+    if (mip::largest > -FAR) {
+        return Event(within.y, mip::largest_at, mip::maximum(r));
+    }
+    return Event(FAR, FAR, vec4<f32>(0.0));
+}
+#endif
+
 fn march_merged(listed: Listed, ray: Ray) {
     // By interval: its body, its end, and the first sample from the current one on that may show something of it.
     var ahead: array<f32, CAPACITY>;
@@ -90,10 +142,29 @@ fn march_merged(listed: Listed, ray: Ray) {
     var inside_at: array<bool, CAPACITY>;
 #endif
     var n = 0u;
+#ifdef MODES
+    var events: array<Event, CAPACITY>;
+    var event_body: array<u32, CAPACITY>;
+    var event_count = 0u;
+#endif
     for (var i = 0u; i < listed.count; i += 1u) {
         let body = body_at(listed.first + i);
         let r = body_ray(body, ray);
         let visible = layers::in_front(interval(r, ray));
+#ifdef MODES
+        if (body_mode() != MODE_DVR) {
+            if (visible.x < visible.y && event_count < CAPACITY) {
+                let event = event_of(r, ray, visible);
+                // Of the pass that it lies in, and of something that shows.
+                if (event.at < FAR && event.at >= view.k_from && event.at < view.k_to && event.colour.a > 0.0) {
+                    events[event_count] = event;
+                    event_body[event_count] = body;
+                    event_count += 1u;
+                }
+            }
+            continue;
+        }
+#endif
 #ifdef CUTS
         var piece = layers::next_piece(visible.x, visible.y);
         while (piece.x < piece.y) {
@@ -128,7 +199,30 @@ fn march_merged(listed: Listed, ray: Ray) {
                 second = min(second, at);
             }
         }
-        if (first == FAR || done()) {
+#ifdef MODES
+        var next = CAPACITY;
+        var next_at = FAR;
+        for (var j = 0u; j < event_count; j += 1u) {
+            let at = events[j].at;
+            let tied = abs(at - next_at) <= TOGETHER && event_body[j] < event_body[min(next, CAPACITY - 1u)];
+            if (at < next_at - TOGETHER || tied) {
+                next = j;
+                next_at = at;
+            }
+        }
+        if (clouded()) {
+            break;
+        }
+        if (next_at <= first && next_at < FAR) {
+            turn_to(event_body[next]);
+            compose(events[next].colour, events[next].shown_at);
+            events[next].at = FAR;
+            continue;
+        }
+        // Samples before it come first.
+        second = min(second, ceil(next_at));
+#endif
+        if (first == FAR || clouded()) {
             break;
         }
         var reached = min(second, k1[nearest]);
@@ -140,6 +234,9 @@ fn march_merged(listed: Listed, ray: Ray) {
 #endif
         } else {
             reached = first + f32(SHARED_RUN);
+#ifdef MODES
+            reached = min(reached, ceil(next_at));
+#endif
             for (var i = 0u; i < SHARED_RUN; i += 1u) {
                 matter[i] = vec4<f32>(0.0);
                 strongest[i] = vec2<f32>(0.0);
@@ -155,7 +252,7 @@ fn march_merged(listed: Listed, ray: Ray) {
             }
             for (var i = 0u; i < SHARED_RUN; i += 1u) {
                 let m = matter[i];
-                if (m.a > 0.0 && !done()) {
+                if (m.a > 0.0 && !clouded()) {
                     turn_to(u32(strongest[i].y));
                     compose(vec4<f32>(m.rgb / m.a, 1.0 - exp(-m.a)), first + f32(i));
                 }

@@ -7,8 +7,8 @@
 #import burin::constants::{FAR, MASK_SELECTION}
 #import burin::field::{selected, is_nan}
 #import burin::body::{Ray, BodyRay, view, bodies, body_ray}
-#import burin::look::{table_at, painted}
-#import burin::picture::{Picture, object_of}
+#import burin::look::{table_at, painted, is_shown, look_at}
+#import burin::picture::{Picture, object_at}
 #import burin::span::{Run, samples_in}
 
 const RUN: f32 = 32.0;
@@ -17,10 +17,15 @@ var<private> largest: f32;
 var<private> largest_at: f32;
 var<private> largest_body: u32;
 
-fn begin(before: Picture) -> bool {
+// As if nothing had been met.
+fn restart() {
     largest = -FAR;
     largest_at = 0.0;
     largest_body = 0u;
+}
+
+fn begin(before: Picture) -> bool {
+    restart();
 #ifdef RESUME
     // Earlier passes leave their largest texel instead of the picture's colour, which the last pass makes.
     largest = before.colour.x;
@@ -53,7 +58,7 @@ fn exceeds(texel: f32, k: f32) -> bool {
 }
 
 fn add(r: BodyRay, run: Run, k: f32, texel: f32, c: vec4<f32>) {
-    var better = exceeds(texel, k);
+    var better = exceeds(texel, k) && is_shown();
 #ifdef SELECTION
     if (better && r.mask != 0u) {
         better = (selected(r.o + r.d * k) >= 0.5) == (r.mask == MASK_SELECTION);
@@ -80,6 +85,14 @@ fn over(merge: bool) -> bool {
     return false;
 }
 
+// Colour and opacity of the largest texel, which is of this body.
+fn maximum(r: BodyRay) -> vec4<f32> {
+    let p = r.o + r.d * largest_at;
+    look_at(p);
+    let c = table_at(largest);
+    return vec4<f32>(painted(c.rgb, p, selected(p)) * bodies[r.body].tint, c.a);
+}
+
 fn end(before: Picture, ray: Ray) -> Picture {
     var picture = Picture(vec4<f32>(0.0), FAR, 0u);
 #ifdef CONTINUES
@@ -87,14 +100,11 @@ fn end(before: Picture, ray: Ray) -> Picture {
 #else
     if (largest > -FAR) {
         let r = body_ray(largest_body, ray);
-        let p = r.o + r.d * largest_at;
-        let s = selected(p);
-        let c = table_at(largest);
-        let colour = painted(c.rgb, p, s) * bodies[largest_body].tint;
-        picture.colour = vec4<f32>(colour * c.a, c.a);
+        let c = maximum(r);
+        picture.colour = vec4<f32>(c.rgb * c.a, c.a);
         if (c.a > 0.0) {
             picture.depth = largest_at * view.step_mm;
-            picture.object = object_of(largest_body, s);
+            picture.object = object_at(largest_body, r.o + r.d * largest_at);
         }
     }
 #endif

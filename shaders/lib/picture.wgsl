@@ -3,6 +3,7 @@
 
 #import burin::constants::FAR
 #import burin::body::bodies
+#import burin::field::{selected, label_at}
 
 struct Picture {
     @location(0) colour: vec4<f32>,     // multiplied by opacity, and opacity
@@ -30,8 +31,13 @@ fn before_at(px: vec2<f32>) -> Picture {
 #endif
 }
 
-// What a pixel says of the body that it shows where the selection is s.
-fn object_of(body: u32, s: f32) -> u32 {
-    let selected_matter = bodies[body].tells_selection != 0u && s >= 0.5;
-    return bodies[body].code + select(0u, 1u, selected_matter);
+// What a pixel says of the body that it shows at a place: its code, and the label there above its 12 bits.
+fn object_at(body: u32, p: vec3<f32>) -> u32 {
+    let selected_matter = bodies[body].tells_selection != 0u && selected(p) >= 0.5;
+    let code = bodies[body].code + select(0u, 1u, selected_matter);
+#ifdef TELLS_LABELS
+    return code | (label_at(p) << 12u);
+#else
+    return code;
+#endif
 }

@@ -5,9 +5,10 @@
 // empty space. A run is the samples from there on that one page serves: it ends at a brick's border, at the span's end or after
 // as many samples as its caller says, whichever comes first, and ignores the borders of cells.
 
-#import burin::constants::{BRICK, MASK_SELECTION, MASK_BACKGROUND}
-#import burin::field::{Page, brick_of, density_page, density_texel, address, selection_page, skip_all, skip_selection, skip_background, info}
+#import burin::constants::BRICK
+#import burin::field::{Page, brick_of, density_page, density_texel, address, selection_page, skip_at, label_entry, has_labels, info}
 #import burin::body::{BodyRay, view}
+#import burin::look::{goes_by_label, take_label}
 
 // The samples of this pass between two places of a ray, in steps: from x on, before y.
 fn samples_in(within: vec2<f32>) -> vec2<f32> {
@@ -43,16 +44,7 @@ fn next_sample(r: BodyRay, first: f32, k1: f32) -> f32 {
         let cell = floor(r.cell_o + r.cell_d * k);
 #endif
         let at = vec3<i32>(cell);
-#ifdef SELECTION
-        var distance = skip_all(at);
-        if (r.mask == MASK_SELECTION) {
-            distance = max(distance, skip_selection(at));
-        } else if (r.mask == MASK_BACKGROUND) {
-            distance = max(distance, skip_background(at));
-        }
-#else
-        let distance = skip_all(at);
-#endif
+        let distance = skip_at(r.skip_place, at);
         if (distance == 0u) {
             break;
         }
@@ -72,6 +64,10 @@ struct Run {
     dq: vec3<f32>,
     end: f32,                   // the first sample that is none of them
     last: f32,                  // where the ray leaves the body
+#ifdef LABEL_LOOKS
+    labels: vec2<u32>,          // the entry of the brick's labels
+    varies: bool,               // whether looks go by label and the brick has several
+#endif
 }
 
 // The run that begins at sample k and ends at `most` at the latest.
@@ -83,7 +79,17 @@ fn run_from(r: BodyRay, k: f32, most: f32) -> Run {
 #else
     let selection = page;
 #endif
-    return Run(brick, page, selection, r.o * page.scale + page.off, r.d * page.scale, run_end(r, brick, k, most), r.within.y);
+    let end = run_end(r, brick, k, most);
+#ifdef LABEL_LOOKS
+    let labels = label_entry(brick);
+    let varies = goes_by_label() && has_labels(labels);
+    if (goes_by_label() && !varies) {
+        take_label(labels.g);
+    }
+    return Run(brick, page, selection, r.o * page.scale + page.off, r.d * page.scale, end, r.within.y, labels, varies);
+#else
+    return Run(brick, page, selection, r.o * page.scale + page.off, r.d * page.scale, end, r.within.y);
+#endif
 }
 
 // The texel at sample k of a run.
@@ -106,8 +112,12 @@ fn texel_on(r: BodyRay, k: f32) -> f32 {
 fn run_end(r: BodyRay, brick: vec3<i32>, k: f32, most: f32) -> f32 {
 #ifdef IN_PLACE
 #ifndef SELECTION
+#ifndef LABEL_LOOKS
     // One page serves all bricks.
     return most;
+#else
+    return min(most, max(brick_end(r, brick), k + 1.0));
+#endif
 #else
     return min(most, max(brick_end(r, brick), k + 1.0));
 #endif

@@ -8,7 +8,8 @@ use crate::document::subject::Subject;
 use crate::explode::{PartId, Poses};
 use crate::gpu::{Body, Frame, Mask, Overlay, SliceFrame};
 use crate::math::{Camera, DVec3};
-use crate::volume::FieldKind;
+use crate::volume::{FieldKind, VolumeId};
+use std::collections::BTreeMap;
 
 /// Id of the body that is not a part: the whole volume, or the selection among its parts. Parts' ids begin at 1.
 pub(super) const WHOLE: u32 = 0;
@@ -48,6 +49,8 @@ impl Subject<'_> {
             bodies,
             overlay: self.overlay(),
             layers: Default::default(),
+            looks: Vec::new(),
+            overlays: BTreeMap::new(),
         }
     }
 
@@ -56,6 +59,9 @@ impl Subject<'_> {
         let mask = if selected { Mask::Background } else { Mask::None };
         let parts = self.scene.explosion.parts.iter().filter(|p| p.visible).map(|part| Body {
             id: part.id.0,
+            volume: VolumeId::FIRST,
+            look: None,
+            labels: None,
             pose: poses.of(part),
             // The volume's own box is every body's.
             region: part.faces.iter().filter(|f| f.cut).map(|f| f.plane).collect(),

@@ -8,15 +8,19 @@ use crate::gpu::device::gpu::Gpu;
 use crate::gpu::device::kernel::{Binding, Draw, Kernel};
 use crate::gpu::device::shader::shader;
 use crate::gpu::device::textures::{COLOUR, data, draw_over, texture, write};
-use crate::gpu::fields::pools::{FieldPools, Fields};
+use crate::gpu::fields::demand::SliceCut;
+use crate::gpu::fields::pools::FieldPools;
+use crate::gpu::fields::volumes::Fields;
 use crate::gpu::picture::frame::Overlay;
 use crate::math::{DVec2, DVec3};
 use crate::shared_struct;
-use crate::volume::{FieldKind, Grid, Segments};
+use crate::volume::{FieldKey, FieldKind, Grid, Segments, VolumeId};
 
 /// One slice picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SliceFrame {
+    /// Whose slice it is.
+    pub volume: VolumeId,
     /// The voxel axis (0 i, 1 j, 2 k) that the slice is normal to.
     pub axis: usize,
     /// The slice's voxel along that axis.
@@ -33,38 +37,89 @@ pub struct SliceFrame {
     pub window: [f64; 2],
     /// Painted fields.
     pub overlay: Overlay,
+    /// Other volumes over it, the first one lowest.
+    pub over: Vec<SliceLayer>,
+}
+
+/// Another volume on the plane of a slice: each pixel shows what lies at its place in the world. Values are linear between
+/// voxels, labels those of the voxel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SliceLayer {
+    /// Whose voxels they are.
+    pub volume: VolumeId,
+    /// The picture's top-left corner in its voxels.
+    pub top_left: DVec3,
+    /// Its voxels per pixel to the right.
+    pub per_x: DVec3,
+    /// Its voxels per pixel down.
+    pub per_y: DVec3,
+    /// Density shown as black and as white; `None`: its painted fields alone are shown.
+    pub window: Option<[f64; 2]>,
+    /// 0 to 1: how much of what lies under it it hides.
+    pub opacity: f32,
+    /// Painted fields.
+    pub overlay: Overlay,
+}
+
+/// Where a picture lies in a grid: its top-left corner, and voxels per pixel to the right and down.
+fn lie(grid: &Grid, size: [u32; 2], world: impl Fn(DVec2) -> DVec3) -> [DVec3; 3] {
+    let to_index = grid.index_from_world();
+    let at = |x: f64, y: f64| to_index.transform_point3(world(DVec2::new(x, y)));
+    let (w, h) = (f64::from(size[0].max(1)), f64::from(size[1].max(1)));
+    let top_left = at(0.0, 0.0);
+    [top_left, (at(w, 0.0) - top_left) / w, (at(0.0, h) - top_left) / h]
+}
+
+fn window_of((level, width): (f64, f64)) -> [f64; 2] {
+    let half = 0.5 * width.max(f64::MIN_POSITIVE);
+    [level - half, level + half]
 }
 
 impl SliceFrame {
     /// The slice whose pixels lie where `world` says (mm, pixel (0, 0) at the top left, an affine map onto the slice).
-    /// `level` and `width` are those of the grey window, in the density's unit.
+    /// `grey` are level and width of the grey window, in the density's unit. It is one of [`VolumeId::FIRST`] alone.
     pub fn new(
         grid: &Grid,
         (axis, index): (usize, u32),
         size: [u32; 2],
         world: impl Fn(DVec2) -> DVec3,
-        (level, width): (f64, f64),
+        grey: (f64, f64),
         overlay: Overlay,
     ) -> Self {
-        let to_index = grid.index_from_world();
-        let at = |x: f64, y: f64| to_index.transform_point3(world(DVec2::new(x, y)));
-        let (w, h) = (f64::from(size[0].max(1)), f64::from(size[1].max(1)));
-        let mut top_left = at(0.0, 0.0);
-        let mut per_x = (at(w, 0.0) - top_left) / w;
-        let mut per_y = (at(0.0, h) - top_left) / h;
+        let [mut top_left, mut per_x, mut per_y] = lie(grid, size, world);
         // Exactly on the voxels' centres, whatever rounding left.
         top_left[axis] = f64::from(index.min(grid.dims[axis].saturating_sub(1)));
         per_x[axis] = 0.0;
         per_y[axis] = 0.0;
-        let half = 0.5 * width.max(f64::MIN_POSITIVE);
-        Self { axis, index, size, top_left, per_x, per_y, window: [level - half, level + half], overlay }
+        let (volume, window, over) = (VolumeId::FIRST, window_of(grey), Vec::new());
+        Self { volume, axis, index, size, top_left, per_x, per_y, window, overlay, over }
+    }
+
+    /// Lays another volume over it. `world` is that of the slice; `grey` as there, `None` where its values are not shown.
+    pub fn lay_over(
+        &mut self,
+        (volume, grid): (VolumeId, &Grid),
+        world: impl Fn(DVec2) -> DVec3,
+        grey: Option<(f64, f64)>,
+        opacity: f32,
+        overlay: Overlay,
+    ) {
+        let [top_left, per_x, per_y] = lie(grid, self.size, world);
+        let window = grey.map(window_of);
+        self.over.push(SliceLayer { volume, top_left, per_x, per_y, window, opacity, overlay });
     }
 
     /// A rectangle of the picture, as a picture of its own: its top-left corner in pixels, and its size.
     #[must_use]
     pub fn part(&self, corner: [u32; 2], size: [u32; 2]) -> Self {
-        let top_left = self.top_left + self.per_x * f64::from(corner[0]) + self.per_y * f64::from(corner[1]);
-        Self { size, top_left, ..self.clone() }
+        let shift = |per_x: DVec3, per_y: DVec3| per_x * f64::from(corner[0]) + per_y * f64::from(corner[1]);
+        let mut part = self.clone();
+        part.size = size;
+        part.top_left += shift(self.per_x, self.per_y);
+        for layer in &mut part.over {
+            layer.top_left += shift(layer.per_x, layer.per_y);
+        }
+        part
     }
 }
 
@@ -89,8 +144,8 @@ shared_struct! {
         pub selection_opacity: f32,
         /// 0..1.
         pub label_opacity: f32,
-        /// Unused.
-        pub pad_a: u32,
+        /// How much of what lies under it it hides.
+        pub opacity: f32,
         /// Unused.
         pub pad_b: u32,
         /// Unused.
@@ -127,23 +182,25 @@ impl SliceCaster {
         })
     }
 
-    /// Draws a slice over all of a target of the frame's size.
+    /// Draws a layer over all of a target of the frame's size. Its voxels must be resident, its volume bound.
     fn draw(
         &mut self,
         gpu: &Gpu,
-        pools: &mut FieldPools,
-        fields: &Fields<'_>,
-        frame: &SliceFrame,
+        pools: &FieldPools,
+        layer: &SliceLayer,
         target: &wgpu::TextureView,
     ) -> Result<(), GpuError> {
-        pools.make_slice_resident(gpu, fields, frame.axis, frame.index)?;
-        let pipeline = self.kernel.pipeline(gpu, &conditions(gpu, pools, frame), &[], &[pools.layout()])?;
+        let pipeline = self.kernel.pipeline(gpu, &conditions(gpu, pools, layer), &[], &[pools.layout()])?;
         gpu.scoped("a slice", || {
-            if self.segments.as_ref() != Some(&frame.overlay.segments) {
-                write_colours(gpu, &self.colours, &frame.overlay.segments);
-                self.segments = Some(frame.overlay.segments.clone());
+            if self.segments.as_ref() != Some(&layer.overlay.segments) {
+                write_colours(gpu, &self.colours, &layer.overlay.segments);
+                self.segments = Some(layer.overlay.segments.clone());
             }
-            gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform(frame, pools.value_of_texel())));
+            gpu.queue.write_buffer(
+                &self.uniform,
+                0,
+                bytemuck::bytes_of(&uniform(layer, pools.value_of_texel(layer.volume))),
+            );
             let colours = self.colours.create_view(&wgpu::TextureViewDescriptor::default());
             let colours = wgpu::BindingResource::TextureView(&colours);
             let group = self.kernel.group(gpu, [self.uniform.as_entire_binding(), colours]);
@@ -167,12 +224,44 @@ impl SliceCaster {
         if frame.size.contains(&0) {
             return Ok(Vec::new());
         }
-        let [width, height] = frame.size;
+        pools.make_slice_resident(gpu, fields, frame.volume, SliceCut::Row { axis: frame.axis, index: frame.index })?;
+        let base = SliceLayer {
+            volume: frame.volume,
+            top_left: frame.top_left,
+            per_x: frame.per_x,
+            per_y: frame.per_y,
+            window: Some(frame.window),
+            opacity: 1.0,
+            overlay: frame.overlay.clone(),
+        };
+        let mut picture = self.layer(gpu, pools, &base, frame.size)?;
+        for layer in &frame.over {
+            let across = layer.per_x * f64::from(frame.size[0]);
+            let down = layer.per_y * f64::from(frame.size[1]);
+            let cut = SliceCut::Plane { view: frame.axis, corner: layer.top_left, across, down };
+            pools.make_slice_resident(gpu, fields, layer.volume, cut)?;
+            let over = self.layer(gpu, pools, layer, frame.size)?;
+            for (under, over) in picture.iter_mut().zip(over) {
+                *under = std::array::from_fn(|i| over[i] + under[i] * (1.0 - over[3]));
+            }
+        }
+        Ok(picture)
+    }
+
+    /// A layer's pixels, as [`pixels`](Self::pixels) has them.
+    fn layer(
+        &mut self,
+        gpu: &Gpu,
+        pools: &FieldPools,
+        layer: &SliceLayer,
+        size: [u32; 2],
+    ) -> Result<Vec<[f32; 4]>, GpuError> {
+        let [width, height] = size;
         // Rows of copies are padded to 256 bytes.
         let pitch = (width * 16).next_multiple_of(256);
         let (target, buffer) = gpu.scoped("a slice's picture", || {
             let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
-            let target = texture(gpu, "slice picture", frame.size, COLOUR, usage);
+            let target = texture(gpu, "slice picture", size, COLOUR, usage);
             let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("slice picture"),
                 size: u64::from(pitch) * u64::from(height),
@@ -182,7 +271,7 @@ impl SliceCaster {
             Ok((target, buffer))
         })?;
         let view = target.create_view(&wgpu::TextureViewDescriptor::default());
-        self.draw(gpu, pools, fields, frame, &view)?;
+        self.draw(gpu, pools, layer, &view)?;
         let bytes = gpu.scoped("a slice's picture", || {
             let mut encoder =
                 gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("slice picture") });
@@ -201,18 +290,21 @@ impl SliceCaster {
 }
 
 /// What the shader is compiled for.
-fn conditions(gpu: &Gpu, pools: &FieldPools, frame: &SliceFrame) -> Vec<&'static str> {
+fn conditions(gpu: &Gpu, pools: &FieldPools, frame: &SliceLayer) -> Vec<&'static str> {
     let layers = [
         ("COLOUR", FieldKind::Colour, frame.overlay.colour),
         ("LABELS", FieldKind::Labels, frame.overlay.labels),
         ("SELECTION", FieldKind::Selection, frame.overlay.selection),
     ];
-    let drawn = layers.iter().filter(|(_, kind, opacity)| *opacity > 0.0 && pools.texture(*kind).is_some());
-    pools.defs(gpu).into_iter().map(|d| d.0).chain(drawn.map(|l| l.0)).collect()
+    let drawn = layers
+        .iter()
+        .filter(|(_, kind, opacity)| *opacity > 0.0 && pools.texture(FieldKey::new(frame.volume, *kind)).is_some());
+    let bare = frame.window.is_none().then_some("BARE");
+    pools.defs(gpu).into_iter().map(|d| d.0).chain(drawn.map(|l| l.0)).chain(bare).collect()
 }
 
-fn uniform(frame: &SliceFrame, (lo, span): (f64, f64)) -> Slice {
-    let [black, white] = in_floats(frame.window.map(|value| (value - lo) / span));
+fn uniform(frame: &SliceLayer, (lo, span): (f64, f64)) -> Slice {
+    let [black, white] = in_floats(frame.window.unwrap_or([0.0, 1.0]).map(|value| (value - lo) / span));
     let narrow = |v: DVec3| v.as_vec3().to_array();
     Slice {
         top_left: narrow(frame.top_left),
@@ -224,7 +316,7 @@ fn uniform(frame: &SliceFrame, (lo, span): (f64, f64)) -> Slice {
         selection_colour: frame.overlay.selection_colour,
         selection_opacity: frame.overlay.selection,
         label_opacity: frame.overlay.labels,
-        pad_a: 0,
+        opacity: frame.opacity,
         pad_b: 0,
         pad_c: 0,
     }

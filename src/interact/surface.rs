@@ -4,6 +4,7 @@
 //! Places in the picture are shares of its width and height, so that they hold at every size. Knows no brush and no window.
 
 use crate::explode::{Part, Poses};
+use crate::gpu::ObjectId;
 use crate::math::{Camera, DVec2, DVec3, Plane};
 
 /// Most points along the picture's width and height: lines and tints need no more.
@@ -34,7 +35,7 @@ pub struct Surface {
 
 impl Surface {
     /// From a picture: mm along each pixel's ray (infinite where nothing is), and body + 1 (0 where nothing is).
-    pub fn new(camera: &Camera, size: [u32; 2], depth_mm: &[f32], object: &[u32]) -> Self {
+    pub fn new(camera: &Camera, size: [u32; 2], depth_mm: &[f32], object: &[ObjectId]) -> Self {
         let [w, h] = size.map(|s| s as usize);
         if w == 0 || h == 0 || depth_mm.len() < w * h || object.len() < w * h {
             return Self::default();
@@ -48,7 +49,7 @@ impl Surface {
                 let [x, y] = [column * stride, row * stride];
                 let i = x + w * y;
                 let along = f64::from(depth_mm[i]);
-                let body = object[i].checked_sub(1).filter(|_| along.is_finite());
+                let body = object[i].body().filter(|_| along.is_finite());
                 let px = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
                 seen.push(body.map(|body| Seen { world: camera.ray(px, size).at(along), body }));
             }

@@ -51,6 +51,13 @@ impl FieldKey {
     }
 }
 
+impl From<FieldKind> for FieldKey {
+    /// The field of the volume that a document begins with.
+    fn from(kind: FieldKind) -> Self {
+        Self::new(VolumeId::FIRST, kind)
+    }
+}
+
 /// Four fields over one grid, with the source of density and what was measured of it. Cheap to clone: bricks are shared.
 #[derive(Clone, Debug)]
 pub struct Volume {

@@ -40,10 +40,11 @@ pub struct Sampled {
 
 const SAMPLER: &str = "
 #import burin::field::{brick_of, density_page, density_at, selection_page, selection_at, colour_page, colour_at, label_at,
-    cell_of, skip_all, skip_selection, skip_background}
+    cell_of, skip_at}
 struct Sampled { density: f32, selection: f32, label: u32, level: u32, colour: vec4<f32>, skip: vec4<u32> }
 @group(0) @binding(0) var<storage, read> points: array<vec4<f32>>;
 @group(0) @binding(1) var<storage, read_write> out: array<Sampled>;
+@group(0) @binding(2) var<storage, read> maps: array<vec4<u32>, 3>;
 @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if (id.x >= arrayLength(&points)) { return; }
     let p = points[id.x].xyz;
@@ -55,11 +56,16 @@ struct Sampled { density: f32, selection: f32, label: u32, level: u32, colour: v
     out[id.x].selection = selection_at(selection_page(brick), p);
     out[id.x].colour = colour_at(colour_page(brick), p);
     out[id.x].label = label_at(p);
-    out[id.x].skip = vec4<u32>(skip_all(cell), skip_selection(cell), skip_background(cell), 0u);
+    out[id.x].skip = vec4<u32>(skip_at(maps[0].xyz, cell), skip_at(maps[1].xyz, cell), skip_at(maps[2].xyz, cell), 0u);
 }";
 
 /// Samples all fields at places in voxels.
 pub fn sample(gpu: &Gpu, pools: &FieldPools, points: &[[f32; 3]]) -> Vec<Sampled> {
+    sample_maps(gpu, pools, &[], points)
+}
+
+/// The same with up to three maps of empty space that begin at these cells.
+pub fn sample_maps(gpu: &Gpu, pools: &FieldPools, maps: &[[u32; 3]], points: &[[f32; 3]]) -> Vec<Sampled> {
     use wgpu::util::DeviceExt;
     let (device, queue) = gpu.raw();
     let module = shader::compile_source(gpu, "sampler.wgsl", SAMPLER, &pools.defs(gpu)).unwrap();
@@ -67,6 +73,13 @@ pub fn sample(gpu: &Gpu, pools: &FieldPools, points: &[[f32; 3]]) -> Vec<Sampled
     let input = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
         label: None,
         contents: bytemuck::cast_slice(&padded),
+        usage: wgpu::BufferUsages::STORAGE,
+    });
+    let mut firsts = [[0_u32; 4]; 3];
+    firsts.iter_mut().zip(maps).for_each(|(first, map)| first[..3].copy_from_slice(map));
+    let firsts = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: None,
+        contents: bytemuck::cast_slice(&firsts),
         usage: wgpu::BufferUsages::STORAGE,
     });
     // A sentinel that no field holds.
@@ -94,7 +107,7 @@ pub fn sample(gpu: &Gpu, pools: &FieldPools, points: &[[f32; 3]]) -> Vec<Sampled
     };
     let own = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: None,
-        entries: &[entry(0, true), entry(1, false)],
+        entries: &[entry(0, true), entry(1, false), entry(2, true)],
     });
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: None,
@@ -115,6 +128,7 @@ pub fn sample(gpu: &Gpu, pools: &FieldPools, points: &[[f32; 3]]) -> Vec<Sampled
         entries: &[
             wgpu::BindGroupEntry { binding: 0, resource: input.as_entire_binding() },
             wgpu::BindGroupEntry { binding: 1, resource: output.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 2, resource: firsts.as_entire_binding() },
         ],
     });
     let mut encoder = device.create_command_encoder(&Default::default());

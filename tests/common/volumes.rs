@@ -1,6 +1,6 @@
 //! Synthetic volumes.
 
-use burin::gpu::{Body, Frame, Overlay};
+use burin::gpu::{Body, Fields, Frame, Mask, Matter, Overlay, Showing, VisibleValues, VolumeFields};
 use burin::math::{Camera, DVec3};
 use burin::volume::*;
 use rand::{Rng, SeedableRng};
@@ -9,6 +9,17 @@ use std::sync::Arc;
 /// A grid with unit spacing, voxel (0, 0, 0) at the origin.
 pub fn unit_grid(dims: [u32; 3]) -> Grid {
     Grid::aligned(dims, DVec3::ONE, DVec3::ZERO)
+}
+
+/// The fields of one volume.
+pub fn one_volume<'a>(
+    grid: &Grid,
+    density: &'a Field,
+    colour: &'a Field,
+    selection: &'a Field,
+    labels: &'a Field,
+) -> Fields<'a> {
+    Fields::one(VolumeFields { grid: *grid, density, colour, selection, labels })
 }
 
 /// A density field of `f` at every voxel, as u16 voxels mapped one to one.
@@ -70,7 +81,14 @@ pub fn frame(grid: &Grid, transfer: TransferFunction, direction: DVec3, size: [u
         bodies: vec![Body::whole(0)],
         overlay: Overlay::default(),
         layers: Default::default(),
+        looks: Vec::new(),
+        overlays: Default::default(),
     }
+}
+
+/// What a body of a mask shows of the first volume.
+pub fn matter(frame: &Frame, mask: Mask) -> Matter {
+    Matter { volume: VolumeId::FIRST, values: Showing::One(VisibleValues::of(&frame.transfer, frame.mode)), mask }
 }
 
 /// Linear interpolation of a level's texels at a place in level-0 voxels, taps clamped to the volume.

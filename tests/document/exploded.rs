@@ -182,7 +182,7 @@ fn pictures_go_to_files_by_extension() {
     let exr = folder.path().join("b.exr");
     let [z, id, alpha] = ["Z", "id", "A"].map(|name| super::pictures::channel(&exr, name));
     assert_eq!((&z, alpha), (&drawn.depth_mm, drawn.colour.iter().map(|c| c[3]).collect()));
-    assert_eq!(id, drawn.object.iter().map(|&o| o as f32).collect::<Vec<_>>());
+    assert_eq!(id, drawn.object.iter().map(|o| o.body().map_or(0.0, |id| id as f32 + 1.0)).collect::<Vec<_>>());
     assert!(z.iter().any(|z| z.is_finite()) && z.iter().any(|z| z.is_infinite()) && id.contains(&1.0));
     // Linear light of the display's colour, IEC 61966-2-1, still multiplied by what covers the ground.
     for (n, name) in ["R", "G", "B"].into_iter().enumerate() {

@@ -8,7 +8,7 @@ mod strokes;
 
 use crate::common::gpu::gpu;
 use crate::common::volumes::*;
-use burin::gpu::{FieldPools, Fields, Gpu, Painter};
+use burin::gpu::{FieldPools, Gpu, Painter};
 use burin::math::{DAffine3, DMat3, DVec3};
 use burin::paint::*;
 use burin::volume::*;
@@ -143,19 +143,19 @@ impl Canvas {
 
     fn begin(&mut self, brush: &Brush) {
         let Self { grid, density, colour, selection, labels, painter, segments, reach, .. } = self;
-        let fields = Fields { density, colour, selection, labels };
-        painter.begin(grid, &fields, brush, segments, *reach).unwrap();
+        let fields = one_volume(grid, density, colour, selection, labels);
+        painter.begin(VolumeId::FIRST, &fields, brush, segments, *reach).unwrap();
     }
 
     fn extend(&mut self, dabs: &[Dab]) -> Vec<BrickIndex> {
-        let Self { density, colour, selection, labels, painter, pools, .. } = self;
-        let fields = Fields { density, colour, selection, labels };
+        let Self { grid, density, colour, selection, labels, painter, pools, .. } = self;
+        let fields = one_volume(grid, density, colour, selection, labels);
         painter.extend(pools, &fields, dabs).unwrap()
     }
 
     fn finish(&mut self) -> Vec<(BrickIndex, Brick)> {
-        let Self { density, colour, selection, labels, painter, pools, .. } = self;
-        let fields = Fields { density, colour, selection, labels };
+        let Self { grid, density, colour, selection, labels, painter, pools, .. } = self;
+        let fields = one_volume(grid, density, colour, selection, labels);
         painter.finish(pools, &fields).unwrap()
     }
 
@@ -174,9 +174,9 @@ impl Canvas {
         let (_, refresh) = after.swap(changed.into_iter().map(|(i, b)| (i, Some(b))).collect()).unwrap();
         // The slots must show the unchanged field again before the next stroke.
         let gpu = gpu().unwrap();
-        let Self { density, colour, selection, labels, pools, .. } = self;
-        let fields = Fields { density, colour, selection, labels };
-        pools.refresh(&gpu, kind, fields.get(kind), &refresh).unwrap();
+        let Self { grid, density, colour, selection, labels, pools, .. } = self;
+        let fields = one_volume(grid, density, colour, selection, labels);
+        pools.refresh(&gpu, kind, fields.field(kind.into()).unwrap(), &refresh).unwrap();
         after.read(0, [0; 3], self.grid.dims).unwrap()
     }
 }

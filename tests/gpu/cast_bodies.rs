@@ -49,7 +49,7 @@ pub(super) fn exploded(grid: &Grid, n: [u32; 3], spread: f64, mask: Mask) -> Vec
         let middle = region_centre(grid, &region);
         let turn = DQuat::from_scaled_axis(any(&mut rng, 0.2) * spread);
         let pose = Pose::about(middle, turn, (middle - centre(grid)) * spread);
-        Body { id: 10 + i as u32, pose, region, mask, tint: None }
+        Body { pose, region, mask, ..Body::whole(10 + i as u32) }
     };
     blocks(grid, n).into_iter().enumerate().map(part).collect()
 }
@@ -91,7 +91,7 @@ fn five_overlapping_boxes_in_random_poses_add_their_extinctions() {
                 let region = Aabb { min: -half, max: half }.planes().iter().map(around).collect();
                 let tint = Some(std::array::from_fn(|_| rng.random_range(0.2..1.0)));
                 let pose = Pose::about(middle, turn, any(&mut rng, 8.0));
-                Body { id, pose, region, mask: Mask::None, tint }
+                Body { pose, region, tint, ..Body::whole(id) }
             })
             .collect();
         for view in projections(&wide(&grid, bodies)) {

@@ -4,7 +4,7 @@ use super::cast_modes::{Stage, lumps, oblique_grid, projections, tissue};
 use crate::common::gpu::gpu;
 use crate::common::volumes::*;
 use burin::gpu::cast::tiles::Window;
-use burin::gpu::{Body, CutMesh, Fields, Form, Frame, Image, Layers, Mask, OpaqueMesh, Overlay};
+use burin::gpu::{Body, CutMesh, Form, Frame, Image, Layers, Mask, ObjectId, OpaqueMesh, Overlay};
 use burin::math::{Aabb, DQuat, DVec2, DVec3, Plane, Pose};
 use burin::mesh::TriangleMesh;
 use burin::volume::*;
@@ -32,7 +32,8 @@ fn arrangements(grid: &Grid) -> [Vec<Body>; 3] {
             };
             let region = vec![plane(DVec3::new(0.9, 0.2, 0.1), 0), plane(DVec3::new(-0.1, 0.3, 0.8), 1)];
             let pose = Pose::about(centre, DQuat::from_rotation_z(0.1 * f64::from(i)), region[0].normal * -6.0);
-            Body { id: 20 + i, pose, region, mask: Mask::Background, tint: (i == 2).then_some([0.5, 1.0, 0.7]) }
+            let tint = (i == 2).then_some([0.5, 1.0, 0.7]);
+            Body { pose, region, mask: Mask::Background, tint, ..Body::whole(20 + i) }
         })
         .collect();
     parts.push(Body { mask: Mask::Selection, ..Body::whole(1) });
@@ -51,8 +52,8 @@ fn both(stage: &mut Stage, draw: impl Fn(&mut Stage) -> Image) -> [Image; 2] {
 }
 
 fn part(stage: &mut Stage, frame: &Frame, window: &Window) -> Image {
-    let Stage { gpu, pools, caster, fields: [density, colour, selection, labels], .. } = stage;
-    let fields = Fields { density, colour, selection, labels };
+    let Stage { gpu, pools, caster, grid, fields: [density, colour, selection, labels], .. } = stage;
+    let fields = one_volume(grid, density, colour, selection, labels);
     caster.part(gpu, pools, &fields, frame, window).unwrap()
 }
 
@@ -70,7 +71,10 @@ fn fragments_and_workgroups_draw_one_picture_to_the_bit() {
                 for lighting in [None, Some(Lighting::default())] {
                     let view = Frame { mode, lighting, ..view.clone() };
                     let [fragments, workgroups] = both(&mut stage, |s| s.image(&view));
-                    assert!(fragments.object.iter().filter(|o| **o != 0).count() > 100, "something shows");
+                    assert!(
+                        fragments.object.iter().filter(|o| **o != ObjectId::NOTHING).count() > 100,
+                        "something shows"
+                    );
                     assert_eq!(fragments, workgroups, "{mode:?} {lighting:?}");
                 }
             }
@@ -94,8 +98,8 @@ fn parts_of_pictures_points_and_long_rays_are_the_same_in_both_forms() {
             }
             let points = [Form::Fragments, Form::Workgroups].map(|form| {
                 stage.caster.set_form(form);
-                let Stage { gpu, pools, caster, fields: [density, colour, selection, labels], .. } = &mut stage;
-                let fields = Fields { density, colour, selection, labels };
+                let Stage { gpu, pools, caster, grid, fields: [density, colour, selection, labels], .. } = &mut stage;
+                let fields = one_volume(grid, density, colour, selection, labels);
                 let ends = [DVec2::new(5.0, 6.0), DVec2::new(40.0, 30.0)];
                 let along = caster.pick_along(gpu, pools, &fields, &view, ends, 37).unwrap();
                 let one = caster.pick(gpu, pools, &fields, &view, DVec2::new(22.0, 18.0)).unwrap();
@@ -140,7 +144,7 @@ fn layers_are_the_same_in_both_forms() {
             for (step_mm, size) in [(0.8, [29, 21]), (0.006, [7, 5])] {
                 let view = Frame { mode, step_mm, size, ..view.clone() };
                 let [fragments, workgroups] = both(&mut stage, |s| s.image(&view));
-                assert!(fragments.object.contains(&100), "the mesh shows");
+                assert!(fragments.object.iter().any(|o| o.body() == Some(99)), "the mesh shows");
                 assert_eq!(fragments, workgroups, "{mode:?} {step_mm}");
             }
         }

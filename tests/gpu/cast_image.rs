@@ -7,7 +7,7 @@ fn sample() -> Image {
     image.colour[0] = [0.5, 0.25, 0.0, 0.5];
     image.colour[4] = [1.0, 0.2, 0.03, 1.0];
     image.depth_mm[4] = 123.25;
-    image.object[4] = 7;
+    image.object[4] = burin::gpu::ObjectId::new(burin::volume::VolumeId(2), 6, true, 9);
     image
 }
 
@@ -43,7 +43,9 @@ fn an_exr_holds_linear_colour_depth_and_object() {
     let z = float("Z");
     assert_eq!(z[4], 123.25);
     assert!(z.iter().enumerate().all(|(i, z)| i == 4 || *z == f32::INFINITY));
-    assert_eq!(channel("id"), FlatSamples::U32(vec![0, 0, 0, 0, 7, 0]));
+    for (name, number) in [("id", 7), ("volume", 3), ("segment", 9), ("selected", 1)] {
+        assert_eq!(channel(name), FlatSamples::U32(vec![0, 0, 0, 0, number, 0]), "{name}");
+    }
     assert_eq!(float("A")[0], 0.5);
     // sRGB's curve at 1, ½ and 0.2 (IEC 61966-2-1), of the colour without its alpha.
     assert!((float("R")[0] - 0.5).abs() < 1e-6);
@@ -76,4 +78,19 @@ fn a_file_that_cannot_be_written_is_named() {
         sample().write(&taken, None).unwrap_err();
     }
     assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 2, "nothing is left beside");
+}
+
+#[test]
+fn an_object_says_what_it_was_made_of_to_the_ends_of_each_number() {
+    use burin::gpu::ObjectId;
+    use burin::volume::VolumeId;
+    assert_eq!((ObjectId::NOTHING.body(), ObjectId::NOTHING.volume(), ObjectId::NOTHING.segment()), (None, None, None));
+    for (volume, body, selected, segment) in
+        [(0, 0, false, 0), (1, 2, true, 3), ((1 << 18) - 1, (1 << 28) - 1, true, u16::MAX), (70_000, 1 << 27, false, 1)]
+    {
+        let object = ObjectId::new(VolumeId(volume), body, selected, segment);
+        assert_ne!(object, ObjectId::NOTHING);
+        assert_eq!((object.volume(), object.body()), (Some(VolumeId(volume)), Some(body)));
+        assert_eq!((object.is_selected(), object.segment()), (selected, (segment != 0).then_some(segment)));
+    }
 }

@@ -6,7 +6,7 @@ use super::reference_boxes::{Boxes, OpaqueBox, Solid};
 use crate::common::gpu::gpu;
 use crate::common::volumes::*;
 use burin::gpu::cast::tiles::Window;
-use burin::gpu::{Body, CutMesh, Fields, Frame, Image, Layers, Mask, OpaqueMesh};
+use burin::gpu::{Body, CutMesh, Frame, Image, Layers, Look, Mask, ObjectId, OpaqueMesh};
 use burin::math::{Aabb, DQuat, DVec2, DVec3, Plane, Pose};
 use burin::mesh::{MeshError, TriangleMesh};
 use burin::volume::*;
@@ -60,7 +60,7 @@ fn arrangements(grid: &Grid) -> [Vec<Body>; 3] {
     let halves = [1.0, -1.0].map(|side| {
         let plane = Plane::through(centre, DVec3::new(0.5, 0.3, 0.8) * side).unwrap();
         let pose = Pose::about(centre, DQuat::from_rotation_z(0.2 * side), plane.normal * -5.0);
-        Body { id: 20 + (side > 0.0) as u32, pose, region: vec![plane], mask: Mask::None, tint: None }
+        Body { pose, region: vec![plane], ..Body::whole(20 + (side > 0.0) as u32) }
     });
     let turned = Pose::about(centre, DQuat::from_rotation_x(0.9), DVec3::new(3.0, -2.0, 1.0));
     let tint = Some([0.6, 0.9, 1.0]);
@@ -97,7 +97,8 @@ fn rays_end_at_opaque_boxes_and_show_them_behind_what_they_gathered() {
                 for lighting in [None, Some(Lighting::default())] {
                     let frame = Frame { mode, lighting, ..frame.clone() };
                     let image = check(&mut stage, &frame, &boxes);
-                    seen += image.object.iter().filter(|o| (901..=903).contains(*o)).count();
+                    seen +=
+                        image.object.iter().filter(|o| o.body().is_some_and(|id| (900..=902).contains(&id))).count();
                     others += changed(&mut stage, &frame, &image);
                 }
             }
@@ -176,8 +177,38 @@ fn an_eye_inside_a_cut_or_beside_an_opaque_box_sees_from_there() {
         for lighting in [None, Some(Lighting::default())] {
             let frame = Frame { mode, lighting, ..seen.clone() };
             let image = check(&mut stage, &frame, &boxes);
-            assert!(image.object.contains(&8) && changed(&mut stage, &frame, &image) > 250);
+            assert!(image.object.iter().any(|o| o.body() == Some(7)) && changed(&mut stage, &frame, &image) > 250);
         }
+    }
+}
+
+#[test]
+fn layers_act_on_bodies_of_several_looks_and_modes() {
+    let Some(mut stage) = stage() else { return };
+    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    let grid = stage.grid;
+    for bodies in arrangements(&grid) {
+        let solid = |(bounds, pose)| Solid { boxes: vec![(bounds, false)], pose };
+        let cuts = (0..3).map(|_| solid(random_box(&mut rng, &grid))).collect();
+        let boxes = Boxes { opaque: opaque_boxes(&mut rng, &grid, 1), cuts };
+        let mut seen = view(&grid, bodies, &boxes);
+        let look = |mode, lighting, opacity| Look { transfer: seen.transfer.clone(), mode, lighting, opacity };
+        let lit = Some(Lighting::default());
+        seen.looks = vec![
+            look(Mode::Iso(44_000.0), lit, 0.6),
+            look(Mode::Mip, None, 0.8),
+            look(Mode::Dvr, lit, 1.0),
+            look(Mode::Iso(38_000.0), None, 1.0),
+        ];
+        let mut others = 0;
+        for rows in [[0, 2], [2, 1], [1, 3], [3, 0]] {
+            seen.bodies.iter_mut().zip(rows).for_each(|(body, row)| body.look = Some(row));
+            for frame in projections(&seen) {
+                let image = check(&mut stage, &frame, &boxes);
+                others += changed(&mut stage, &frame, &image);
+            }
+        }
+        assert!(others > 100, "{others}");
     }
 }
 
@@ -209,7 +240,7 @@ fn planes_clip_all_bodies_where_they_stand() {
         stage.image(&Frame { layers: Layers { clips: vec![plane], ..Layers::default() }, ..whole.clone() })
     };
     assert_eq!(clipped(&mut stage, far), stage.image(&whole));
-    assert!(clipped(&mut stage, far.flipped()).object.iter().all(|o| *o == 0));
+    assert!(clipped(&mut stage, far.flipped()).object.iter().all(|o| *o == ObjectId::NOTHING));
 }
 
 #[test]
@@ -287,8 +318,8 @@ fn a_part_of_the_picture_has_the_layers_of_the_whole() {
     for mode in MODES {
         let frame = Frame { mode, ..view(&grid, vec![Body::whole(0)], &boxes) };
         let whole = stage.image(&frame);
-        let Stage { gpu, pools, caster, fields: [density, colour, selection, labels], .. } = &mut stage;
-        let fields = Fields { density, colour, selection, labels };
+        let Stage { gpu, pools, caster, grid, fields: [density, colour, selection, labels], .. } = &mut stage;
+        let fields = one_volume(grid, density, colour, selection, labels);
         let window = Window { picture: frame.size, origin: DVec2::new(13.0, 9.0), size: [21, 17] };
         let part = caster.part(gpu, pools, &fields, &frame, &window).unwrap();
         let mut put = whole.clone();
@@ -296,7 +327,7 @@ fn a_part_of_the_picture_has_the_layers_of_the_whole() {
         let off = put.colour.iter().zip(&whole.colour).filter(|(a, b)| (0..4).any(|c| (a[c] - b[c]).abs() > 2e-3));
         assert!(off.count() <= 2, "{mode:?}");
         // Points are hit on the mesh, in its own space too.
-        let i = whole.object.iter().position(|o| *o == 901).unwrap();
+        let i = whole.object.iter().position(|o| o.body() == Some(900)).unwrap();
         let px = DVec2::new((i % 42) as f64 + 0.5, (i / 42) as f64 + 0.5);
         let hit = caster.pick(gpu, pools, &fields, &frame, px).unwrap().unwrap();
         assert_eq!(hit.body, 900);
@@ -327,8 +358,8 @@ fn what_layers_hide_or_take_away_counts_as_such() {
     let toward = (frame.camera.eye - centre).normalize();
     let place = |along: f64| Pose { translation: centre + toward * along, ..Pose::IDENTITY };
     let mut count = |layers: Layers| {
-        let Stage { gpu, pools, caster, fields: [density, colour, selection, labels], .. } = &mut stage;
-        let fields = Fields { density, colour, selection, labels };
+        let Stage { gpu, pools, caster, grid, fields: [density, colour, selection, labels], .. } = &mut stage;
+        let fields = one_volume(grid, density, colour, selection, labels);
         caster.visibility(gpu, pools, &fields, &Frame { layers, ..frame.clone() }).unwrap()
     };
     let bare = count(Layers::default());
@@ -365,8 +396,8 @@ fn arrays_that_are_no_mesh_and_meshes_that_are_too_many_are_answered() {
     frame.layers.cuts = vec![cut(&Arc::new(TriangleMesh::new(corners, Vec::new()).unwrap()))];
     assert_eq!(stage.image(&frame), whole);
     let mut draw = |frame: &Frame| {
-        let Stage { gpu, pools, caster, fields: [density, colour, selection, labels], .. } = &mut stage;
-        let fields = Fields { density, colour, selection, labels };
+        let Stage { gpu, pools, caster, grid, fields: [density, colour, selection, labels], .. } = &mut stage;
+        let fields = one_volume(grid, density, colour, selection, labels);
         caster.image(gpu, pools, &fields, frame)
     };
     let one = Arc::new(cuboid(1.0));

@@ -98,7 +98,7 @@ fn an_iso_sphere_has_its_area_and_depth() {
     let area = |hits: usize| hits as f64 * (40.0 / 96.0_f64).powi(2);
     let expected = std::f64::consts::PI * 14.0 * 14.0;
     assert!((area(reference.iter().filter(|p| p.object == 1).count()) / expected - 1.0).abs() < 0.01);
-    assert!((area(image.object.iter().filter(|o| **o == 1).count()) / expected - 1.0).abs() < 0.01);
+    assert!((area(image.object.iter().filter(|o| o.body() == Some(0)).count()) / expected - 1.0).abs() < 0.01);
     for y in 0..96 {
         for x in 0..96 {
             let at = DVec2::new(f64::from(x) + 0.5 - 48.0, f64::from(y) + 0.5 - 48.0) * 40.0 / 96.0;
@@ -238,7 +238,7 @@ fn a_pick_answers_with_the_surface_at_rest() {
     view.bodies =
         vec![Body { pose: Pose { translation: DVec3::new(1.0, 2.0, 3.0), ..Pose::IDENTITY }, ..Body::whole(4) }];
     let [density, colour, selection, labels] = &stage.fields;
-    let fields = burin::gpu::Fields { density, colour, selection, labels };
+    let fields = one_volume(&stage.grid, density, colour, selection, labels);
     let px = DVec2::new(12.3, 9.6);
     let hit = stage.caster.pick(&stage.gpu, &mut stage.pools, &fields, &view, px).unwrap().unwrap();
     // The face at z = 19 mm, 3 mm higher; the ray through px.
@@ -264,13 +264,13 @@ fn visibility_counts_as_the_definition_says() {
     let cut = Plane::through(middle, DVec3::new(1.0, 0.2, 0.1)).unwrap();
     let part = |id, plane: Plane, shift: f64| {
         let pose = Pose { translation: plane.normal * -shift, ..Pose::IDENTITY };
-        Body { id, pose, region: vec![plane], mask: Mask::Background, tint: None }
+        Body { pose, region: vec![plane], mask: Mask::Background, ..Body::whole(id) }
     };
     let stays = Body { mask: Mask::Selection, ..Body::whole(9) };
     let mut view = frame(&grid, tissue(), DVec3::new(0.4, -1.0, 0.6), [96, 80]);
     view.bodies = vec![part(1, cut, 12.0), part(2, cut.flipped(), 5.0), stays];
     let [density, colour, selection, labels] = &stage.fields;
-    let fields = burin::gpu::Fields { density, colour, selection, labels };
+    let fields = one_volume(&stage.grid, density, colour, selection, labels);
     let counted = stage.caster.visibility(&stage.gpu, &mut stage.pools, &fields, &view).unwrap();
 
     // By the book: bodies one at a time, opacity up to the sample where the selection alone reaches ½.
@@ -327,7 +327,7 @@ fn the_selection_is_hidden_from_five_hundredths_of_opacity_on() {
         view.bodies =
             vec![Body { mask: Mask::Background, ..Body::whole(3) }, Body { mask: Mask::Selection, ..Body::whole(9) }];
         let [density, colour, selection, labels] = &stage.fields;
-        let fields = burin::gpu::Fields { density, colour, selection, labels };
+        let fields = one_volume(&stage.grid, density, colour, selection, labels);
         let counted = stage.caster.visibility(&stage.gpu, &mut stage.pools, &fields, &view).unwrap();
         let all = 24 * 20;
         let (visible, hidden) = if is_hidden { (0, all) } else { (all, 0) };
@@ -343,14 +343,14 @@ fn nothing_and_too_much_are_answers() {
     let mut stage = Stage::new(gpu.clone(), grid, density);
     let mut view = down(&grid, flat(0.5), 1.0);
     view.bodies.clear();
-    assert!(stage.image(&view).object.iter().all(|o| *o == 0));
+    assert!(stage.image(&view).object.iter().all(|o| *o == burin::gpu::ObjectId::NOTHING));
     view.size = [0, 7];
     assert!(stage.image(&view).colour.is_empty());
     view.size = [8, 8];
     view.bodies = (0..600).map(Body::whole).collect();
     let fields = stage.fields.clone();
     let [density, colour, selection, labels] = &fields;
-    let fields = burin::gpu::Fields { density, colour, selection, labels };
+    let fields = one_volume(&stage.grid, density, colour, selection, labels);
     let error = Caster::new(&gpu).unwrap().image(&gpu, &mut stage.pools, &fields, &view).unwrap_err();
     assert!(error.to_string().contains("600"), "{error}");
     view.bodies.truncate(1);

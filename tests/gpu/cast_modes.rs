@@ -27,19 +27,19 @@ impl Stage {
 
     pub fn fields(&self) -> Fields<'_> {
         let [density, colour, selection, labels] = &self.fields;
-        Fields { density, colour, selection, labels }
+        one_volume(&self.grid, density, colour, selection, labels)
     }
 
     pub fn image(&mut self, frame: &Frame) -> Image {
         let [density, colour, selection, labels] = &self.fields;
-        let fields = Fields { density, colour, selection, labels };
+        let fields = one_volume(&self.grid, density, colour, selection, labels);
         self.caster.image(&self.gpu, &mut self.pools, &fields, frame).unwrap()
     }
 
     /// The picture with every brick of density in a slot of its own.
     pub fn image_apart(&mut self, frame: &Frame) -> Image {
         let [density, colour, selection, labels] = &self.fields;
-        let fields = Fields { density, colour, selection, labels };
+        let fields = one_volume(&self.grid, density, colour, selection, labels);
         let mut pools = FieldPools::apart(&self.gpu, &self.grid, density, 256 << 20).unwrap();
         self.caster.image(&self.gpu, &mut pools, &fields, frame).unwrap()
     }

@@ -4,7 +4,7 @@ use super::cast_modes::{Stage, lumps, oblique_grid, projections, tissue};
 use super::reference::{Dense, picture};
 use crate::common::gpu::gpu;
 use crate::common::volumes::*;
-use burin::gpu::{Body, Frame, Image, Mask};
+use burin::gpu::{Body, Frame, Image};
 use burin::math::{Aabb, Camera, DQuat, DVec2, DVec3, Plane, Pose, Projection, Ray};
 use burin::volume::*;
 use rand::{Rng, SeedableRng};
@@ -117,7 +117,7 @@ fn heap(rng: &mut ChaCha8Rng, middle: DVec3, count: u32) -> Vec<(Body, Aabb)> {
             let bounds = Aabb { min: middle - half, max: middle + half };
             let pose = Pose::about(middle, DQuat::from_scaled_axis(any(rng, 2.0)), any(rng, 6.0));
             let tint = Some(std::array::from_fn(|_| rng.random_range(0.2..1.0)));
-            (Body { id: id + 3, pose, region: bounds.planes().to_vec(), mask: Mask::None, tint }, bounds)
+            (Body { pose, region: bounds.planes().to_vec(), tint, ..Body::whole(id + 3) }, bounds)
         })
         .collect()
 }
@@ -148,7 +148,8 @@ fn of_parts_entered_within_one_step_the_nearest_is_the_surface() {
                 let image = stage.image(&Frame { step_mm, ..view.clone() });
                 let far = misplaced(&image, &depths, 2e-3);
                 assert!(far < 0.003, "{seed} {step_mm} {:?}: {far}", view.camera.projection);
-                let others = image.object.iter().zip(&expected).filter(|(o, e)| **o != e.1).count();
+                let others =
+                    image.object.iter().zip(&expected).filter(|(o, e)| o.body().map_or(0, |id| id + 1) != e.1).count();
                 assert!(others < 8, "{seed} {step_mm}: {others} objects");
             }
         }
@@ -280,7 +281,7 @@ fn an_eye_among_the_matter_sees_what_lies_before_it() {
             let view = Frame { camera, mode, ..frame(&stage.grid, solid(), DVec3::X, [16, 12]) };
             let image = stage.image(&view);
             assert!(image.depth_mm.iter().all(|z| *z == 0.0), "{mode:?}: matter begins at the eye");
-            assert!(image.object.iter().all(|o| *o == 1), "{mode:?}");
+            assert!(image.object.iter().all(|o| o.body() == Some(0)), "{mode:?}");
         }
     }
 }

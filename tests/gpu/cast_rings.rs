@@ -4,7 +4,7 @@ use super::cast_modes::Stage;
 use super::reference::{Dense, picture};
 use crate::common::gpu::gpu;
 use crate::common::volumes::*;
-use burin::gpu::{Body, Frame, Mask};
+use burin::gpu::{Body, Frame};
 use burin::math::{Aabb, DQuat, DVec3, Pose};
 use burin::volume::*;
 
@@ -28,7 +28,7 @@ fn ring(middle: DVec3) -> Vec<Body> {
             // Rising along the side.
             let pose = Pose::about(middle, turn * DQuat::from_rotation_y(-0.45), turn * DVec3::Y * -10.4);
             let tint = Some([[1.0, 0.2, 0.2], [0.2, 1.0, 0.2], [0.2, 0.2, 1.0]][i as usize % 3]);
-            Body { id: i as u32, pose, region: bounds.planes().to_vec(), mask: Mask::None, tint }
+            Body { pose, region: bounds.planes().to_vec(), tint, ..Body::whole(i as u32) }
         })
         .collect()
 }
@@ -43,7 +43,9 @@ fn a_ring_of_parts_each_before_the_next_is_drawn_as_it_lies() {
             let view = Frame { mode, bodies: bodies.clone(), step_mm: 0.5, ..frame(&stage.grid, opaque(), from, size) };
             let d = stage.compare(&view);
             assert!(d.covered > 0.04 && d.beyond_one < 0.003 && d.misplaced < 0.004, "{mode:?} {d:?}");
-            let seen: std::collections::BTreeSet<u32> = stage.image(&view).object.into_iter().collect();
+            let objects = stage.image(&view).object;
+            let seen: std::collections::BTreeSet<u32> =
+                objects.into_iter().map(|o| o.body().map_or(0, |id| id + 1)).collect();
             assert_eq!(seen.len(), 7, "nothing and all six: {seen:?}");
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::common::gpu::{gpu, sample};
 use crate::common::volumes::*;
-use burin::gpu::{FieldPools, Fields, Gpu, GpuError};
+use burin::gpu::{FieldPools, Gpu, GpuError, SliceCut};
 use burin::math::DVec3;
 use burin::volume::*;
 
@@ -15,7 +15,7 @@ fn a_lost_device_is_an_answer_and_everything_can_be_made_again() {
     let grid = unit_grid([40, 40, 40]);
     let density = density_u16(grid, |v| (v[0] * 100 + v[1]) as u16);
     let blank = [FieldKind::Colour, FieldKind::Selection, FieldKind::Labels].map(|kind| Field::blank(kind, &grid));
-    let fields = Fields { density: &density, colour: &blank[0], selection: &blank[1], labels: &blank[2] };
+    let fields = one_volume(&grid, &density, &blank[0], &blank[1], &blank[2]);
     let frame = frame(&grid, ramp(-1.0, 4000.0), DVec3::NEG_Y, [32, 32]);
     let mut pools = FieldPools::new(&gpu, &grid, &density, 16 << 20).unwrap();
     pools.make_resident(&gpu, &fields, &frame).unwrap();
@@ -24,7 +24,8 @@ fn a_lost_device_is_an_answer_and_everything_can_be_made_again() {
     gpu.raw().0.destroy();
     let _ = gpu.raw().0.poll(wgpu::PollType::Poll);
     assert!(gpu.lost());
-    let error = pools.make_slice_resident(&gpu, &fields, 0, 3).unwrap_err();
+    let error =
+        pools.make_slice_resident(&gpu, &fields, VolumeId::FIRST, SliceCut::Row { axis: 0, index: 3 }).unwrap_err();
     assert!(matches!(error, GpuError::Lost { .. }), "{error}");
     assert!(matches!(FieldPools::new(&gpu, &grid, &density, 16 << 20), Err(GpuError::Lost { .. })));
     let gpu = Gpu::headless().unwrap();
@@ -123,7 +124,7 @@ fn a_device_that_is_asked_for_times_tells_those_of_every_pass_once() {
     let grid = unit_grid([40, 40, 40]);
     let density = density_u16(grid, |v| (v[0] * 100 + v[1]) as u16);
     let blank = [FieldKind::Colour, FieldKind::Selection, FieldKind::Labels].map(|kind| Field::blank(kind, &grid));
-    let fields = Fields { density: &density, colour: &blank[0], selection: &blank[1], labels: &blank[2] };
+    let fields = one_volume(&grid, &density, &blank[0], &blank[1], &blank[2]);
     let mut pools = FieldPools::new(&gpu, &grid, &density, 16 << 20).unwrap();
     let mut caster = burin::gpu::Caster::new(&gpu).unwrap();
     for size in [[32, 32], [256, 256]] {

@@ -2,7 +2,7 @@
 
 use crate::common::gpu::{gpu, sample};
 use crate::common::volumes::*;
-use burin::gpu::{FieldPools, Fields, Gpu};
+use burin::gpu::{FieldPools, Gpu};
 use burin::math::DVec3;
 use burin::volume::*;
 
@@ -37,7 +37,7 @@ fn a_volume_that_fits_lies_in_place_and_follows_edits() {
     let mut pools = FieldPools::new(&gpu, &grid, &density, 64 << 20).unwrap();
     // Nothing below 1,500 shows: bricks in place are right all the same.
     let frame = frame(&grid, ramp(1500.0, 4000.0), DVec3::NEG_Y, [64, 64]);
-    let fields = Fields { density: &density, colour, selection, labels };
+    let fields = one_volume(&grid, &density, colour, selection, labels);
     assert!(pools.make_resident(&gpu, &fields, &frame).unwrap());
     assert!(is_in_place(&gpu, &pools));
     let mut points = places(grid.dims, 3000);
@@ -54,11 +54,11 @@ fn a_volume_that_fits_lies_in_place_and_follows_edits() {
     let changes = vec![(BrickIndex([0, 0, 0]), Some(other(300))), (BrickIndex([2, 1, 0]), Some(other(2500)))];
     let (before, refresh) = density.swap(changes).unwrap();
     pools.refresh(&gpu, FieldKind::Density, &density, &refresh).unwrap();
-    pools.make_resident(&gpu, &Fields { density: &density, colour, selection, labels }, &frame).unwrap();
+    pools.make_resident(&gpu, &one_volume(&grid, &density, colour, selection, labels), &frame).unwrap();
     check(&gpu, &pools, &density, &points);
     let (_, refresh) = density.swap(before).unwrap();
     pools.refresh(&gpu, FieldKind::Density, &density, &refresh).unwrap();
-    pools.make_resident(&gpu, &Fields { density: &density, colour, selection, labels }, &frame).unwrap();
+    pools.make_resident(&gpu, &one_volume(&grid, &density, colour, selection, labels), &frame).unwrap();
     check(&gpu, &pools, &density, &points);
 }
 
@@ -68,7 +68,7 @@ fn every_brick_may_be_pinned_where_all_have_their_place() {
     let (grid, density) = mixed();
     let mut pools = FieldPools::new(&gpu, &grid, &density, 64 << 20).unwrap();
     let all = density.brick_indices(0);
-    let origins = pools.pin(&gpu, &density, &all).unwrap();
+    let origins = pools.pin(&gpu, FieldKind::Density, &density, &all).unwrap();
     let expected: Vec<_> = all.iter().map(|b| b.0.map(|i| 32 * i)).collect();
     assert_eq!(origins, expected);
     check(&gpu, &pools, &density, &places(grid.dims, 500));

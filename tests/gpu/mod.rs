@@ -13,6 +13,8 @@ mod cast_rings;
 mod cast_tiles;
 mod device;
 mod in_place;
+mod looks;
+mod many_volumes;
 mod occupancy;
 mod pools;
 mod pools_work;

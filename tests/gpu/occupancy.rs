@@ -1,8 +1,8 @@
 //! The maps of empty space against brute force.
 
-use crate::common::gpu::{gpu, sample};
+use crate::common::gpu::{gpu, sample, sample_maps};
 use crate::common::volumes::*;
-use burin::gpu::{FieldPools, Fields, Shows, distances};
+use burin::gpu::{FieldPools, Mask, VisibleValues, distances};
 use burin::math::DVec3;
 use burin::volume::*;
 use rand::{Rng, SeedableRng};
@@ -49,7 +49,7 @@ fn what_shows_is_never_called_clear() {
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
     for _ in 0..200 {
         let tf = random_transfer(&mut rng);
-        let shows = Shows::of(&tf, Mode::Dvr);
+        let shows = VisibleValues::of(&tf, Mode::Dvr);
         for _ in 0..50 {
             let a = rng.random_range(-50.0_f32..1100.0);
             let b = a + rng.random_range(0.0_f32..200.0);
@@ -62,13 +62,13 @@ fn what_shows_is_never_called_clear() {
         }
     }
     let tf = ramp(100.0, 200.0);
-    assert!(!Shows::of(&tf, Mode::Dvr).any(f32::INFINITY, f32::NEG_INFINITY), "nothing but NaN");
-    let iso = Shows::of(&tf, Mode::Iso(150.0));
+    assert!(!VisibleValues::of(&tf, Mode::Dvr).any(f32::INFINITY, f32::NEG_INFINITY), "nothing but NaN");
+    let iso = VisibleValues::of(&tf, Mode::Iso(150.0));
     assert!(iso.any(140.0, 150.0) && iso.any(150.0, 300.0) && iso.any(200.0, 300.0) && !iso.any(0.0, 149.9));
     // A high stretch without opacity still hides a lower maximum.
     let gap = TransferFunction { opacity: vec![(0.0, 0.0), (10.0, 0.0), (20.0, 1.0), (30.0, 0.0)], ..tf };
-    assert!(Shows::of(&gap, Mode::Mip).any(40.0, 50.0) && !Shows::of(&gap, Mode::Dvr).any(40.0, 50.0));
-    assert!(!Shows::of(&gap, Mode::Mip).any(2.0, 9.0));
+    assert!(VisibleValues::of(&gap, Mode::Mip).any(40.0, 50.0) && !VisibleValues::of(&gap, Mode::Dvr).any(40.0, 50.0));
+    assert!(!VisibleValues::of(&gap, Mode::Mip).any(2.0, 9.0));
 }
 
 /// A picture looks colours up in a table: a value takes the entry next to it.
@@ -78,7 +78,7 @@ fn what_shows_by_the_table_s_rounding_is_never_called_clear() {
     let (mut rounded, mut clear) = (0, 0);
     for _ in 0..300 {
         let tf = random_transfer(&mut rng);
-        let shows = Shows::of(&tf, Mode::Dvr);
+        let shows = VisibleValues::of(&tf, Mode::Dvr);
         let (lo, hi) = tf.domain();
         let entry = (hi - lo) / (TABLE_ENTRIES - 1) as f64;
         let opacity = |v: f64| tf.opacity_at(lo + entry * ((v - lo) / entry).round().clamp(0.0, 4095.0));
@@ -112,7 +112,7 @@ fn random_transfer(rng: &mut impl Rng) -> TransferFunction {
 /// Every sample that shows lies in a cell of distance 0, and no nearer cell is occupied than a distance says.
 fn check_maps(
     gpu: &burin::gpu::Gpu,
-    pools: &FieldPools,
+    (pools, maps): (&FieldPools, &[[u32; 3]]),
     dims: [u32; 3],
     shows: impl Fn(f32, f32) -> [bool; 3],
     seed: u64,
@@ -121,7 +121,7 @@ fn check_maps(
     let points: Vec<[f32; 3]> =
         (0..6000).map(|_| std::array::from_fn(|a| rng.random_range(-0.5..dims[a] as f32 - 0.5))).collect();
     let mut skipped = 0;
-    for (p, s) in points.iter().zip(sample(gpu, pools, &points)) {
+    for (p, s) in points.iter().zip(sample_maps(gpu, pools, maps, &points)) {
         for (map, shown) in shows(s.density, s.selection).into_iter().enumerate() {
             assert!(!shown || s.skip[map] == 0, "map {map} at {p:?}: {s:?}");
             skipped += u32::from(s.skip[map] > 0);
@@ -130,7 +130,7 @@ fn check_maps(
     assert!(skipped > 1000, "something can be skipped: {skipped}");
     let cells = dims.map(|d| d.div_ceil(4));
     let centres: Vec<[f32; 3]> = each(cells, |c| c.map(|v| v as f32 * 4.0 + 0.5));
-    let all = sample(gpu, pools, &centres);
+    let all = sample_maps(gpu, pools, maps, &centres);
     for map in 0..3 {
         let occupied: Vec<u8> = all.iter().map(|s| u8::from(s.skip[map] == 0)).collect();
         assert_eq!(
@@ -158,12 +158,14 @@ fn no_sample_that_shows_is_skipped_also_after_edits_and_at_coarser_levels() {
         let any = transfer.opacity_at(f64::from(density)) > 0.0;
         [any, any && selection > 0.0, any && selection < 1.0]
     };
+    let all = [Mask::None, Mask::Selection, Mask::Background].map(|mask| matter(&frame, mask));
     // All of it, then a pool of one slot, where everything is drawn from coarser levels.
     for budget in [64 << 20, 32] {
         let mut pools = FieldPools::apart(&gpu, &grid, &density, budget).unwrap();
-        let fields = Fields { density: &density, colour: &colour, selection: &selection, labels: &labels };
+        let fields = one_volume(&grid, &density, &colour, &selection, &labels);
         pools.make_resident(&gpu, &fields, &frame).unwrap();
-        check_maps(&gpu, &pools, grid.dims, &shows, 11);
+        let maps = pools.skip_maps(&gpu, &fields, &all).unwrap();
+        check_maps(&gpu, (&pools, &maps), grid.dims, &shows, 11);
         let coarse = sample(&gpu, &pools, &[[30.0; 3]])[0].level;
         assert_eq!(coarse > 0, budget == 32);
         // A bright brick far from the ball, and no selection any more in the first one.
@@ -172,10 +174,11 @@ fn no_sample_that_shows_is_skipped_also_after_edits_and_at_coarser_levels() {
         pools.refresh(&gpu, FieldKind::Density, &density, &refresh).unwrap();
         let (selected, refresh) = selection.swap(vec![(BrickIndex([0, 0, 0]), None)]).unwrap();
         pools.refresh(&gpu, FieldKind::Selection, &selection, &refresh).unwrap();
-        let fields = Fields { density: &density, colour: &colour, selection: &selection, labels: &labels };
+        let fields = one_volume(&grid, &density, &colour, &selection, &labels);
         pools.make_resident(&gpu, &fields, &frame).unwrap();
-        assert_eq!(sample(&gpu, &pools, &[[70.0, 50.0, 50.0]])[0].skip[0], 0);
-        check_maps(&gpu, &pools, grid.dims, &shows, 12);
+        let maps = pools.skip_maps(&gpu, &fields, &all).unwrap();
+        assert_eq!(sample_maps(&gpu, &pools, &maps, &[[70.0, 50.0, 50.0]])[0].skip[0], 0);
+        check_maps(&gpu, (&pools, &maps), grid.dims, &shows, 12);
         // As at the start, for the next budget.
         density.swap(before).unwrap();
         selection.swap(selected).unwrap();

@@ -2,7 +2,7 @@
 
 use crate::common::gpu::{gpu, sample};
 use crate::common::volumes::*;
-use burin::gpu::{Body, FieldPools, Fields, Gpu, GpuError};
+use burin::gpu::{Body, FieldPools, Fields, Gpu, GpuError, SliceCut};
 use burin::math::{DVec3, Plane, Pose};
 use burin::volume::*;
 
@@ -20,7 +20,7 @@ fn samples_through_pages_equal_the_dense_field() {
         let [a, b] = ((v[0] / 3 + 7 * (v[1] / 5) + 300 * (v[2] / 11)) as u16).to_le_bytes();
         [a, b, 0, 0]
     });
-    let fields = Fields { density: &density, colour: &colour, selection: &selection, labels: &labels };
+    let fields = one_volume(&grid, &density, &colour, &selection, &labels);
     let mut pools = FieldPools::apart(&gpu, &grid, &density, 256 << 20).unwrap();
     let frame = frame(&grid, ramp(-1.0, 60_000.0), DVec3::new(1.0, -2.0, 0.5), [64, 64]);
     assert!(pools.make_resident(&gpu, &fields, &frame).unwrap());
@@ -78,7 +78,7 @@ pub(super) fn blanks(grid: &Grid) -> [Field; 3] {
 }
 
 pub(super) fn fields<'a>(density: &'a Field, [colour, selection, labels]: &'a [Field; 3]) -> Fields<'a> {
-    Fields { density, colour, selection, labels }
+    one_volume(&unit_grid(density.dims(0)), density, colour, selection, labels)
 }
 
 /// Samplers weigh with 8 bits: a 200th of the largest step between neighbours.
@@ -159,7 +159,9 @@ fn a_pool_that_holds_what_shows_draws_it_at_the_finest_level_and_moves_for_slice
     let rest: Vec<[f32; 3]> = places(grid.dims, 3000).into_iter().filter(|p| !(31.5..63.5).contains(&p[2])).collect();
     assert!(sample(&gpu, &pools, &rest).iter().all(|s| s.density < 500.0));
     // A slice through invisible bricks is drawn from its own texels, level by level as room allows.
-    pools.make_slice_resident(&gpu, &fields(&inner, &none), 2, 5).unwrap();
+    pools
+        .make_slice_resident(&gpu, &fields(&inner, &none), VolumeId::FIRST, SliceCut::Row { axis: 2, index: 5 })
+        .unwrap();
     let slice: Vec<[f32; 3]> = points.iter().map(|p| [p[0], p[1], 5.0]).collect();
     check_density(&gpu, &pools, &inner, &slice, 900.0 / 100.0);
     check_density(&gpu, &pools, &inner, &points, 900.0 / 100.0);
@@ -263,9 +265,13 @@ fn pinned_bricks_have_slots_of_their_own_until_they_are_let_go() {
     // A blank selection gets slots where it is painted.
     let bricks = [BrickIndex([0, 0, 0]), BrickIndex([2, 1, 1])];
     let selection = &none[1];
-    let origins = pools.pin(&gpu, selection, &bricks).unwrap();
+    let origins = pools.pin(&gpu, FieldKind::Selection, selection, &bricks).unwrap();
     assert!(origins.len() == 2 && origins[0] != origins[1] && origins.iter().flatten().all(|o| o % 34 == 0));
-    assert_eq!(pools.pin(&gpu, selection, &bricks).unwrap(), origins, "pinned again they stay where they are");
+    assert_eq!(
+        pools.pin(&gpu, FieldKind::Selection, selection, &bricks).unwrap(),
+        origins,
+        "pinned again they stay where they are"
+    );
     let (_, queue) = gpu.raw();
     let texture = pools.texture(FieldKind::Selection).unwrap();
     queue.write_texture(
@@ -283,10 +289,10 @@ fn pinned_bricks_have_slots_of_their_own_until_they_are_let_go() {
     assert_eq!(selected, [1.0, 0.0, 0.0]);
     // More pins make the pool grow and keep what was written.
     let all = selection.brick_indices(0);
-    pools.pin(&gpu, selection, &all[..4]).unwrap();
+    pools.pin(&gpu, FieldKind::Selection, selection, &all[..4]).unwrap();
     pools.make_resident(&gpu, &fields(&density, &none), &frame).unwrap();
     assert_eq!(sample(&gpu, &pools, &at[..1])[0].selection, 1.0);
-    let error = pools.pin(&gpu, selection, &all[..6]).unwrap_err();
+    let error = pools.pin(&gpu, FieldKind::Selection, selection, &all[..6]).unwrap_err();
     assert!(matches!(error, GpuError::PoolFull { asked: 7, room: 5, .. }), "{error}");
     pools.unpin(FieldKind::Selection);
     pools.make_resident(&gpu, &fields(&density, &none), &frame).unwrap();
@@ -294,7 +300,7 @@ fn pinned_bricks_have_slots_of_their_own_until_they_are_let_go() {
     // Density: pinned and drawn at the finest level, the rest within what room is left.
     let mut pools = FieldPools::apart(&gpu, &grid, &density, budget_of(8)).unwrap();
     pools.make_resident(&gpu, &fields(&density, &none), &frame).unwrap();
-    pools.pin(&gpu, &density, &bricks).unwrap();
+    pools.pin(&gpu, FieldKind::Density, &density, &bricks).unwrap();
     pools.make_resident(&gpu, &fields(&density, &none), &frame).unwrap();
     let points = places(grid.dims, 2000);
     check_density(&gpu, &pools, &density, &points, NOISE);

@@ -108,7 +108,7 @@ fn what_a_stroke_painted_is_not_uploaded_again_and_what_it_did_not_keep_is() {
     pools.make_resident(&gpu, &fields(&density, &none), &frame).unwrap();
     let before = values(&pools);
     let stroke = |painter: &mut Painter, pools: &mut FieldPools, density: &Field| {
-        painter.begin(&grid, &fields(density, &none), &brush, &Segments::default(), Reach([0.0; 2])).unwrap();
+        painter.begin(VolumeId::FIRST, &fields(density, &none), &brush, &Segments::default(), Reach([0.0; 2])).unwrap();
         painter.extend(pools, &fields(density, &none), &[dab]).unwrap();
     };
     // Taken back: the slots are right again without an upload.

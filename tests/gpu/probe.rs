@@ -11,13 +11,13 @@ use rand_chacha::ChaCha8Rng;
 
 fn along(stage: &mut Stage, view: &Frame, ends: [DVec2; 2], count: u32) -> Vec<Option<Hit>> {
     let [density, colour, selection, labels] = &stage.fields;
-    let fields = burin::gpu::Fields { density, colour, selection, labels };
+    let fields = one_volume(&stage.grid, density, colour, selection, labels);
     stage.caster.pick_along(&stage.gpu, &mut stage.pools, &fields, view, ends, count).unwrap()
 }
 
 fn pick(stage: &mut Stage, view: &Frame, px: DVec2) -> Option<Hit> {
     let [density, colour, selection, labels] = &stage.fields;
-    let fields = burin::gpu::Fields { density, colour, selection, labels };
+    let fields = one_volume(&stage.grid, density, colour, selection, labels);
     stage.caster.pick(&stage.gpu, &mut stage.pools, &fields, view, px).unwrap()
 }
 

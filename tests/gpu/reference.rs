@@ -5,10 +5,11 @@
 
 use super::reference_boxes::Boxes;
 use super::reference_refined::refined;
-use burin::gpu::{Body, Fields, Frame, Image, Mask};
+use burin::gpu::{Body, Fields, Frame, Image, LookRef, Mask, VolumeFields};
 use burin::math::{DMat3, DVec2, DVec3, Plane, Ray};
 use burin::volume::*;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// Fields as plain arrays, x fastest.
 pub struct Dense {
@@ -19,6 +20,8 @@ pub struct Dense {
     labels: Vec<u16>,
     /// Where density is drawn coarser.
     coarse: Option<Coarse>,
+    /// The volumes besides the first one.
+    others: BTreeMap<VolumeId, Dense>,
 }
 
 /// Density at the level that each brick of level 0 is drawn from, bricks x fastest.
@@ -56,7 +59,27 @@ fn linear(dims: [i64; 3], values: impl Fn(usize) -> f64, p: DVec3) -> f64 {
 pub(super) const NOTHING: Pixel = Pixel { colour: [0.0; 4], depth_mm: f64::INFINITY, object: 0 };
 
 impl Dense {
+    /// All volumes of `fields`, each on its own grid.
+    pub fn many(fields: &Fields<'_>) -> Self {
+        let mut all: BTreeMap<_, _> = fields.iter().map(|(id, v)| (id, Self::of_volume(v, &v.grid))).collect();
+        let first = all.remove(&VolumeId::FIRST).unwrap();
+        Self { others: all, ..first }
+    }
+
     pub fn of(fields: &Fields<'_>, grid: &Grid) -> Self {
+        Self::of_volume(fields.get(VolumeId::FIRST).unwrap(), grid)
+    }
+
+    fn volume(&self, id: VolumeId) -> &Self {
+        self.others.get(&id).unwrap_or(self)
+    }
+
+    fn label(&self, p: DVec3) -> u16 {
+        let voxel = (p + 0.5).floor();
+        self.labels[self.index([voxel.x as i64, voxel.y as i64, voxel.z as i64])]
+    }
+
+    fn of_volume(fields: &VolumeFields<'_>, grid: &Grid) -> Self {
         let texels = |f: &Field| {
             let bytes = f.format().bytes();
             let all = f.read(0, [0; 3], grid.dims).unwrap();
@@ -71,13 +94,14 @@ impl Dense {
             colour: texels(fields.colour).iter().map(|t| t.map(unorm)).collect(),
             labels: texels(fields.labels).iter().map(|t| u16::from_le_bytes([t[0], t[1]])).collect(),
             coarse: None,
+            others: BTreeMap::new(),
         }
     }
 
     /// The same with density drawn from a level for each brick of level 0, x fastest: a sample belongs to the brick
     /// ⌊(p + ½)/32⌋, and lies at (p + ½)/2^level − ½ in voxels of the level.
     pub fn at_levels(fields: &Fields<'_>, grid: &Grid, level_of: Vec<u32>) -> Self {
-        let density = fields.density;
+        let density = fields.get(VolumeId::FIRST).unwrap().density;
         let level = |level: u8| {
             let all = density.read(level, [0; 3], density.dims(level)).unwrap();
             let value = |t: &[u8]| density.map().decode(std::array::from_fn(|i| t.get(i).copied().unwrap_or(0)));
@@ -119,6 +143,9 @@ impl Dense {
 
 /// A body as seen from one ray.
 pub(super) struct Met<'a> {
+    /// The body's volume.
+    pub(super) dense: &'a Dense,
+    frame: &'a Frame,
     pub(super) body: &'a Body,
     index: Ray,
     pub(super) index_from_world: DMat3,
@@ -137,9 +164,18 @@ impl Met<'_> {
     fn holds(&self, t: f64) -> bool {
         self.pieces.iter().any(|p| p.0 <= t && t < p.1)
     }
+
+    /// The look of the matter at a place; `None` where the place is not the body's.
+    fn look(&self, p: DVec3) -> Option<LookRef<'_>> {
+        match &self.body.labels {
+            Some(labels) => labels.row(self.dense.label(p)).map(|row| self.frame.look(Some(row))),
+            None => Some(self.frame.look(self.body.look)),
+        }
+    }
 }
 
-fn meet<'a>(dense: &Dense, frame: &Frame, layers: &Boxes, body: &'a Body, ray: &Ray) -> Option<Met<'a>> {
+fn meet<'a>(dense: &'a Dense, frame: &'a Frame, layers: &Boxes, body: &'a Body, ray: &Ray) -> Option<Met<'a>> {
+    let dense = dense.volume(body.volume);
     let rest = body.pose.unapply_ray(ray);
     let map = dense.grid.index_from_world();
     let index = Ray { origin: map.transform_point3(rest.origin), dir: map.transform_vector3(rest.dir) };
@@ -160,6 +196,8 @@ fn meet<'a>(dense: &Dense, frame: &Frame, layers: &Boxes, body: &'a Body, ray: &
         faces.push((normal.dot(ray.origin) - offset, normal.dot(ray.dir), at_rest));
     }
     let mut met = Met {
+        dense,
+        frame,
         body,
         index,
         index_from_world: map.matrix3,
@@ -193,8 +231,8 @@ pub(super) fn weight(mask: Mask, s: f64) -> f64 {
     }
 }
 
-fn shade(frame: &Frame, rgb: [f64; 3], cosine: f64) -> [f64; 3] {
-    let Some(l) = frame.lighting else { return rgb };
+fn shade(look: LookRef<'_>, rgb: [f64; 3], cosine: f64) -> [f64; 3] {
+    let Some(l) = look.lighting else { return rgb };
     let c = cosine.abs();
     let white = f64::from(l.specular) * c.powf(f64::from(l.power));
     rgb.map(|x| x * (f64::from(l.ambient) + f64::from(l.diffuse) * c) + white)
@@ -210,44 +248,71 @@ pub(super) fn painted(dense: &Dense, frame: &Frame, body: &Body, rgb: [f32; 3], 
     let mut c = rgb.map(f64::from);
     let over = |c: [f64; 3], paint: [f64; 3], a: f64| std::array::from_fn(|i| c[i] + (paint[i] - c[i]) * a);
     let paint: [f64; 4] = std::array::from_fn(|i| dense.linear(|v| dense.colour[v][i], p));
-    c = over(c, [paint[0], paint[1], paint[2]], paint[3] * f64::from(frame.overlay.colour));
-    let voxel = (p + 0.5).floor();
-    let label = dense.labels[dense.index([voxel.x as i64, voxel.y as i64, voxel.z as i64])];
-    if let Some(s) = frame.overlay.segments.get(label).filter(|s| s.visible) {
-        c = over(c, s.colour.map(f64::from), f64::from(frame.overlay.labels));
+    let overlay = frame.overlay_of(body.volume);
+    c = over(c, [paint[0], paint[1], paint[2]], paint[3] * f64::from(overlay.colour));
+    if let Some(s) = overlay.segments.get(dense.label(p)).filter(|s| s.visible) {
+        c = over(c, s.colour.map(f64::from), f64::from(overlay.labels));
     }
-    let tint = frame.overlay.selection_colour.map(f64::from);
-    c = over(c, tint, dense.selection(p) * f64::from(frame.overlay.selection));
+    let tint = overlay.selection_colour.map(f64::from);
+    c = over(c, tint, dense.selection(p) * f64::from(overlay.selection));
     let own = body.tint.unwrap_or([1.0; 3]);
     std::array::from_fn(|i| c[i] * f64::from(own[i]))
 }
 
-fn dvr(dense: &Dense, frame: &Frame, met: &[Met<'_>], ray: &Ray) -> Pixel {
+/// A sample that stands for a whole body: an iso-surface, or a maximum.
+struct Event {
+    /// Where it lies among the samples of others, mm.
+    at: f64,
+    depth_mm: f64,
+    rgb: [f64; 3],
+    alpha: f64,
+    object: u32,
+}
+
+/// Lays a sample behind what is there; `clear` is what light still comes through.
+fn lay(pixel: &mut Pixel, clear: &mut f64, (rgb, alpha): ([f64; 3], f64), depth_mm: f64, object: u32) {
+    for (c, l) in pixel.colour.iter_mut().zip(rgb) {
+        *c += *clear * alpha * l;
+    }
+    if *clear > 0.5 && *clear * (1.0 - alpha) <= 0.5 {
+        (pixel.depth_mm, pixel.object) = (depth_mm, object);
+    }
+    *clear *= 1.0 - alpha;
+}
+
+/// Bodies of direct volume rendering, with events between their samples: an event comes before a sample at the same place.
+fn dvr(frame: &Frame, met: &[Met<'_>], events: Vec<Event>, ray: &Ray) -> Pixel {
     let step = frame.step_mm;
     let mut pixel = NOTHING;
     let mut clear = 1.0;
     let first = met.iter().map(|m| m.entry).fold(f64::INFINITY, f64::min);
     let last = met.iter().map(|m| m.exit).fold(0.0, f64::max);
+    let mut events = events.into_iter().peekable();
     let mut k = (first / step).ceil();
     while k * step < last && clear >= 1.0 / 256.0 {
         let t = k * step;
+        while let Some(e) = events.next_if(|e| e.at <= t && clear >= 1.0 / 256.0) {
+            lay(&mut pixel, &mut clear, (e.rgb, e.alpha), e.depth_mm, e.object);
+        }
+        if clear < 1.0 / 256.0 {
+            break;
+        }
         let (mut extinction, mut light) = (0.0, [0.0; 3]);
         let mut strongest = (0.0, 0);
         for m in met.iter().filter(|m| m.holds(t)) {
-            let p = m.at(t);
+            let (p, dense) = (m.at(t), m.dense);
             let value = dense.density(p);
-            if value.is_nan() {
-                continue;
-            }
-            let alpha = frame.transfer.opacity_of_step(value, step);
+            let Some(look) = m.look(p).filter(|_| !value.is_nan()) else { continue };
+            let thin = f64::from(look.transfer.opacity_at(value)) * f64::from(look.opacity);
+            let alpha = 1.0 - (1.0 - thin).powf(step / look.transfer.unit_mm);
             let own = -(1.0 - alpha).max(1e-300).ln() * weight(m.body.mask, dense.selection(p));
             if own <= 0.0 {
                 continue;
             }
-            let mut rgb = painted(dense, frame, m.body, frame.transfer.colour_at(value), p);
-            if frame.lighting.is_some() {
+            let mut rgb = painted(dense, frame, m.body, look.transfer.colour_at(value), p);
+            if look.lighting.is_some() {
                 let g = dense.gradient(|p| dense.density(p), p);
-                rgb = shade(frame, rgb, cosine(m, ray, g));
+                rgb = shade(look, rgb, cosine(m, ray, g));
             }
             extinction += own;
             light = std::array::from_fn(|i| light[i] + rgb[i] * own);
@@ -256,69 +321,118 @@ fn dvr(dense: &Dense, frame: &Frame, met: &[Met<'_>], ray: &Ray) -> Pixel {
             }
         }
         if extinction > 0.0 {
-            let alpha = 1.0 - f64::exp(-extinction);
-            for (i, l) in light.iter().enumerate() {
-                pixel.colour[i] += clear * alpha * l / extinction;
-            }
-            if clear > 0.5 && clear * (1.0 - alpha) <= 0.5 {
-                pixel.depth_mm = t;
-                pixel.object = strongest.1;
-            }
-            clear *= 1.0 - alpha;
+            let rgb = light.map(|l| l / extinction);
+            lay(&mut pixel, &mut clear, (rgb, 1.0 - f64::exp(-extinction)), t, strongest.1);
         }
         k += 1.0;
+    }
+    for e in events {
+        if clear >= 1.0 / 256.0 {
+            lay(&mut pixel, &mut clear, (e.rgb, e.alpha), e.depth_mm, e.object);
+        }
     }
     pixel.colour[3] = 1.0 - clear;
     pixel
 }
 
-fn iso(dense: &Dense, frame: &Frame, met: &[Met<'_>], ray: &Ray, iso: f64) -> Pixel {
-    let step = frame.step_mm;
+/// The first hit of a body: mm, colour, opacity.
+fn surface(frame: &Frame, m: &Met<'_>, ray: &Ray) -> Option<(f64, [f64; 3], f64)> {
+    let (step, dense) = (frame.step_mm, m.dense);
+    let level = |p: DVec3| match m.look(p)?.mode {
+        Mode::Iso(level) => Some(level),
+        _ => None,
+    };
+    let dense_at = |t: f64| level(m.at(t)).is_some_and(|level| dense.density(m.at(t)) >= level);
+    let owned_at = |t: f64| match m.body.mask {
+        Mask::None => true,
+        Mask::Selection => dense.selection(m.at(t)) >= 0.5,
+        Mask::Background => dense.selection(m.at(t)) < 0.5,
+    };
+    let inside = |t: f64| dense_at(t) && owned_at(t);
+    let by_step = |entry: f64, exit: f64| {
+        let mut k = (entry / step).ceil();
+        while k * step < exit && !inside(k * step) {
+            k += 1.0;
+        }
+        if k * step >= exit {
+            return None;
+        }
+        let (mut outer, mut inner) = (((k - 1.0) * step).max(entry), k * step);
+        for _ in 0..40 {
+            let middle = 0.5 * (outer + inner);
+            if inside(middle) { inner = middle } else { outer = middle }
+        }
+        let p = m.at(inner);
+        let by_mask = m.body.mask != Mask::None && dense_at(outer);
+        let g =
+            if by_mask { dense.gradient(|p| dense.selection(p), p) } else { dense.gradient(|p| dense.density(p), p) };
+        Some((inner, cosine(m, ray, g)))
+    };
+    let hit = |&(entry, exit, normal): &(f64, f64, DVec3)| {
+        if inside(entry) { Some((entry, normal.dot(ray.dir))) } else { by_step(entry, exit) }
+    };
+    let (t, cosine) = m.pieces.iter().find_map(hit)?;
+    let (p, look) = (m.at(t), m.look(m.at(t))?);
+    let rgb = painted(dense, frame, m.body, look.transfer.colour_at(level(p)?), p);
+    Some((t, shade(look, rgb, cosine), f64::from(look.opacity)))
+}
+
+fn iso(frame: &Frame, met: &[Met<'_>], ray: &Ray) -> Pixel {
     let mut best = NOTHING;
     for m in met {
-        let dense_at = |t: f64| dense.density(m.at(t)) >= iso;
-        let owned_at = |t: f64| match m.body.mask {
-            Mask::None => true,
-            Mask::Selection => dense.selection(m.at(t)) >= 0.5,
-            Mask::Background => dense.selection(m.at(t)) < 0.5,
-        };
-        let inside = |t: f64| dense_at(t) && owned_at(t);
-        let mut hit = None;
-        for &(entry, exit, normal) in &m.pieces {
-            if hit.is_some() {
-                break;
-            }
-            if inside(entry) {
-                hit = Some((entry, normal.dot(ray.dir)));
-                break;
-            }
-            let mut k = (entry / step).ceil();
-            while k * step < exit && !inside(k * step) {
-                k += 1.0;
-            }
-            if k * step < exit {
-                let (mut outer, mut inner) = (((k - 1.0) * step).max(entry), k * step);
-                for _ in 0..40 {
-                    let middle = 0.5 * (outer + inner);
-                    if inside(middle) { inner = middle } else { outer = middle }
-                }
-                let p = m.at(inner);
-                let by_mask = m.body.mask != Mask::None && dense_at(outer);
-                let g = if by_mask {
-                    dense.gradient(|p| dense.selection(p), p)
-                } else {
-                    dense.gradient(|p| dense.density(p), p)
-                };
-                hit = Some((inner, cosine(m, ray, g)));
-            }
-        }
-        if let Some((t, cosine)) = hit.filter(|h| h.0 < best.depth_mm) {
-            let rgb = painted(dense, frame, m.body, frame.transfer.colour_at(iso), m.at(t));
-            let [r, g, b] = shade(frame, rgb, cosine);
+        if let Some((t, [r, g, b], _)) = surface(frame, m, ray).filter(|hit| hit.0 < best.depth_mm) {
             best = Pixel { colour: [r, g, b, 1.0], depth_mm: t, object: m.body.id + 1 };
         }
     }
     best
+}
+
+/// The largest value of a body, and where.
+fn largest(frame: &Frame, m: &Met<'_>) -> Option<(f64, f64)> {
+    let mut best: Option<(f64, f64)> = None;
+    let mut k = (m.entry / frame.step_mm).ceil();
+    while k * frame.step_mm < m.exit {
+        let (t, p) = (k * frame.step_mm, m.at(k * frame.step_mm));
+        let value = m.dense.density(p);
+        let owned = m.holds(t) && weight(m.body.mask, if m.dense.selection(p) >= 0.5 { 1.0 } else { 0.0 }) > 0.0;
+        if owned && m.look(p).is_some() && !value.is_nan() && best.is_none_or(|b| value > b.0) {
+            best = Some((value, t));
+        }
+        k += 1.0;
+    }
+    best
+}
+
+/// Bodies of several modes: an iso-surface is one sample of its opacity, a maximum one sample at the span's end.
+fn modes(frame: &Frame, met: Vec<Met<'_>>, ray: &Ray) -> Pixel {
+    let mut events: Vec<Event> = Vec::new();
+    let (samples, whole): (Vec<_>, Vec<_>) = met.into_iter().partition(|m| mode_of(frame, m.body) == Mode::Dvr);
+    for m in &whole {
+        let object = m.body.id + 1;
+        match mode_of(frame, m.body) {
+            Mode::Mip => {
+                let Some((value, t)) = largest(frame, m) else { continue };
+                let (p, look) = (m.at(t), m.look(m.at(t)).unwrap());
+                let alpha = f64::from(look.transfer.opacity_at(value)) * f64::from(look.opacity);
+                let rgb = painted(m.dense, frame, m.body, look.transfer.colour_at(value), p);
+                events.push(Event { at: m.exit, depth_mm: t, rgb, alpha, object });
+            }
+            _ => {
+                let Some((t, rgb, alpha)) = surface(frame, m, ray) else { continue };
+                events.push(Event { at: t, depth_mm: t, rgb, alpha, object });
+            }
+        }
+    }
+    // Bodies come in the order of their names; a stable sort keeps it among events at one place.
+    let place = |e: &Event| (e.at / frame.step_mm * 500.0).round() as i64;
+    events.sort_by_key(place);
+    dvr(frame, &samples, events, ray)
+}
+
+/// The kind of mode that a body has.
+fn mode_of(frame: &Frame, body: &Body) -> Mode {
+    let row = body.labels.as_ref().map_or(body.look, |labels| labels.rows().first().copied());
+    frame.look(row).mode
 }
 
 fn mip(dense: &Dense, frame: &Frame, met: &[Met<'_>]) -> Pixel {
@@ -339,8 +453,9 @@ fn mip(dense: &Dense, frame: &Frame, met: &[Met<'_>]) -> Pixel {
         }
     }
     let Some((value, t, m)) = best else { return NOTHING };
-    let alpha = f64::from(frame.transfer.opacity_at(value));
-    let rgb = painted(dense, frame, m.body, frame.transfer.colour_at(value), m.at(t));
+    let look = frame.look(m.body.look);
+    let alpha = f64::from(look.transfer.opacity_at(value) * look.opacity);
+    let rgb = painted(dense, frame, m.body, look.transfer.colour_at(value), m.at(t));
     if alpha == 0.0 {
         return NOTHING;
     }
@@ -366,12 +481,25 @@ pub fn picture_among(dense: &Dense, frame: &Frame, layers: &Boxes) -> Vec<Pixel>
 
 fn pixel_among(dense: &Dense, frame: &Frame, layers: &Boxes, px: DVec2) -> Pixel {
     let ray = frame.camera.ray(px, frame.size);
-    let met: Vec<_> = frame.bodies.iter().filter_map(|b| meet(dense, frame, layers, b, &ray)).collect();
-    let front = match frame.mode {
-        Mode::Dvr if frame.refine => refined(dense, frame, met, &ray),
-        Mode::Dvr => dvr(dense, frame, &met, &ray),
-        Mode::Iso(value) => iso(dense, frame, &met, &ray, value),
-        Mode::Mip => mip(dense, frame, &met),
+    let mut bodies: Vec<&Body> = frame.bodies.iter().collect();
+    bodies.sort_by_key(|b| (b.id, b.volume));
+    let met: Vec<_> = bodies.into_iter().filter_map(|b| meet(dense, frame, layers, b, &ray)).collect();
+    let looks: Vec<_> = frame.bodies.iter().flat_map(|b| frame.looks_of(b)).collect();
+    let one = looks.windows(2).all(|pair| pair[0] == pair[1]) && frame.volumes().len() < 2;
+    let all = |of: fn(Mode) -> bool| looks.iter().all(|look| of(look.mode));
+    let front = if all(|mode| mode == Mode::Dvr) {
+        // Looks by label do not refine.
+        if frame.refine && frame.bodies.iter().all(|b| b.labels.is_none()) {
+            refined(frame, met, &ray)
+        } else {
+            dvr(frame, &met, Vec::new(), &ray)
+        }
+    } else if all(|mode| matches!(mode, Mode::Iso(_))) && looks.iter().all(|look| look.opacity == 1.0) {
+        iso(frame, &met, &ray)
+    } else if one && all(|mode| mode == Mode::Mip) {
+        mip(dense, frame, &met)
+    } else {
+        modes(frame, met, &ray)
     };
     let Some(back) = layers.nearest(&ray) else { return front };
     let clear = 1.0 - front.colour[3];
@@ -414,7 +542,7 @@ pub fn apart(image: &Image, reference: &[Pixel], step_mm: f64) -> Difference {
             (a, b) if a.is_infinite() || b.is_infinite() => a != b,
             (a, b) => (a - b).abs() > 1.01 * step_mm,
         };
-        d.misplaced += f64::from(u8::from(off || image.object[i] != r.object)) / count;
+        d.misplaced += f64::from(u8::from(off || image.object[i].body().map_or(0, |id| id + 1) != r.object)) / count;
         d.covered += f64::from(u8::from(r.colour[3] > 0.0)) / count;
     }
     d

@@ -6,20 +6,20 @@
 //! density in the middle of its extinction, its light the mean over as far as that middle is from the nearer end, with the
 //! gradient going evenly too.
 
-use super::reference::{Dense, Met, NOTHING, Pixel, painted, weight};
-use burin::gpu::Frame;
+use super::reference::{Met, NOTHING, Pixel, painted, weight};
+use burin::gpu::{Frame, LookRef};
 use burin::math::{DVec3, Ray};
 
 /// Places at which a stretch is summed up.
 const PLACES: usize = 240;
 
 /// What lies in a stretch: mean extinction of a step, and where its middle is as a share of the way.
-fn between(frame: &Frame, s0: f64, s1: f64) -> (f64, f64) {
+fn between(look: LookRef<'_>, step_mm: f64, s0: f64, s1: f64) -> (f64, f64) {
     let (mut sum, mut moment) = (0.0, 0.0);
     for i in 0..PLACES {
         let u = (i as f64 + 0.5) / PLACES as f64;
-        let opacity = frame.transfer.opacity_of_step(s0 + (s1 - s0) * u, frame.step_mm);
-        let extinction = (-(1.0 - opacity).ln()).min(50.0);
+        let thin = f64::from(look.transfer.opacity_at(s0 + (s1 - s0) * u)) * f64::from(look.opacity);
+        let extinction = (-(1.0 - thin).ln() * step_mm / look.transfer.unit_mm).min(50.0);
         sum += extinction;
         moment += extinction * u;
     }
@@ -27,8 +27,8 @@ fn between(frame: &Frame, s0: f64, s1: f64) -> (f64, f64) {
 }
 
 /// The headlight's mean on a colour, the gradient going from `a` to `b`.
-fn lit(frame: &Frame, rgb: [f64; 3], ray: &Ray, [a, b]: [DVec3; 2], share: f64) -> [f64; 3] {
-    let Some(light) = frame.lighting else { return rgb };
+fn lit(look: LookRef<'_>, rgb: [f64; 3], ray: &Ray, [a, b]: [DVec3; 2], share: f64) -> [f64; 3] {
+    let Some(light) = look.lighting else { return rgb };
     let reach = share.min(1.0 - share);
     let (mut plain, mut white) = (0.0, 0.0);
     for i in 0..PLACES {
@@ -43,12 +43,13 @@ fn lit(frame: &Frame, rgb: [f64; 3], ray: &Ray, [a, b]: [DVec3; 2], share: f64) 
 }
 
 /// A pixel; the bodies' intervals must not overlap.
-pub(super) fn refined(dense: &Dense, frame: &Frame, mut met: Vec<Met<'_>>, ray: &Ray) -> Pixel {
+pub(super) fn refined(frame: &Frame, mut met: Vec<Met<'_>>, ray: &Ray) -> Pixel {
     met.sort_by(|a, b| a.entry.total_cmp(&b.entry));
     let step = frame.step_mm;
     let mut pixel = NOTHING;
     let mut clear = 1.0;
     for m in &met {
+        let (dense, look) = (m.dense, frame.look(m.body.look));
         let gradient = |t: f64| {
             let g = dense.gradient(|p| dense.density(p), m.at(t));
             m.body.pose.rotation * (m.index_from_world.transpose() * g)
@@ -60,7 +61,7 @@ pub(super) fn refined(dense: &Dense, frame: &Frame, mut met: Vec<Met<'_>>, ray: 
         while begin < exit && clear >= 1.0 / 256.0 {
             let end = k.min(exit);
             let (s0, s1) = (dense.density(m.at(begin * step)), dense.density(m.at(end * step)));
-            let (mean, share) = if s0.is_nan() || s1.is_nan() { (0.0, 0.5) } else { between(frame, s0, s1) };
+            let (mean, share) = if s0.is_nan() || s1.is_nan() { (0.0, 0.5) } else { between(look, step, s0, s1) };
             let much = clear * mean.min(1.0) > 1.0 / 40.0;
             let whole = k.fract() == 0.0;
             if much && whole && k - 0.5 > begin && k - 0.5 < exit {
@@ -71,11 +72,11 @@ pub(super) fn refined(dense: &Dense, frame: &Frame, mut met: Vec<Met<'_>>, ray: 
                 let p = m.at((begin + share * (end - begin)) * step);
                 let own = mean * (end - begin) * weight(m.body.mask, dense.selection(p));
                 let value = s0 + (s1 - s0) * share;
-                let mut rgb = painted(dense, frame, m.body, frame.transfer.colour_at(value), p);
-                if frame.lighting.is_some() {
+                let mut rgb = painted(dense, frame, m.body, look.transfer.colour_at(value), p);
+                if look.lighting.is_some() {
                     let b = gradient(end * step);
                     let a = last.filter(|l| l.0 == begin).map_or(b, |l| l.1);
-                    rgb = lit(frame, rgb, ray, [a, b], share);
+                    rgb = lit(look, rgb, ray, [a, b], share);
                     last = Some((end, b));
                 }
                 let alpha = 1.0 - f64::exp(-own);

@@ -3,7 +3,7 @@
 use super::pools::{NOISE, blanks, budget_of, fields, noisy};
 use crate::common::gpu::{gpu, sample};
 use crate::common::volumes::*;
-use burin::gpu::{Body, FieldPools, Frame, Mask};
+use burin::gpu::{Body, FieldPools, Frame, Mask, SliceCut};
 use burin::math::{Camera, DVec3, Plane, Pose, Projection};
 use burin::volume::*;
 use rand::{Rng, SeedableRng};
@@ -216,7 +216,14 @@ fn what_is_held_is_what_is_asked_for_whatever_was_before() {
                 5 => {
                     let axis = rng.random_range(0..3);
                     slices[axis] = Some(rng.random_range(0..grid.dims[axis]));
-                    pools.make_slice_resident(&gpu, &fields(&density, &rest), axis, slices[axis].unwrap()).unwrap();
+                    pools
+                        .make_slice_resident(
+                            &gpu,
+                            &fields(&density, &rest),
+                            VolumeId::FIRST,
+                            SliceCut::Row { axis, index: slices[axis].unwrap() },
+                        )
+                        .unwrap();
                 }
                 7 => {
                     let (_, refresh) = density.swap(edit(value, 2)).unwrap();
@@ -235,7 +242,14 @@ fn what_is_held_is_what_is_asked_for_whatever_was_before() {
             pools.make_resident(&gpu, &fields(&density, &rest), &picture).unwrap();
             let mut fresh = FieldPools::apart(&gpu, &grid, &density, budget_of(slots)).unwrap();
             for (axis, at) in slices.iter().enumerate().filter_map(|(axis, at)| Some((axis, (*at)?))) {
-                fresh.make_slice_resident(&gpu, &fields(&density, &rest), axis, at).unwrap();
+                fresh
+                    .make_slice_resident(
+                        &gpu,
+                        &fields(&density, &rest),
+                        VolumeId::FIRST,
+                        SliceCut::Row { axis, index: at },
+                    )
+                    .unwrap();
             }
             fresh.make_resident(&gpu, &fields(&density, &rest), &picture).unwrap();
             let (was, is) = (sample(&gpu, &fresh, &points), sample(&gpu, &pools, &points));

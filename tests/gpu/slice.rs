@@ -2,7 +2,7 @@
 
 use crate::common::gpu::gpu;
 use crate::common::volumes::*;
-use burin::gpu::{FieldPools, Fields, Overlay, SliceCaster, SliceFrame};
+use burin::gpu::{FieldPools, Fields, Overlay, SliceCaster, SliceFrame, SliceLayer};
 use burin::math::{DAffine3, DMat3, DVec2, DVec3};
 use burin::volume::*;
 
@@ -46,7 +46,7 @@ impl Painted {
     }
 
     fn fields(&self) -> Fields<'_> {
-        Fields { density: &self.density, colour: &self.colour, selection: &self.selection, labels: &self.labels }
+        one_volume(&self.grid, &self.density, &self.colour, &self.selection, &self.labels)
     }
 }
 
@@ -157,7 +157,7 @@ fn a_slice_shows_an_edit_voxel_by_voxel() {
     let grey = [0.5, 0.5, 0.5, 1.0];
     let close = |a: [f32; 4], b: [f32; 4]| (0..4).all(|i| (a[i] - b[i]).abs() < 1e-3);
     {
-        let fields = Fields { density: &density, colour: &colour, selection: &selection, labels: &labels };
+        let fields = one_volume(&grid, &density, &colour, &selection, &labels);
         assert!(caster.pixels(&gpu, &mut pools, &fields, &frame).unwrap().iter().all(|p| close(*p, grey)));
     }
     // One voxel in the slice, one in its neighbour.
@@ -168,10 +168,79 @@ fn a_slice_shows_an_edit_voxel_by_voxel() {
     let change = vec![(BrickIndex([0, 0, 0]), Some(Brick::from_texels(texels, 1)))];
     let (_, refresh) = selection.swap(change).unwrap();
     pools.refresh(&gpu, FieldKind::Selection, &selection, &refresh).unwrap();
-    let fields = Fields { density: &density, colour: &colour, selection: &selection, labels: &labels };
+    let fields = one_volume(&grid, &density, &colour, &selection, &labels);
     let picture = caster.pixels(&gpu, &mut pools, &fields, &frame).unwrap();
     for (i, p) in picture.iter().enumerate() {
         let expected = if i == 31 + 40 * 5 { [1.0, 0.0, 0.0, 1.0] } else { grey };
         assert!(close(*p, expected), "pixel {} {}: {p:?}", i % 40, i / 40);
     }
+}
+
+#[test]
+fn other_volumes_lie_over_a_slice_each_on_its_own_grid() {
+    let Some(gpu) = gpu() else { return };
+    let of = Painted::new(DAffine3::IDENTITY);
+    let turned =
+        DMat3::from_rotation_z(0.3) * DMat3::from_rotation_y(0.2) * DMat3::from_diagonal(DVec3::new(1.3, 0.9, 2.0));
+    let other = Painted::new(DAffine3 { matrix3: turned, translation: DVec3::new(5.0, -8.0, -6.0) });
+    let (first, second) = (of.fields(), other.fields());
+    let mut fields = Fields::default();
+    fields.put(VolumeId(3), *first.get(VolumeId::FIRST).unwrap());
+    fields.put(VolumeId(8), *second.get(VolumeId::FIRST).unwrap());
+    let mut pools = FieldPools::empty(&gpu, 64 << 20).unwrap();
+    let mut caster = SliceCaster::new(&gpu).unwrap();
+    for (axis, grey) in [(0, Some((900.0, 1500.0))), (1, None), (2, Some((1300.0, 2600.0)))] {
+        let mut frame = SliceFrame { volume: VolumeId(3), ..onto(&of, axis, 12, overlay(0.0, 0.5, 0.0)) };
+        let base = frame.clone();
+        let world = |px: DVec2| {
+            let p = base.top_left + base.per_x * px.x + base.per_y * px.y;
+            of.grid.world_from_index.transform_point3(p)
+        };
+        frame.lay_over((VolumeId(8), &other.grid), world, grey, 0.6, overlay(0.4, 0.7, 0.5));
+        let picture = caster.pixels(&gpu, &mut pools, &fields, &frame).unwrap();
+        let (mut both, mut off) = (0, 0);
+        for (i, got) in picture.iter().enumerate() {
+            let px = [i as u32 % frame.size[0], i as u32 / frame.size[0]];
+            let under = reference(&of, &base, px);
+            let at = world(DVec2::new(f64::from(px[0]) + 0.5, f64::from(px[1]) + 0.5));
+            let over = laid_over(&other, &frame.over[0], other.grid.index_from_world().transform_point3(at));
+            both += usize::from(under[3] > 0.0 && over[3] > 0.0);
+            let expected: [f64; 4] = std::array::from_fn(|c| over[c] + under[c] * (1.0 - over[3]));
+            // At a voxel's border a label may be its neighbour's.
+            off += usize::from((0..4).any(|c| (f64::from(got[c]) - expected[c]).abs() > 1.5 / 255.0));
+        }
+        assert!(both > 500 && off * 200 < picture.len(), "axis {axis}: {off} of {} off, {both} in both", picture.len());
+        // A part of the picture is that part.
+        let part = caster.pixels(&gpu, &mut pools, &fields, &frame.part([20, 30], [9, 5])).unwrap();
+        let same = |i: usize| picture[20 + i % 9 + (30 + i / 9) * frame.size[0] as usize];
+        assert!((0..45).all(|i| (0..4).all(|c| (part[i][c] - same(i)[c]).abs() < 2e-3)));
+    }
+}
+
+/// A layer at a place of its grid, colours multiplied by opacity.
+fn laid_over(of: &Painted, layer: &SliceLayer, p: DVec3) -> [f64; 4] {
+    if p.cmplt(DVec3::splat(-0.5)).any() || p.cmpge(of.grid.dims_f64() - 0.5).any() {
+        return [0.0; 4];
+    }
+    let at = p.as_vec3().to_array();
+    let mut c = [0.0; 4];
+    if let Some([black, white]) = layer.window {
+        let density = trilinear(&of.density, 0, at, |t| of.density.map().decode(t));
+        let grey = ((density - black) / (white - black)).clamp(0.0, 1.0);
+        c = [grey, grey, grey, 1.0];
+    }
+    let mut lay = |with: [f64; 3], t: f64| {
+        for (c, w) in c.iter_mut().zip([with[0], with[1], with[2], 1.0]) {
+            *c += (w - *c) * t;
+        }
+    };
+    let channel = |i: usize| trilinear(&of.colour, 0, at, |t| f64::from(t[i]) / 255.0);
+    lay([channel(0), channel(1), channel(2)], channel(3) * f64::from(layer.overlay.colour));
+    let voxel = (p + 0.5).floor().to_array().map(|v| v as u32);
+    if of.labels.value(voxel).unwrap() == 1.0 {
+        lay([0.9, 0.1, 0.2], f64::from(layer.overlay.labels));
+    }
+    let s = trilinear(&of.selection, 0, at, |t| f64::from(t[0]) / 255.0);
+    lay(layer.overlay.selection_colour.map(f64::from), s * f64::from(layer.overlay.selection));
+    c.map(|c| c * f64::from(layer.opacity))
 }

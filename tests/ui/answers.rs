@@ -251,7 +251,7 @@ fn picture(window: &Window, view: ViewName, serial: u64) -> Report {
     let (depth_mm, object) = match view {
         ViewName::ThreeD => (
             vec![window.scene.views.camera.eye.distance(window.scene.views.camera.target) as f32; pixels],
-            vec![1; pixels],
+            vec![burin::gpu::ObjectId::new(burin::volume::VolumeId::FIRST, 0, false, 0); pixels],
         ),
         _ => (Vec::new(), Vec::new()),
     };

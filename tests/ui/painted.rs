@@ -139,7 +139,12 @@ fn solid(window: &Window, serial: u64, step: f32) -> Picture {
     let near = camera.eye.distance(camera.target) as f32;
     let right = |i: usize| i % size[0] as usize >= size[0] as usize / 2;
     let depth_mm = (0..pixels).map(|i| if right(i) { near + step } else { near }).collect();
-    Picture { depth_mm, object: vec![1; pixels], serial, ..plain(window, ViewName::ThreeD, size, [60, 0, 90]) }
+    Picture {
+        depth_mm,
+        object: vec![burin::gpu::ObjectId::new(burin::volume::VolumeId::FIRST, 0, false, 0); pixels],
+        serial,
+        ..plain(window, ViewName::ThreeD, size, [60, 0, 90])
+    }
 }
 
 #[test]

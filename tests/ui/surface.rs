@@ -2,9 +2,10 @@
 
 use super::scene;
 use burin::explode::{Explosion, Poses};
+use burin::gpu::ObjectId;
 use burin::interact::surface::{Surface, near_way};
 use burin::math::{Camera, DVec2, DVec3, Plane, Pose, Projection};
-use burin::volume::Grid;
+use burin::volume::{Grid, VolumeId};
 
 const SIZE: [u32; 2] = [120, 90];
 
@@ -20,7 +21,8 @@ fn ball(camera: &Camera, centre: DVec3, object: u32) -> Surface {
             depth.push(if d > 0.0 { (-b - d.sqrt()) as f32 } else { f32::INFINITY });
         }
     }
-    let objects: Vec<u32> = depth.iter().map(|d| if d.is_finite() { object } else { 0 }).collect();
+    let something = ObjectId::new(VolumeId::FIRST, object - 1, false, 0);
+    let objects: Vec<_> = depth.iter().map(|d| if d.is_finite() { something } else { ObjectId::NOTHING }).collect();
     Surface::new(camera, SIZE, &depth, &objects)
 }
 

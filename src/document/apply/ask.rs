@@ -70,6 +70,8 @@ impl Document {
                     rest_mm: hit.rest.to_array(),
                     index: index.to_array(),
                     part: state.part_at(hit.body, hit.rest)?,
+                    volume: hit.object.volume(),
+                    segment: hit.object.segment(),
                     selection: hit.body == WHOLE && !subject.selection.is_blank(),
                     depth_mm: hit.depth_mm,
                 };

@@ -86,7 +86,7 @@ impl Document {
         let image = self.graphics.part_at_start(state, &frame, corner, extent)?;
         let index_from_world = grid.index_from_world();
         for (i, (&depth, &object)) in image.depth_mm.iter().zip(&image.object).enumerate() {
-            let Some(id) = object.checked_sub(1).filter(|_| depth.is_finite()) else { continue };
+            let Some(id) = object.body().filter(|_| depth.is_finite()) else { continue };
             let at = DVec2::new((i as u32 % extent[0]) as f64, (i as u32 / extent[0]) as f64);
             let world = frame.camera.ray(lo + at + 0.5, size).at(f64::from(depth));
             let rest = frame.bodies.iter().find(|b| b.id == id).map_or(world, |b| b.pose.unapply(world));

@@ -82,6 +82,11 @@ pub struct HitSaid {
     pub rest_mm: [f64; 3],
     pub index: [f64; 3],
     pub part: PartId,
+    /// Whose voxel it is.
+    pub volume: Option<VolumeId>,
+    /// Its label, if it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub segment: Option<u16>,
     pub selection: bool,
     pub depth_mm: f64,
 }

@@ -11,6 +11,7 @@ use crate::document::subject::Subject;
 use crate::gpu::cast::tiles::Window;
 use crate::gpu::{
     Caster, FieldPools, Fields, Frame, Gpu, GpuError, Hit, Image, Painter, SliceCaster, SliceFrame, Visibility,
+    VolumeFields,
 };
 use crate::math::DVec2;
 use crate::paint::{Brush, Dab, Reach, VoxelSet};
@@ -45,7 +46,18 @@ pub(crate) struct Graphics {
 
 fn fields<'a>(subject: &Subject<'a>) -> Fields<'a> {
     let volume = subject.volume;
-    Fields { density: &volume.density, colour: &volume.colour, selection: &volume.selection, labels: &volume.labels }
+    let mut fields = Fields::default();
+    fields.put(
+        subject.id,
+        VolumeFields {
+            grid: *subject.grid(),
+            density: &volume.density,
+            colour: &volume.colour,
+            selection: &volume.selection,
+            labels: &volume.labels,
+        },
+    );
+    fields
 }
 
 impl Graphics {
@@ -102,8 +114,8 @@ impl Graphics {
             refreshed.slots.iter().filter(|(key, _)| key.volume == shown).try_for_each(|(key, slots)| {
                 let field = subject.volume.field(key.kind);
                 match refreshed.painted {
-                    true => pools.refresh_painted(gpu, key.kind, field, slots),
-                    false => pools.refresh(gpu, key.kind, field, slots),
+                    true => pools.refresh_painted(gpu, *key, field, slots),
+                    false => pools.refresh(gpu, *key, field, slots),
                 }
             })
         };
@@ -116,7 +128,7 @@ impl Graphics {
     /// Density has another map.
     pub(crate) fn remap(&mut self, state: &State, volume: VolumeId) {
         if let (Some(tools), Some(subject), true) = (&mut self.tools, state.subject(volume), volume == self.shown) {
-            tools.pools.remap(&subject.volume.density);
+            tools.pools.remap(volume, &subject.volume.density);
         }
     }
 
@@ -228,7 +240,7 @@ impl Graphics {
 
     pub(crate) fn begin(&mut self, state: &State, brush: &Brush, reach: Reach) -> Result<(), DocumentError> {
         self.with(state, "painting", |_, painter, fields, subject| {
-            painter.begin(subject.grid(), fields, brush, subject.segments(), reach)
+            painter.begin(subject.id, fields, brush, subject.segments(), reach)
         })
     }
 

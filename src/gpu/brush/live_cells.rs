@@ -11,7 +11,9 @@ use crate::gpu::device::shader::shader;
 use crate::gpu::fields::pools::FieldPools;
 use crate::paint::IndexBox;
 use crate::shared_struct;
-use crate::volume::{BrickIndex, CELLS_PER_BRICK, Cells, Field, FieldKind, LiveCells, SelectedCell, SourceError};
+use crate::volume::{
+    BrickIndex, CELLS_PER_BRICK, Cells, Field, FieldKey, FieldKind, LiveCells, SelectedCell, SourceError,
+};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -177,7 +179,7 @@ impl LiveBricks {
         &mut self,
         met: &BTreeMap<BrickIndex, IndexBox>,
         dims: [u32; 3],
-        kind: FieldKind,
+        key: FieldKey,
         pools: &mut FieldPools,
     ) {
         for (brick, bounds) in met {
@@ -186,7 +188,7 @@ impl LiveBricks {
                 self.painted.insert(*brick);
             }
         }
-        self.show(met.keys(), kind, pools);
+        self.show(met.keys(), key, pools);
     }
 
     /// Puts the question for all that was painted since the last one.
@@ -219,7 +221,7 @@ impl LiveBricks {
     pub(crate) fn follow(
         &mut self,
         gpu: &Gpu,
-        field: &Field,
+        (key, field): (FieldKey, &Field),
         variant: Variant,
         reader: &mut CellReader,
         pools: &mut FieldPools,
@@ -253,7 +255,7 @@ impl LiveBricks {
             }
         }
         self.news.extend(&told);
-        self.show(told.iter(), field.kind(), pools);
+        self.show(told.iter(), key, pools);
         Ok(())
     }
 
@@ -268,14 +270,14 @@ impl LiveBricks {
         !(self.flights.is_empty() && self.news.is_empty() && self.painted.is_empty())
     }
 
-    fn show<'a>(&self, bricks: impl Iterator<Item = &'a BrickIndex>, kind: FieldKind, pools: &mut FieldPools) {
+    fn show<'a>(&self, bricks: impl Iterator<Item = &'a BrickIndex>, key: FieldKey, pools: &mut FieldPools) {
         for brick in bricks {
             let Some(live) = self.bricks.get(brick) else { continue };
             let mut ranges = live.cells.ranges.clone();
             for block in (0..8_u8).filter(|b| live.painted[usize::from(*b)] || live.due[usize::from(*b)] > 0) {
                 cells_in(block).for_each(|cell| ranges[cell] = [f32::NEG_INFINITY, f32::INFINITY]);
             }
-            pools.set_live(kind, *brick, Cells::Dense(ranges.into()));
+            pools.set_live(key, *brick, Cells::Dense(ranges.into()));
         }
     }
 }

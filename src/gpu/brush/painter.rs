@@ -17,9 +17,10 @@ use crate::gpu::brush::submit::Dispatcher;
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::device::kernel::{Compute, Kernel};
-use crate::gpu::fields::pools::{FieldPools, Fields};
+use crate::gpu::fields::pools::FieldPools;
+use crate::gpu::fields::volumes::{Fields, VolumeFields};
 use crate::paint::{Brush, Dab, Footprint, Reach, VoxelSet};
-use crate::volume::{Brick, BrickIndex, BrickKey, Grid, LiveCells, Refresh, Segments};
+use crate::volume::{Brick, BrickIndex, BrickKey, LiveCells, Refresh, Segments, VolumeId};
 use std::collections::{BTreeSet, HashMap};
 
 /// Memory that one stroke may take unless [`Painter::set_budget`] says otherwise.
@@ -110,7 +111,7 @@ impl Painter {
         seen
     }
 
-    /// Starts a stroke on the fields as they are now; they must stay so until it ends. Labels of locked segments are kept. `reach`
+    /// Starts a stroke on a volume's fields as they are now; they must stay so until it ends. Labels of locked segments are kept. `reach`
     /// is that of density with what the brush makes.
     ///
     /// # Errors
@@ -118,7 +119,7 @@ impl Painter {
     /// density cannot yet hold what the brush makes: widen its [`DensityMap`](crate::volume::DensityMap) and begin again.
     pub fn begin(
         &mut self,
-        grid: &Grid,
+        volume: VolumeId,
         fields: &Fields<'_>,
         brush: &Brush,
         segments: &Segments,
@@ -128,6 +129,7 @@ impl Painter {
             return Err(GpuError::Stroke("one is running; end or cancel it first"));
         }
         brush.check()?;
+        let fields = of(fields, volume)?;
         brush.check_on(fields.density)?;
         if let Some(needed) = brush.range_needed(fields.density) {
             let map = fields.density.map();
@@ -136,8 +138,9 @@ impl Painter {
         let target = fields.get(brush.target.field());
         self.stroke = Some(Stroke {
             brush: *brush,
-            grid: *grid,
-            constants: BrushStroke::new(brush, grid, target, reach),
+            volume,
+            grid: fields.grid,
+            constants: BrushStroke::new(brush, &fields.grid, target, reach),
             locked: locked_bits(segments),
             dabs: Vec::new(),
             buffers: Vec::new(),
@@ -173,7 +176,9 @@ impl Painter {
     ) -> Result<Vec<BrickIndex>, GpuError> {
         self.gpu.check()?;
         let Some(stroke) = &mut self.stroke else { return Err(NOT_RUNNING) };
-        let (kind, target) = (stroke.kind(), fields.get(stroke.kind()));
+        pools.have(&self.gpu, fields, stroke.volume)?;
+        let fields = &of(fields, stroke.volume)?;
+        let (kind, key, target) = (stroke.kind(), stroke.key(), fields.get(stroke.kind()));
         let laid = |dab: &Dab| dab.footprint(&stroke.brush, &stroke.grid);
         let footprints: Vec<_> = dabs.iter().filter_map(laid).collect();
         let met = met(&footprints, stroke.grid.dims);
@@ -183,8 +188,8 @@ impl Painter {
             return Ok(bricks);
         }
         let new: Vec<_> = bricks.iter().copied().filter(|b| !stroke.slots.contains_key(b)).collect();
-        let origins = if new.is_empty() { Vec::new() } else { pools.pin(&self.gpu, target, &new)? };
-        let (Some(texture), Some(format)) = (pools.texture(kind), pools.format(kind)) else {
+        let origins = if new.is_empty() { Vec::new() } else { pools.pin(&self.gpu, key, target, &new)? };
+        let (Some(texture), Some(format)) = (pools.texture(key), pools.format(key)) else {
             return Err(GpuError::Stroke("the pools hold no slots of the field"));
         };
         let begins = stroke.slots.is_empty();
@@ -210,7 +215,7 @@ impl Painter {
             stroke.ungathered = footprints.first().copied();
         }
         if live_cells::matters(kind) {
-            stroke.live.paint(&met, stroke.grid.dims, kind, pools);
+            stroke.live.paint(&met, stroke.grid.dims, key, pools);
         }
         stroke.dabs.extend_from_slice(dabs);
         Ok(bricks)
@@ -219,7 +224,7 @@ impl Painter {
     /// Gives new slots places, with all that the kernel reads of them, and submits the dabs on them and on those that have places.
     fn lay(
         &mut self,
-        fields: &Fields<'_>,
+        fields: &VolumeFields<'_>,
         variant: Variant,
         texture: &wgpu::Texture,
         footprints: &[Footprint],
@@ -259,11 +264,11 @@ impl Painter {
     /// [`GpuError::Lost`] and others of the device.
     pub fn follow(&mut self, pools: &mut FieldPools, fields: &Fields<'_>) -> Result<(), GpuError> {
         let Some(stroke) = &mut self.stroke else { return Ok(()) };
-        let (kind, target) = (stroke.kind(), fields.get(stroke.kind()));
-        let Some(format) = pools.format(kind) else { return Ok(()) };
+        let (key, target) = (stroke.key(), of(fields, stroke.volume)?.get(stroke.kind()));
+        let Some(format) = pools.format(key) else { return Ok(()) };
         let variant = Variant::of(target.format(), format);
-        stroke.live.follow(&self.gpu, target, variant, &mut self.cells, pools)?;
-        let Some(texture) = pools.texture(kind) else { return Ok(()) };
+        stroke.live.follow(&self.gpu, (key, target), variant, &mut self.cells, pools)?;
+        let Some(texture) = pools.texture(key) else { return Ok(()) };
         stroke.live.ask(&self.gpu, variant, &mut self.cells, texture, stroke.grid.dims)
     }
 
@@ -291,9 +296,11 @@ impl Painter {
         fields: &Fields<'_>,
     ) -> Result<Vec<(BrickIndex, Brick)>, GpuError> {
         let Some(stroke) = &self.stroke else { return Err(NOT_RUNNING) };
-        let (target, touched) = (fields.get(stroke.kind()), stroke.slots.iter().map(|(brick, slot)| (*brick, slot)));
-        let bricks = self.answers.changed(&self.gpu, pools, target, &stroke.buffers, touched.collect())?;
-        pools.hand_over(stroke.kind());
+        let target = of(fields, stroke.volume)?.get(stroke.kind());
+        let touched = stroke.slots.iter().map(|(brick, slot)| (*brick, slot));
+        let bricks =
+            self.answers.changed(&self.gpu, pools, (stroke.key(), target), &stroke.buffers, touched.collect())?;
+        pools.hand_over(stroke.key());
         self.end();
         Ok(bricks)
     }
@@ -308,9 +315,9 @@ impl Painter {
         let Some(stroke) = &self.stroke else { return Err(NOT_RUNNING) };
         let restored = stroke.restore(&self.gpu, pools);
         if restored.is_ok() {
-            pools.hand_over(stroke.kind());
+            pools.hand_over(stroke.key());
         } else {
-            pools.unpin(stroke.kind());
+            pools.unpin(stroke.key());
         }
         self.end();
         restored?;
@@ -323,8 +330,10 @@ impl Painter {
     /// As [`finish`](Self::finish).
     pub fn live(&self, pools: &FieldPools, fields: &Fields<'_>, brick: BrickIndex) -> Result<Option<Brick>, GpuError> {
         let Some(stroke) = &self.stroke else { return Ok(None) };
-        let (target, wanted) = (fields.get(stroke.kind()), stroke.slots.get(&brick).map(|slot| (brick, slot)));
-        let shown = Answers::default().bricks(&self.gpu, pools, target, wanted.as_slice(), &Flags(&[]))?;
+        let target = of(fields, stroke.volume)?.get(stroke.kind());
+        let wanted = stroke.slots.get(&brick).map(|slot| (brick, slot));
+        let shown =
+            Answers::default().bricks(&self.gpu, pools, (stroke.key(), target), wanted.as_slice(), &Flags(&[]))?;
         Ok(shown.into_iter().next().map(|(_, brick)| brick))
     }
 
@@ -374,3 +383,8 @@ impl Painter {
 }
 
 const NOT_RUNNING: GpuError = GpuError::Stroke("none is running; begin one first");
+
+/// The fields of the volume that is painted.
+fn of<'a>(fields: &Fields<'a>, volume: VolumeId) -> Result<VolumeFields<'a>, GpuError> {
+    fields.get(volume).copied().ok_or(GpuError::NoVolume { id: volume.0 })
+}

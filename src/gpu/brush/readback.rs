@@ -9,7 +9,7 @@ use crate::gpu::device::constants::ROW_PITCH_BYTES;
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::fields::pools::FieldPools;
-use crate::volume::{BRICK, Brick, BrickIndex, BrickKey, Field, Region};
+use crate::volume::{BRICK, Brick, BrickIndex, BrickKey, Field, FieldKey, Region};
 use std::collections::HashSet;
 
 /// Bricks of one copy, so that the buffer between stays small.
@@ -28,7 +28,7 @@ impl Answers {
         &mut self,
         gpu: &Gpu,
         pools: &FieldPools,
-        field: &Field,
+        (key, field): (FieldKey, &Field),
         buffers: &[StrokeBuffers],
         mut touched: Vec<Touched<'_>>,
     ) -> Result<Vec<(BrickIndex, Brick)>, GpuError> {
@@ -38,9 +38,9 @@ impl Answers {
             let flags = Flags(buffers);
             let changed = self.read(gpu, flags.bytes(), |e, to| flags.copy(e, to), |bytes| flags.changed(bytes))?;
             touched.retain(|(brick, _)| changed.contains(brick));
-            return self.bricks(gpu, pools, field, &touched, &Flags(&[]));
+            return self.bricks(gpu, pools, (key, field), &touched, &Flags(&[]));
         }
-        self.bricks(gpu, pools, field, &touched, &Flags(buffers))
+        self.bricks(gpu, pools, (key, field), &touched, &Flags(buffers))
     }
 
     /// Bricks as these slots show them, zero beyond the volume; of those that `flags` speak of only the changed ones. Waits for the
@@ -49,13 +49,13 @@ impl Answers {
         &mut self,
         gpu: &Gpu,
         pools: &FieldPools,
-        field: &Field,
+        (key, field): (FieldKey, &Field),
         wanted: &[Touched<'_>],
         flags: &Flags<'_>,
     ) -> Result<Vec<(BrickIndex, Brick)>, GpuError> {
         let mut out = Vec::with_capacity(wanted.len());
         for batch in wanted.chunks(BATCH) {
-            let (Some(texture), Some(format)) = (pools.texture(field.kind()), pools.format(field.kind())) else {
+            let (Some(texture), Some(format)) = (pools.texture(key), pools.format(key)) else {
                 return Err(GpuError::Stroke("the pools hold no slots of the field"));
             };
             let variant = Variant::of(field.format(), format);

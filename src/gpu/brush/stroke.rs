@@ -5,9 +5,10 @@ use crate::gpu::brush::kernel::{BrushStroke, Variant};
 use crate::gpu::brush::live_cells::LiveBricks;
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
-use crate::gpu::fields::pools::{FieldPools, Fields};
+use crate::gpu::fields::pools::FieldPools;
+use crate::gpu::fields::volumes::VolumeFields;
 use crate::paint::{Brush, Dab, Footprint, Gate, Operation, Target, VoxelSet};
-use crate::volume::{BrickIndex, Field, FieldKind, Grid, Region, Segments, SourceError};
+use crate::volume::{BrickIndex, Field, FieldKey, FieldKind, Grid, Region, Segments, SourceError, VolumeId};
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap};
 
@@ -18,6 +19,8 @@ pub(crate) const SLOTS_AT_ONCE: usize = 128;
 #[derive(Debug)]
 pub(crate) struct Stroke {
     pub(crate) brush: Brush,
+    /// The volume that it paints on.
+    pub(crate) volume: VolumeId,
     pub(crate) grid: Grid,
     pub(crate) constants: BrushStroke,
     /// A bit for every label.
@@ -48,6 +51,11 @@ pub(crate) struct NewSlot {
 impl Stroke {
     pub(crate) fn kind(&self) -> FieldKind {
         self.brush.target.field()
+    }
+
+    /// The field that it paints.
+    pub(crate) fn key(&self) -> FieldKey {
+        FieldKey::new(self.volume, self.kind())
     }
 
     /// Room for further slots, in spare buffers or new ones.
@@ -90,7 +98,7 @@ impl Stroke {
     pub(crate) fn take(
         &mut self,
         gpu: &Gpu,
-        fields: &Fields<'_>,
+        fields: &VolumeFields<'_>,
         new: &[NewSlot],
         gathers: bool,
         encoder: &mut wgpu::CommandEncoder,
@@ -166,7 +174,7 @@ impl Stroke {
     }
 
     /// Writes the gates of slots anew in which more may be painted by now.
-    pub(crate) fn renew_gates(&mut self, gpu: &Gpu, fields: &Fields<'_>) -> Result<(), GpuError> {
+    pub(crate) fn renew_gates(&mut self, gpu: &Gpu, fields: &VolumeFields<'_>) -> Result<(), GpuError> {
         while let Some(&brick) = self.stale.first() {
             let Some(slot) = self.slots.get(&brick) else {
                 self.stale.pop_first();
@@ -224,7 +232,7 @@ impl Stroke {
         bricks: &[BrickIndex],
         copy: impl Fn(&StrokeBuffers, &mut wgpu::CommandEncoder, &StrokeSlot, &wgpu::Texture),
     ) -> Result<(), GpuError> {
-        let Some(texture) = pools.texture(self.kind()) else { return Ok(()) };
+        let Some(texture) = pools.texture(self.key()) else { return Ok(()) };
         let slots: Vec<_> = bricks.iter().filter_map(|brick| self.slots.get(brick)).collect();
         gpu.scoped(what, || {
             for part in slots.chunks(SLOTS_AT_ONCE) {

@@ -4,20 +4,36 @@
 //! numbers in `uniforms`; what a pixel costs is in `shaders/cast/picture.wgsl` (after Bruckner and Gröller 2006, section 4).
 
 use crate::gpu::cast::forms::{Begins, Form, Forms, Groups, Share, Work};
+use crate::gpu::cast::looks::{Kind, Looks, MOST_LOOKS, ROW, entries, integrals, rows};
 use crate::gpu::cast::merging::{Drawn, drawn, resolve};
 use crate::gpu::cast::tiles::{Tiles, Window};
-use crate::gpu::cast::uniforms::{Scene, TABLE_ROWS, View, table};
+use crate::gpu::cast::uniforms::{BodyMatter, CastBody, Scene, View};
 use crate::gpu::device::constants::{LIST_WIDTH, MOST_BODIES, MOST_PLANES};
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::device::kernel::{Binding, group, group_layout};
 use crate::gpu::device::textures::{COLOUR, OBJECT, Targets, data, write};
-use crate::gpu::fields::pools::{FieldPools, Fields};
+use crate::gpu::fields::pools::FieldPools;
+use crate::gpu::fields::volumes::Fields;
 use crate::gpu::layers::{DrawnLayers, LayerRaster, Rays};
-use crate::gpu::picture::frame::{Frame, Mask};
+use crate::gpu::picture::frame::{Frame, Look, LookRef, Mask, Overlay};
 use crate::gpu::picture::image::Image;
 use crate::math::DVec2;
-use crate::volume::{FieldKind, Mode, Segments, TABLE_ENTRIES};
+use crate::volume::{FieldKey, FieldKind, TABLE_ENTRIES};
+use rayon::prelude::*;
+
+/// Tables of looks that are kept.
+const TABLES: usize = 2;
+
+/// Rows of looks on the GPU.
+#[derive(Debug)]
+struct LookTable {
+    step_mm: f64,
+    /// Rows of a look.
+    each: usize,
+    rows: Vec<Option<Look>>,
+    texture: wgpu::Texture,
+}
 
 /// See the module's head.
 #[derive(Debug)]
@@ -26,8 +42,12 @@ pub struct Caster {
     pub(crate) view: wgpu::Buffer,
     pub(crate) bodies: wgpu::Buffer,
     pub(crate) planes: wgpu::Buffer,
+    matters: wgpu::Buffer,
     table: (Vec<[f32; 4]>, wgpu::Texture),
-    segments: (Option<Segments>, wgpu::Texture),
+    /// Rows of looks, by the step that they were made for; pictures and picks take turns.
+    tables: Vec<LookTable>,
+    label_looks: (Vec<[f32; 4]>, wgpu::Texture),
+    segments: (Vec<[u8; 4]>, wgpu::Texture),
     pub(crate) nothing: Targets,
     forms: Forms,
     /// Made when a picture first holds a mesh.
@@ -55,13 +75,13 @@ impl Caster {
             Ok(Self {
                 layout: layout(gpu),
                 view: uniform("caster view", size_of::<View>()),
-                bodies: uniform(
-                    "caster bodies",
-                    MOST_BODIES as usize * size_of::<crate::gpu::cast::uniforms::CastBody>(),
-                ),
+                bodies: uniform("caster bodies", MOST_BODIES as usize * size_of::<CastBody>()),
                 planes: uniform("caster planes", MOST_PLANES as usize * 16),
-                table: (Vec::new(), data(gpu, "transfer table", [TABLE_ENTRIES as u32, TABLE_ROWS], COLOUR)),
-                segments: (None, data(gpu, "segment colours", [256, 1], wgpu::TextureFormat::Rgba8Unorm)),
+                matters: uniform("caster matters", MOST_BODIES as usize * size_of::<BodyMatter>()),
+                table: (Vec::new(), data(gpu, "transfer table", [TABLE_ENTRIES as u32, 2], COLOUR)),
+                tables: Vec::new(),
+                label_looks: (Vec::new(), data(gpu, "labels' looks", [256, 1], COLOUR)),
+                segments: (Vec::new(), data(gpu, "segment colours", [256, 1], wgpu::TextureFormat::Rgba8Unorm)),
                 nothing: Targets::new(gpu, [1; 2]),
                 forms: Forms::new(gpu),
                 layers: None,
@@ -140,19 +160,35 @@ impl Caster {
         frame: &Frame,
         window: &Window,
     ) -> Result<Image, GpuError> {
-        let drawn = self.drawn(pools, fields, frame);
+        let drawn = drawn(frame, fields, pools, self.shortcuts)?;
         gpu.scoped("a picture", || {
             let targets = Targets::new(gpu, window.size);
-            self.render(gpu, pools, frame, &drawn, window, &targets)?;
-            let mut image = crate::gpu::cast::readback::image(gpu, &targets)?;
-            resolve(&mut image, &drawn, frame, window);
+            let scene = self.scene(gpu, pools, fields, frame, &drawn, window)?;
+            self.render(gpu, pools, frame, &drawn, scene, &targets)?;
+            let (mut image, codes) = crate::gpu::cast::readback::image(gpu, &targets)?;
+            resolve(&mut image, &codes, &drawn, frame, window);
             Ok(image)
         })
     }
 
-    pub(crate) fn drawn(&self, pools: &FieldPools, fields: &Fields<'_>, frame: &Frame) -> Vec<Drawn> {
-        let running = pools.pinned(FieldKind::Selection);
-        drawn(frame, pools.grid(), fields, &running, self.shortcuts)
+    /// The numbers of a frame, its volumes bound and what rays may skip made ready.
+    pub(crate) fn scene(
+        &self,
+        gpu: &Gpu,
+        pools: &mut FieldPools,
+        fields: &Fields<'_>,
+        frame: &Frame,
+        drawn: &[Drawn],
+        window: &Window,
+    ) -> Result<Scene, GpuError> {
+        let looks = Looks::of(frame, drawn);
+        if looks.rows.len() > MOST_LOOKS {
+            return Err(GpuError::TooManyLooks { looks: looks.rows.len(), most: MOST_LOOKS });
+        }
+        let matters: Vec<_> = drawn.iter().map(|d| d.matter(frame)).collect();
+        pools.bind(gpu, &frame.volumes())?;
+        let skips = pools.skip_maps(gpu, fields, &matters)?;
+        Scene::new(frame, fields, pools, window, drawn, looks, &skips)
     }
 
     /// Submits a window of the picture.
@@ -162,18 +198,17 @@ impl Caster {
         pools: &FieldPools,
         frame: &Frame,
         drawn: &[Drawn],
-        window: &Window,
+        mut scene: Scene,
         targets: &Targets,
     ) -> Result<(), GpuError> {
-        let mut scene = Scene::new(frame, pools.grid(), window, drawn, pools.value_of_texel())?;
-        self.set_table(gpu, frame);
+        self.set_looks(gpu, pools, frame, &scene);
         let lists = self.upload(gpu, &scene);
         let layers = self.draw_layers(gpu, frame, &scene, &lists, targets.size)?;
         let other = (scene.passes.len() > 1).then(|| Targets::new(gpu, targets.size));
         let count = scene.passes.len();
         let opaque = layers.as_ref().and_then(|l| l.opaque.as_ref());
         let most = layers.as_ref().map_or(1, |l| l.pieces);
-        let shares = shares(frame.mode, &scene.tiles, most);
+        let shares = shares(scene.looks.kind, &scene.tiles, most);
         for (i, [k_from, k_to]) in scene.passes.clone().into_iter().enumerate() {
             // Passes take turns between two sets of targets; the last one ends in the caller's.
             let (to, from) = match &other {
@@ -184,10 +219,11 @@ impl Caster {
             scene.view.k_from = k_from;
             scene.view.k_to = k_to;
             gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&scene.view));
-            let group = self.group(gpu, &lists, if i == 0 { &self.nothing } else { from });
-            let continues = i + 1 < count && (frame.mode == Mode::Mip || opaque.is_some());
+            let group = self.group(gpu, &lists, scene.looks.own, if i == 0 { &self.nothing } else { from });
+            let continues = i + 1 < count && (scene.looks.kind == Kind::Mip || opaque.is_some());
             let work = |&(share, capacity): &(Share, u32)| {
-                let mut conditions = self.conditions(gpu, pools, frame, drawn, capacity, i > 0, continues);
+                let mut conditions =
+                    self.conditions(gpu, pools, frame, (drawn, &scene.looks), capacity, i > 0, continues);
                 conditions.extend(layers.iter().flat_map(DrawnLayers::conditions));
                 Work { share, conditions }
             };
@@ -217,7 +253,7 @@ impl Caster {
             return Ok(None);
         }
         gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&scene.view));
-        let group = self.group(gpu, lists, &self.nothing);
+        let group = self.group(gpu, lists, scene.looks.own, &self.nothing);
         let rays = Rays { layout: &self.layout, group: &group, eye: frame.camera.eye, size };
         self.layers.get_or_insert_with(|| LayerRaster::new(gpu)).draw(gpu, &frame.layers, &rays)
     }
@@ -228,31 +264,41 @@ impl Caster {
         gpu: &Gpu,
         pools: &FieldPools,
         frame: &Frame,
-        drawn: &[Drawn],
+        (drawn, looks): (&[Drawn], &Looks),
         capacity: u32,
         resume: bool,
         continues: bool,
     ) -> Vec<&'static str> {
-        let painted = |kind, opacity: f32| pools.texture(kind).is_some() && opacity > 0.0;
-        let lit = frame.lighting.is_some() && frame.mode != Mode::Mip;
-        let colour = painted(FieldKind::Colour, frame.overlay.colour);
-        let labels = painted(FieldKind::Labels, frame.overlay.labels);
+        let painted = |kind, opacity: fn(&Overlay) -> f32| {
+            let shows = |d: &Drawn| pools.texture(FieldKey::new(d.volume, kind)).is_some();
+            drawn.iter().any(|d| opacity(frame.overlay_of(d.volume)) > 0.0 && shows(d))
+        };
+        let lit = looks.lit;
+        let colour = painted(FieldKind::Colour, |overlay| overlay.colour);
+        let labels = painted(FieldKind::Labels, |overlay| overlay.labels);
+        let labelled = painted(FieldKind::Labels, |_| 1.0);
         let masked = drawn.iter().any(|d| d.mask != Mask::None || d.selected.is_some());
-        let selection = masked || painted(FieldKind::Selection, frame.overlay.selection);
+        let selection = masked || painted(FieldKind::Selection, |overlay| overlay.selection);
         let tinted = drawn.iter().any(|d| d.tint.is_some());
-        let (dvr, iso) = (frame.mode == Mode::Dvr, matches!(frame.mode, Mode::Iso(_)));
+        let (dvr, iso) = (looks.kind == Kind::Dvr, looks.kind == Kind::Iso);
+        let modes = looks.kind == Kind::Modes;
+        let dear = lit || tinted || colour || labels || selection;
         let own = [
             ("DVR", dvr),
             ("ISO", iso),
-            ("MIP", frame.mode == Mode::Mip),
+            ("MIP", looks.kind == Kind::Mip),
+            ("MODES", modes),
+            ("OWN_LOOKS", looks.own),
+            ("LABEL_LOOKS", looks.by_label),
+            ("TELLS_LABELS", labelled),
             ("LIT", lit),
             ("COLOUR", colour),
             ("LABELS", labels),
             ("SELECTION", selection),
             // Samples that show nothing are passed over before those that do are looked at closely: for light and paint, and
             // for the one sample in which a surface lies. A maximum is asked of every sample.
-            ("STAGED", iso || (dvr && (frame.refine || lit || tinted || colour || labels || selection))),
-            ("REFINE", dvr && frame.refine),
+            ("STAGED", iso || modes || (dvr && (looks.refines || dear || looks.by_label))),
+            ("REFINE", looks.refines),
             ("MERGE", capacity > 0),
             ("UP_TO_16", capacity == 16),
             ("UP_TO_64", capacity == 64),
@@ -265,28 +311,83 @@ impl Caster {
         own.chain(pools.defs(gpu).into_iter().map(|d| d.0)).collect()
     }
 
-    pub(crate) fn set_table(&mut self, gpu: &Gpu, frame: &Frame) {
-        let entries = table(frame);
-        if self.table.0 != entries {
-            write(gpu, &self.table.1, bytemuck::cast_slice(&entries), 16);
-            self.table.0 = entries;
-        }
-        if self.segments.0.as_ref() != Some(&frame.overlay.segments) {
-            let rows = frame.overlay.segments.0.last().map_or(1, |s| u32::from(s.id) / 256 + 1);
-            let mut colours = vec![[0_u8; 4]; rows as usize * 256];
-            for s in frame.overlay.segments.0.iter().filter(|s| s.visible) {
-                let [r, g, b] = s.colour.map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8);
-                colours[usize::from(s.id)] = [r, g, b, 255];
+    /// Has the tables of a frame's looks, labels and segment colours.
+    pub(crate) fn set_looks(&mut self, gpu: &Gpu, pools: &FieldPools, frame: &Frame, scene: &Scene) {
+        let looks = &scene.looks;
+        if looks.own {
+            self.set_rows(gpu, frame, looks);
+        } else {
+            let look = frame.look(looks.rows.first().copied().flatten());
+            let mut entries = entries(look, frame.step_mm);
+            if looks.refines {
+                entries.extend(integrals(look, frame.step_mm));
             }
-            self.segments.1 = data(gpu, "segment colours", [256, rows], wgpu::TextureFormat::Rgba8Unorm);
-            write(gpu, &self.segments.1, bytemuck::cast_slice(&colours), 4);
-            self.segments.0 = Some(frame.overlay.segments.clone());
+            entries.resize(2 * TABLE_ENTRIES, [0.0; 4]);
+            if self.table.0 != entries {
+                write(gpu, &self.table.1, bytemuck::cast_slice(&entries), 16);
+                self.table.0 = entries;
+            }
         }
+        if looks.by_label {
+            let texels = looks.label_texels(frame, &|id| pools.value_of_texel(id));
+            if self.label_looks.0 != texels {
+                let size = [256, texels.len() as u32 / 256];
+                self.label_looks.1 = data(gpu, "labels' looks", size, COLOUR);
+                write(gpu, &self.label_looks.1, bytemuck::cast_slice(&texels), 16);
+                self.label_looks.0 = texels;
+            }
+        }
+        let colours = looks.segment_colours(frame);
+        if self.segments.0 != colours {
+            let size = [256, colours.len() as u32 / 256];
+            self.segments.1 = data(gpu, "segment colours", size, wgpu::TextureFormat::Rgba8Unorm);
+            write(gpu, &self.segments.1, bytemuck::cast_slice(&colours), 4);
+            self.segments.0 = colours;
+        }
+    }
+
+    /// The table of looks, of which only rows that changed are made anew.
+    fn set_rows(&mut self, gpu: &Gpu, frame: &Frame, looks: &Looks) {
+        let each = looks.rows_each();
+        let serves = |t: &LookTable| (t.step_mm, t.each) == (frame.step_mm, each) && t.rows.len() >= looks.rows.len();
+        let at = self.tables.iter().position(serves);
+        let mut table = match at {
+            Some(at) => self.tables.remove(at),
+            None => {
+                self.tables.truncate(TABLES - 1);
+                let rows = looks.rows.len().next_power_of_two();
+                LookTable {
+                    step_mm: frame.step_mm,
+                    each,
+                    rows: vec![None; rows],
+                    texture: data(gpu, "looks", [ROW as u32, (rows * each) as u32], COLOUR),
+                }
+            }
+        };
+        let wanted = looks.rows.iter().map(|&row| frame.look(row));
+        let stale = |(i, look): (usize, LookRef<'_>)| !table.rows[i].as_ref().is_some_and(|old| look.is(old));
+        let stale: Vec<usize> = wanted.enumerate().filter(|at| stale(*at)).map(|(i, _)| i).collect();
+        let make = |&i: &usize| (i, rows(frame.look(looks.rows[i]), frame.step_mm, looks.refines));
+        let made: Vec<_> = stale.par_iter().map(make).collect();
+        for (i, texels) in made {
+            gpu.queue.write_texture(
+                wgpu::TexelCopyTextureInfo {
+                    origin: wgpu::Origin3d { x: 0, y: (i * each) as u32, z: 0 },
+                    ..table.texture.as_image_copy()
+                },
+                bytemuck::cast_slice(&texels),
+                wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(16 * ROW as u32), rows_per_image: None },
+                wgpu::Extent3d { width: ROW as u32, height: each as u32, depth_or_array_layers: 1 },
+            );
+            table.rows[i] = Some(frame.look(looks.rows[i]).to_look());
+        }
+        self.tables.insert(0, table);
     }
 
     /// Writes bodies and planes; answers textures of the tiles' heads and lists.
     pub(crate) fn upload(&self, gpu: &Gpu, scene: &Scene) -> [wgpu::Texture; 2] {
         gpu.queue.write_buffer(&self.bodies, 0, bytemuck::cast_slice(&scene.bodies));
+        gpu.queue.write_buffer(&self.matters, 0, bytemuck::cast_slice(&scene.matters));
         gpu.queue.write_buffer(&self.planes, 0, bytemuck::cast_slice(&scene.planes));
         let heads = data(gpu, "tile heads", scene.tiles.dims, wgpu::TextureFormat::Rg32Uint);
         write(gpu, &heads, bytemuck::cast_slice(&scene.tiles.heads), 8);
@@ -298,13 +399,17 @@ impl Caster {
         [heads, lists]
     }
 
-    pub(crate) fn group(&self, gpu: &Gpu, lists: &[wgpu::Texture; 2], before: &Targets) -> wgpu::BindGroup {
+    /// Group 0. `own`: bodies have looks of their own.
+    pub(crate) fn group(&self, gpu: &Gpu, lists: &[wgpu::Texture; 2], own: bool, before: &Targets) -> wgpu::BindGroup {
+        let table = self.tables.first().filter(|_| own).map_or(&self.table.1, |t| &t.texture);
         let view = |t: &wgpu::Texture| t.create_view(&wgpu::TextureViewDescriptor::default());
-        let textures =
-            [&lists[0], &lists[1], &self.table.1, &self.segments.1, &before.colour, &before.depth, &before.object];
+        let textures = [&lists[0], &lists[1], table, &self.segments.1, &before.colour, &before.depth, &before.object];
         let views = textures.map(view);
         let buffers = [&self.view, &self.bodies, &self.planes].map(|b| b.as_entire_binding());
-        let resources = buffers.into_iter().chain(views.iter().map(wgpu::BindingResource::TextureView));
+        let textures = views.iter().map(wgpu::BindingResource::TextureView);
+        let label_looks = view(&self.label_looks.1);
+        let label_looks = wgpu::BindingResource::TextureView(&label_looks);
+        let resources = buffers.into_iter().chain(textures).chain([self.matters.as_entire_binding(), label_looks]);
         group(gpu, "caster", &self.layout, resources)
     }
 }
@@ -316,19 +421,25 @@ fn layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
     let lists = [Binding::UINT_2D; 2];
     let colours = [Binding::FLOAT_2D; 2];
     let before = [Binding::FLOAT_2D, Binding::FLOAT_2D, Binding::UINT_2D];
-    let bindings: Vec<_> = [Uniform(0); 3].into_iter().chain(lists).chain(colours).chain(before).collect();
+    let bindings = [Uniform(0); 3].into_iter().chain(lists).chain(colours).chain(before);
+    let bindings: Vec<_> = bindings.chain([Uniform(0), Binding::FLOAT_2D]).collect();
     group_layout(gpu, "caster", stages, &bindings)
 }
 
 /// Which tiles are drawn by which pipeline: by the intervals that a ray must hold there (0: bodies follow one another). A pixel that
 /// no body can be met in costs nothing. `pieces`: into how many an interval may be cut.
-fn shares(mode: Mode, tiles: &Tiles, pieces: usize) -> Vec<(Share, u32)> {
-    if mode != Mode::Dvr || tiles.longest_merged == 0 {
+fn shares(kind: Kind, tiles: &Tiles, pieces: usize) -> Vec<(Share, u32)> {
+    // Few capacities, so that few pipelines are made.
+    let capacity = |longest: usize| {
+        let most = longest * pieces;
+        [4, 16, 64].into_iter().find(|&c| c as usize >= most).unwrap_or(MOST_BODIES)
+    };
+    if kind == Kind::Modes {
+        return vec![(Share::All, capacity(tiles.longest_merged.max(tiles.longest_ordered)))];
+    }
+    if kind != Kind::Dvr || tiles.longest_merged == 0 {
         return vec![(Share::All, 0)];
     }
-    // Few capacities, so that few pipelines are made.
-    let most = tiles.longest_merged * pieces;
-    let capacity = [4, 16, 64].into_iter().find(|&c| c as usize >= most).unwrap_or(MOST_BODIES);
     let ordered = (tiles.longest_ordered > 0).then_some((Share::Ordered, 0));
-    ordered.into_iter().chain([(Share::Merged, capacity)]).collect()
+    ordered.into_iter().chain([(Share::Merged, capacity(tiles.longest_merged))]).collect()
 }

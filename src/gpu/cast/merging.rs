@@ -6,23 +6,34 @@
 
 use crate::gpu::cast::solid::Solid;
 use crate::gpu::cast::tiles::Window;
-use crate::gpu::fields::pools::Fields;
+use crate::gpu::device::error::GpuError;
+use crate::gpu::fields::pools::FieldPools;
+use crate::gpu::fields::skip_maps::{LabelValues, Matter, Showing};
+use crate::gpu::fields::visible_values::VisibleValues;
+use crate::gpu::fields::volumes::Fields;
 use crate::gpu::layers::MESH_CODE;
-use crate::gpu::picture::frame::{Body, Frame, Mask};
+use crate::gpu::picture::frame::{Body, Frame, LabelLooks, Mask};
 use crate::gpu::picture::image::Image;
+use crate::gpu::picture::object_id::ObjectId;
 use crate::math::{Aabb, DVec2, DVec3, Plane, Pose, nearest_region, outside_by};
-use crate::volume::{BRICK, BrickIndex, BrickKey, CELL, Cells, Field, Grid};
+use crate::volume::{BRICK, BrickIndex, BrickKey, CELL, Cells, Field, FieldKey, FieldKind, Grid, VolumeId};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// One or several bodies, marched as one.
 #[derive(Clone, Debug)]
 pub(crate) struct Drawn {
+    /// Whose matter it is.
+    pub volume: VolumeId,
     /// In world mm, as posed.
     pub solid: Solid,
     pub pose: Pose,
     /// At rest; those that cut nothing off the box are left out.
     pub planes: Vec<Plane>,
     pub mask: Mask,
+    /// Row of the frame's looks.
+    pub look: Option<usize>,
+    pub labels: Option<Arc<LabelLooks>>,
     pub tint: Option<[f32; 3]>,
     /// In world mm: what clips this body too.
     pub clips: Vec<Plane>,
@@ -35,6 +46,16 @@ pub(crate) struct Drawn {
 }
 
 impl Drawn {
+    /// What of its volume it shows.
+    pub(crate) fn matter(&self, frame: &Frame) -> Matter {
+        let values = |row| VisibleValues::of_look(frame.look(row));
+        let values = match &self.labels {
+            Some(labels) => Showing::ByLabel(LabelValues::new(labels, |row| values(Some(row)))),
+            None => Showing::One(values(self.look)),
+        };
+        Matter { volume: self.volume, values, mask: self.mask }
+    }
+
     /// The body that a point of the world on it belongs to.
     pub(crate) fn owner(&self, world: DVec3, selected: bool, hint: &mut usize) -> u32 {
         if let (true, Some(id)) = (selected, self.selected) {
@@ -52,23 +73,47 @@ impl Drawn {
     }
 }
 
-/// The marched bodies of a frame. `running` are bricks of the selection that a stroke is changing right now.
+/// A volume as bodies are cut out of it.
+struct Block {
+    grid: Grid,
+    /// Its box.
+    solid: Solid,
+    /// Where anything may be selected.
+    selected: Option<Aabb>,
+}
+
+impl Block {
+    fn of(fields: &Fields<'_>, pools: &FieldPools, id: VolumeId) -> Result<Self, GpuError> {
+        let volume = fields.get(id).ok_or(GpuError::NoVolume { id: id.0 })?;
+        let running = pools.pinned(FieldKey::new(id, FieldKind::Selection));
+        Ok(Self {
+            grid: volume.grid,
+            solid: Solid::hexahedron(&volume.grid.world_corners()),
+            selected: selected_bounds(volume.selection, &volume.grid, &running),
+        })
+    }
+}
+
+/// The marched bodies of a frame. What of the selection a stroke is changing right now is known by the pools.
+///
+/// # Errors
+/// If `fields` has not the volume of a body.
 pub(crate) fn drawn(
     frame: &Frame,
-    grid: &Grid,
     fields: &Fields<'_>,
-    running: &[BrickIndex],
+    pools: &FieldPools,
     unite_bodies: bool,
-) -> Vec<Drawn> {
-    let whole = grid.index_bounds();
-    let selection = selected_bounds(fields.selection, grid, running);
-    let block = Solid::hexahedron(&grid.world_corners());
+) -> Result<Vec<Drawn>, GpuError> {
+    let blocks = frame.volumes().into_iter().map(|id| Ok((id, Block::of(fields, pools, id)?)));
+    let blocks = blocks.collect::<Result<BTreeMap<_, _>, GpuError>>()?;
     // In the order of their names: sums of what overlaps, and so the picture's last bits, depend on no other order.
     let mut bodies: Vec<&Body> = frame.bodies.iter().collect();
-    bodies.sort_by_key(|body| body.id);
+    bodies.sort_by_key(|body| (body.id, body.volume));
     let single = bodies.into_iter().filter_map(|body| {
+        let Block { grid, solid: block, selected } = blocks.get(&body.volume)?;
+        let whole = grid.index_bounds();
         // Nothing selected: there is no selected matter, and all of it is background.
-        let (mask, bounds) = match (body.mask, selection) {
+        let (mask, bounds) = match (body.mask, *selected) {
             (Mask::Selection, None) => return None,
             (Mask::Selection, Some(bounds)) => (Mask::Selection, bounds),
             (Mask::Background, None) => (Mask::None, whole),
@@ -88,11 +133,15 @@ pub(crate) fn drawn(
         }
         let members = vec![(body.id, planes.clone().into())];
         let (pose, tint) = (body.pose, body.tint);
+        let (look, labels) = (body.look, body.labels.clone());
         Some(Drawn {
+            volume: body.volume,
             solid: solid.posed(&pose),
             pose,
             planes,
             mask,
+            look,
+            labels,
             tint,
             clips: Vec::new(),
             bounds,
@@ -101,8 +150,8 @@ pub(crate) fn drawn(
         })
     });
     let single: Vec<Drawn> = single.collect();
-    let list = if unite_bodies { unite_matter(unite_regions(single, &block)) } else { single };
-    list.into_iter().filter_map(|d| clipped(d, &frame.layers.clips)).collect()
+    let list = if unite_bodies { unite_matter(unite_regions(single, &blocks)) } else { single };
+    Ok(list.into_iter().filter_map(|d| clipped(d, &frame.layers.clips)).collect())
 }
 
 /// What planes of the world leave of a posed body.
@@ -115,19 +164,23 @@ fn clipped(mut body: Drawn, clips: &[Plane]) -> Option<Drawn> {
 }
 
 /// Unites bodies of one pose, look and mask that lie apart and together fill the box.
-fn unite_regions(single: Vec<Drawn>, block: &Solid) -> Vec<Drawn> {
+fn unite_regions(single: Vec<Drawn>, blocks: &BTreeMap<VolumeId, Block>) -> Vec<Drawn> {
     let mut groups: Vec<Vec<Drawn>> = Vec::new();
     for drawn in single {
         let same = |g: &&mut Vec<Drawn>| {
-            g[0].pose == drawn.pose && g[0].mask == drawn.mask && g[0].tint == drawn.tint && g[0].bounds == drawn.bounds
+            let g = &g[0];
+            (g.volume, g.mask, g.tint) == (drawn.volume, drawn.mask, drawn.tint)
+                && (g.look, &g.labels) == (drawn.look, &drawn.labels)
+                && g.pose == drawn.pose
+                && g.bounds == drawn.bounds
         };
         match groups.iter_mut().find(same) {
             Some(group) => group.push(drawn),
             None => groups.push(vec![drawn]),
         }
     }
-    let box_volume = block.volume();
-    let fills = |group: &[Drawn]| {
+    let fills = |group: &[Drawn], block: &Solid| {
+        let box_volume = block.volume();
         let sum: f64 = group.iter().map(|d| d.solid.volume()).sum();
         (sum - box_volume).abs() <= 1e-9 * box_volume
             && (1..group.len()).all(|i| group[..i].iter().all(|a| a.solid.is_apart_from(&group[i].solid)))
@@ -135,7 +188,8 @@ fn unite_regions(single: Vec<Drawn>, block: &Solid) -> Vec<Drawn> {
     groups
         .into_iter()
         .flat_map(|mut group| {
-            if group.len() < 2 || group[0].mask == Mask::Selection || !fills(&group) {
+            let Some(Block { solid: block, .. }) = blocks.get(&group[0].volume) else { return group };
+            if group.len() < 2 || group[0].mask == Mask::Selection || !fills(&group, block) {
                 return group;
             }
             let members = group.iter().flat_map(|d| d.members.iter().cloned()).collect();
@@ -155,6 +209,8 @@ fn unite_matter(mut list: Vec<Drawn>) -> Vec<Drawn> {
         let partner = (list[at].mask == Mask::Selection).then(|| {
             list.iter().position(|d| {
                 d.mask == Mask::Background
+                    && d.volume == list[at].volume
+                    && (d.look, &d.labels) == (list[at].look, &list[at].labels)
                     && d.pose == list[at].pose
                     && d.tint == list[at].tint
                     && d.planes == list[at].planes
@@ -202,26 +258,27 @@ fn selected_bounds(selection: &Field, grid: &Grid, running: &[BrickIndex]) -> Op
     Some(Aabb { min: (bounds.min - 1.0).max(whole.min), max: (bounds.max + 1.0).min(whole.max) })
 }
 
-/// Turns the shaders' object codes into ids.
-pub(crate) fn resolve(image: &mut Image, drawn: &[Drawn], frame: &Frame, window: &Window) {
+/// Turns the shaders' codes into objects: twice a body's place plus 2, 1 more for selected matter, the label above.
+pub(crate) fn resolve(image: &mut Image, codes: &[u32], drawn: &[Drawn], frame: &Frame, window: &Window) {
     let mut hint = 0;
     let width = image.size[0] as usize;
-    for (i, object) in image.object.iter_mut().enumerate() {
-        if *object == 0 {
+    for (i, &code) in codes.iter().enumerate().filter(|(_, code)| **code != 0) {
+        if code & MESH_CODE != 0 {
+            let mesh = frame.layers.opaque.get((code & !MESH_CODE) as usize);
+            image.object[i] = mesh.map_or(ObjectId::NOTHING, |m| ObjectId::new(VolumeId::FIRST, m.id, false, 0));
             continue;
         }
-        let depth = image.depth_mm[i];
-        if *object & MESH_CODE != 0 {
-            *object = frame.layers.opaque.get((*object & !MESH_CODE) as usize).map_or(0, |m| m.id + 1);
-            continue;
-        }
-        let Some(d) = drawn.get((*object / 2) as usize - 1) else { continue };
-        if let ([(id, _)], None) = (d.members.as_slice(), d.selected) {
-            *object = id + 1;
-            continue;
-        }
-        let px = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5) + window.origin;
-        let world = frame.camera.ray(px, window.picture).at(f64::from(depth));
-        *object = d.owner(world, *object & 1 == 1, &mut hint) + 1;
+        let (place, selected, segment) = ((code & 0xfff) / 2, code & 1 == 1, (code >> 12) as u16);
+        let Some(d) = drawn.get(place as usize - 1) else { continue };
+        let id = match (d.members.as_slice(), d.selected) {
+            ([(id, _)], None) => *id,
+            _ => {
+                let px = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5) + window.origin;
+                let world = frame.camera.ray(px, window.picture).at(f64::from(image.depth_mm[i]));
+                d.owner(world, selected, &mut hint)
+            }
+        };
+        let selected = d.mask == Mask::Selection || selected && d.selected.is_some();
+        image.object[i] = ObjectId::new(d.volume, id, selected, segment);
     }
 }

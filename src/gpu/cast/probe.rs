@@ -7,9 +7,11 @@ use crate::gpu::cast::caster::Caster;
 use crate::gpu::cast::tiles::Window;
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
-use crate::gpu::fields::pools::{FieldPools, Fields};
+use crate::gpu::fields::pools::FieldPools;
+use crate::gpu::fields::volumes::Fields;
 use crate::gpu::picture::frame::Frame;
 use crate::gpu::picture::image::Image;
+use crate::gpu::picture::object_id::ObjectId;
 use crate::math::{Camera, DVec2, DVec3, Projection};
 
 /// Rays of one row.
@@ -26,6 +28,8 @@ pub struct Hit {
     pub rest: DVec3,
     /// Id of the body or opaque mesh.
     pub body: u32,
+    /// All that is known of it.
+    pub object: ObjectId,
     /// Millimetres along the ray.
     pub depth_mm: f64,
 }
@@ -88,12 +92,13 @@ impl Caster {
 
 fn hit(frame: &Frame, image: &Image, i: usize, px: DVec2, size: [u32; 2]) -> Option<Hit> {
     let depth_mm = f64::from(image.depth_mm[i]);
-    let id = image.object[i].checked_sub(1).filter(|_| depth_mm.is_finite())?;
+    let object = image.object[i];
+    let id = object.body().filter(|_| depth_mm.is_finite())?;
     let world = frame.camera.ray(px, size).at(depth_mm);
     let body = frame.bodies.iter().find(|b| b.id == id).map(|b| &b.pose);
     let mesh = || frame.layers.opaque.iter().find(|m| m.id == id).map(|m| &m.pose);
     let rest = body.or_else(mesh).map_or(world, |pose| pose.unapply(world));
-    Some(Hit { world, rest, body: id, depth_mm })
+    Some(Hit { world, rest, body: id, object, depth_mm })
 }
 
 /// The same camera turned about its direction of sight and narrowed, so that a step in a picture of `size` is a pixel to the right

@@ -5,9 +5,10 @@ use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::device::textures::Targets;
 use crate::gpu::picture::image::Image;
+use crate::gpu::picture::object_id::ObjectId;
 
-/// Waits for the targets and takes them over; objects are still the shaders' codes.
-pub(crate) fn image(gpu: &Gpu, targets: &Targets) -> Result<Image, GpuError> {
+/// Waits for the targets and takes them over; beside the picture, what the shaders say of each pixel's object.
+pub(crate) fn image(gpu: &Gpu, targets: &Targets) -> Result<(Image, Vec<u32>), GpuError> {
     let [width, height] = targets.size;
     // Rows of copies are padded to 256 bytes.
     let pitch = |bytes: u32| (width * bytes).next_multiple_of(256);
@@ -46,8 +47,9 @@ pub(crate) fn image(gpu: &Gpu, targets: &Targets) -> Result<Image, GpuError> {
         size: targets.size,
         colour: Vec::with_capacity(count),
         depth_mm: Vec::with_capacity(count),
-        object: Vec::with_capacity(count),
+        object: vec![ObjectId::NOTHING; count],
     };
+    let mut codes = Vec::with_capacity(count);
     for row in rows(0, 16) {
         image.colour.extend(row.chunks_exact(16).map(bytemuck::pod_read_unaligned::<[f32; 4]>));
     }
@@ -56,7 +58,7 @@ pub(crate) fn image(gpu: &Gpu, targets: &Targets) -> Result<Image, GpuError> {
         image.depth_mm.extend(depth.map(|d| if d < FAR { d } else { f32::INFINITY }));
     }
     for row in rows(2, 4) {
-        image.object.extend(row.chunks_exact(4).map(bytemuck::pod_read_unaligned::<u32>));
+        codes.extend(row.chunks_exact(4).map(bytemuck::pod_read_unaligned::<u32>));
     }
-    Ok(image)
+    Ok((image, codes))
 }

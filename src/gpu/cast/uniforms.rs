@@ -3,15 +3,17 @@
 //! Owns the numbers that pass from `Frame` to `shaders/lib/body.wgsl`. World and index positions are taken relative to the
 //! eye in f64 here, before the GPU's f32 sees them.
 
+use crate::gpu::cast::looks::{Looks, Meaning, number_of};
 use crate::gpu::cast::merging::Drawn;
 use crate::gpu::cast::order::{Order, Sight};
 use crate::gpu::cast::tiles::{Tiles, Window};
 use crate::gpu::device::constants::{MASK_BACKGROUND, MASK_SELECTION, MOST_BODIES, MOST_PLANES};
 use crate::gpu::device::error::GpuError;
+use crate::gpu::fields::pools::FieldPools;
+use crate::gpu::fields::volumes::Fields;
 use crate::gpu::picture::frame::{Frame, Mask, Overlay};
 use crate::math::{DAffine3, DVec3, Projection};
 use crate::shared_struct;
-use crate::volume::{Grid, Mode, TABLE_ENTRIES};
 
 /// Loop iterations of one invocation are held below this; software Vulkan ends loops silently at 65,535.
 const ITERATIONS: f64 = 60_000.0;
@@ -94,10 +96,46 @@ shared_struct! {
     }
 }
 
+shared_struct! {
+    /// See shaders/lib/body.wgsl.
+    pub struct BodyMatter {
+        /// The first cell of its map of empty space.
+        pub skip_place: [u32; 3],
+        /// Place among the volumes that are bound.
+        pub volume: u32,
+        /// Entry of the table = texel·scale + bias.
+        pub table_scale: f32,
+        /// See `table_scale`.
+        pub table_bias: f32,
+        /// Texel of the iso-surface.
+        pub iso: f32,
+        /// Of the table of looks.
+        pub row: i32,
+        /// Opacities of painted colour, labels, selection.
+        pub overlay: [f32; 3],
+        /// The first row of its volume's segment colours.
+        pub segments_row: u32,
+        /// See `MODE_DVR`.
+        pub mode: u32,
+        /// The first row of its looks by label.
+        pub label_rows: u32,
+        /// All labels beyond it have its look.
+        pub last_label: u32,
+        /// Unused.
+        pub unused_a: u32,
+        /// Display-referred.
+        pub selection_colour: [f32; 3],
+        /// Unused.
+        pub unused_b: u32,
+    }
+}
+
 /// Everything that group 0 is filled with.
 pub(crate) struct Scene {
     pub view: View,
+    pub looks: Looks,
     pub bodies: Vec<CastBody>,
+    pub matters: Vec<BodyMatter>,
     pub planes: Vec<[f32; 4]>,
     pub tiles: Tiles,
     /// Bounds `k_from`, `k_to` of each pass, nearest first; at least one.
@@ -105,16 +143,18 @@ pub(crate) struct Scene {
 }
 
 impl Scene {
-    /// `(lo, span)`: density = lo + texel·span.
+    /// `skips`: the first cell of each body's map of empty space. The volumes must be bound.
     ///
     /// # Errors
-    /// If there are more bodies or planes than fit, or the step is no length.
+    /// If there are more bodies or planes than fit, the step is no length, or `fields` has not the volume of a body.
     pub(crate) fn new(
         frame: &Frame,
-        grid: &Grid,
+        fields: &Fields<'_>,
+        pools: &FieldPools,
         window: &Window,
         drawn: &[Drawn],
-        (lo, span): (f64, f64),
+        looks: Looks,
+        skips: &[[u32; 3]],
     ) -> Result<Self, GpuError> {
         let plane_count = drawn.iter().map(|d| d.planes.len() + d.clips.len()).sum();
         if drawn.len() > MOST_BODIES as usize || plane_count > MOST_PLANES as usize {
@@ -127,7 +167,30 @@ impl Scene {
         let eye = camera.eye;
         let mut bodies = Vec::with_capacity(drawn.len());
         let mut planes = Vec::with_capacity(plane_count);
-        for (i, d) in drawn.iter().enumerate() {
+        let mut matters = Vec::with_capacity(drawn.len());
+        for (i, (d, &skip_place)) in drawn.iter().zip(skips).enumerate() {
+            let grid = fields.get(d.volume).ok_or(GpuError::NoVolume { id: d.volume.0 })?.grid;
+            // Of labels that all have one kind of mode.
+            let look = frame.look(d.labels.as_ref().map_or(d.look, |l| l.rows().first().copied()));
+            let Meaning { table_scale, table_bias, iso } = Meaning::of(look, pools.value_of_texel(d.volume));
+            let (label_rows, last_label) = looks.labels_of(d);
+            let overlay = frame.overlay_of(d.volume);
+            matters.push(BodyMatter {
+                skip_place,
+                volume: pools.place_of(d.volume) as u32,
+                table_scale,
+                table_bias,
+                iso,
+                row: if d.labels.is_some() { -1 } else { looks.row_of(d.look) },
+                overlay: [overlay.colour, overlay.labels, overlay.selection],
+                segments_row: looks.segments_of(d.volume),
+                mode: number_of(look.mode),
+                label_rows,
+                last_label,
+                unused_a: 0,
+                selection_colour: overlay.selection_colour,
+                unused_b: 0,
+            });
             let index_from_world: DAffine3 = grid.index_from_world() * d.pose.world_from_rest().inverse();
             let m = index_from_world.matrix3;
             bodies.push(CastBody {
@@ -158,30 +221,21 @@ impl Scene {
         let solids: Vec<_> = drawn.iter().map(|d| d.solid.clone()).collect();
         let sight = Sight::of(camera);
         let tiles = Tiles::of(&solids, &Order::of(&solids, sight), camera, window);
-        let passes = passes(drawn, sight, eye, frame.step_mm, &tiles, frame.refine);
-        Ok(Self { view: view(frame, window, lo, span), bodies, planes, tiles, passes })
+        let passes = passes(drawn, sight, eye, frame.step_mm, &tiles, looks.refines);
+        let view = view(frame, window, drawn.first(), pools);
+        Ok(Self { view, looks, bodies, matters, planes, tiles, passes })
     }
-}
-
-/// Rows of [`table`].
-pub(crate) const TABLE_ROWS: u32 = 2;
-
-/// The table's entries for a frame: a row of colour and opacity of a step, for MIP as it stands; a row of integrals, for a frame
-/// that refines.
-pub(crate) fn table(frame: &Frame) -> Vec<[f32; 4]> {
-    let mut rows = frame.transfer.table(if frame.mode == Mode::Mip { frame.transfer.unit_mm } else { frame.step_mm });
-    if frame.refine {
-        rows.extend(frame.transfer.integrals(frame.step_mm));
-    }
-    rows.resize(TABLE_ROWS as usize * TABLE_ENTRIES, [0.0; 4]);
-    rows
 }
 
 fn narrow(v: DVec3) -> [f32; 3] {
     v.as_vec3().to_array()
 }
 
-fn view(frame: &Frame, window: &Window, lo: f64, span: f64) -> View {
+/// The view, with the look of the first body, which is all bodies' if they have none of their own.
+fn view(frame: &Frame, window: &Window, first: Option<&Drawn>, pools: &FieldPools) -> View {
+    let look = frame.look(first.and_then(|d| d.look));
+    let meaning = Meaning::of(look, first.map_or((0.0, 1.0), |d| pools.value_of_texel(d.volume)));
+    let overlay = first.map_or(&frame.overlay, |d| frame.overlay_of(d.volume));
     let camera = &frame.camera;
     let (right, up) = camera.right_up();
     let forward = camera.forward();
@@ -189,26 +243,20 @@ fn view(frame: &Frame, window: &Window, lo: f64, span: f64) -> View {
     let [w, h] = window.picture.map(f64::from);
     let pixel = 2.0 * half / h.max(1.0);
     let corner = forward + right * ((window.origin.x - 0.5 * w) * pixel) + up * ((0.5 * h - window.origin.y) * pixel);
-    let (first, last) = frame.transfer.domain();
-    // Halves, since their distance may be beyond all numbers.
-    let entries = (TABLE_ENTRIES - 1) as f64 * 0.5 / (last * 0.5 - first * 0.5);
-    let Overlay { colour, labels, selection, selection_colour, .. } = frame.overlay;
-    let light = frame.lighting.unwrap_or_default();
+    let Overlay { colour, labels, selection, selection_colour, .. } = *overlay;
+    let light = look.lighting.unwrap_or_default();
     View {
         corner: narrow(corner),
         step_mm: frame.step_mm as f32,
         dx: narrow(right * pixel),
         perspective: u32::from(matches!(camera.projection, Projection::Perspective { .. })),
         dy: narrow(up * -pixel),
-        iso: match frame.mode {
-            Mode::Iso(value) => ((value - lo) / span) as f32,
-            Mode::Dvr | Mode::Mip => 0.0,
-        },
+        iso: meaning.iso,
         forward: narrow(forward),
-        table_scale: (span * entries) as f32,
+        table_scale: meaning.table_scale,
         lighting: [light.ambient, light.diffuse, light.specular, light.power],
         selection_colour,
-        table_bias: ((lo - first) * entries + 0.5) as f32,
+        table_bias: meaning.table_bias,
         colour_opacity: colour,
         label_opacity: labels,
         selection_opacity: selection,

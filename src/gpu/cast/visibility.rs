@@ -4,16 +4,17 @@
 
 use crate::gpu::cast::caster::Caster;
 use crate::gpu::cast::counting::Counter;
+use crate::gpu::cast::looks::Looks;
 use crate::gpu::cast::merging::drawn;
 use crate::gpu::cast::tiles::Window;
-use crate::gpu::cast::uniforms::Scene;
 use crate::gpu::device::constants::TILE;
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
-use crate::gpu::fields::pools::{FieldPools, Fields};
+use crate::gpu::fields::pools::FieldPools;
+use crate::gpu::fields::volumes::Fields;
 use crate::gpu::layers::DrawnLayers;
 use crate::gpu::picture::frame::{Frame, Mask};
-use crate::volume::{FieldKind, Mode};
+use crate::volume::Mode;
 
 /// Samples along a ray are held below this by a longer step.
 const MOST_SAMPLES: f64 = 6000.0;
@@ -51,22 +52,24 @@ impl Caster {
     ) -> Result<Visibility, GpuError> {
         let hiders = frame.bodies.iter().filter(|b| b.mask != Mask::Selection);
         let mut answer = Visibility { hidden_by: hiders.map(|b| (b.id, 0)).collect(), ..Default::default() };
-        let running = pools.pinned(FieldKind::Selection);
-        let list = drawn(frame, pools.grid(), fields, &running, false);
+        let list = drawn(frame, fields, pools, false)?;
         if frame.size.contains(&0) || !list.iter().any(|d| d.mask == Mask::Selection) {
             return Ok(answer);
         }
-        let length = 2.0 * pools.grid().world_bounds().half_diagonal();
-        let frame = Frame { mode: Mode::Dvr, step_mm: frame.step_mm.max(length / MOST_SAMPLES), ..frame.clone() };
+        let boxes = frame.volumes().into_iter().filter_map(|id| Some(fields.get(id)?.grid.world_bounds()));
+        let length = boxes.map(|b| 2.0 * b.half_diagonal()).sum::<f64>();
+        let mut frame = Frame { step_mm: frame.step_mm.max(length / MOST_SAMPLES), ..frame.clone() };
+        frame.mode = Mode::Dvr;
+        frame.looks.iter_mut().for_each(|look| look.mode = Mode::Dvr);
         pools.make_resident(gpu, fields, &frame)?;
         let counts = gpu.scoped("visibility", || {
-            let scene = Scene::new(&frame, pools.grid(), &Window::whole(frame.size), &list, pools.value_of_texel())?;
-            self.set_table(gpu, &frame);
+            let scene = self.scene(gpu, pools, fields, &frame, &list, &Window::whole(frame.size))?;
+            self.set_looks(gpu, pools, &frame, &scene);
             let lists = self.upload(gpu, &scene);
             let layers = self.draw_layers(gpu, &frame, &scene, &lists, frame.size)?;
             gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&scene.view));
-            let group = self.group(gpu, &lists, &self.nothing);
-            self.count(gpu, pools, &group, layers.as_ref(), frame.size)
+            let group = self.group(gpu, &lists, scene.looks.own, &self.nothing);
+            self.count(gpu, pools, &group, (layers.as_ref(), &scene.looks), frame.size)
         })?;
         answer.selected = u64::from(counts[0]);
         answer.visible = u64::from(counts[1]);
@@ -85,12 +88,13 @@ impl Caster {
         gpu: &Gpu,
         pools: &FieldPools,
         group: &wgpu::BindGroup,
-        layers: Option<&DrawnLayers>,
+        (layers, looks): (Option<&DrawnLayers>, &Looks),
         size: [u32; 2],
     ) -> Result<Vec<u32>, GpuError> {
         let counter = self.visibility.get_or_insert_with(|| Counter::new(gpu));
         let mut names: Vec<&'static str> = pools.defs(gpu).into_iter().map(|d| d.0).collect();
         names.extend(["SELECTION", "COUNTS"]);
+        names.extend([("OWN_LOOKS", looks.own), ("LABEL_LOOKS", looks.by_label)].iter().filter(|n| n.1).map(|n| n.0));
         names.extend(layers.into_iter().flat_map(DrawnLayers::conditions));
         let after = self.layers.as_ref().filter(|_| layers.is_some()).map(|l| &l.layout);
         let before = [Some(&self.layout), Some(pools.layout())];

@@ -27,6 +27,24 @@ shared! {
     LIST_WIDTH: u32 = 2048;
     /// Set in a tile's count where its bodies have no order and must be merged.
     MERGE_MARK: u32 = 1 << 30;
+    /// Volumes that one picture can show.
+    MOST_VOLUMES: u32 = 64;
+    /// Pages in a row of the texture of page tables.
+    PAGES_WIDTH: u32 = 2048;
+    /// A body of direct volume rendering.
+    MODE_DVR: u32 = 0;
+    /// A body of which the surface at a density is drawn.
+    MODE_ISO: u32 = 1;
+    /// A body of which the maximum is drawn.
+    MODE_MIP: u32 = 2;
+    /// The column of the table of looks, behind their entries, that has their light.
+    LOOK_LIGHT: u32 = crate::volume::TABLE_ENTRIES as u32;
+    /// The column that has the opacity of their iso-surface.
+    LOOK_OPACITY: u32 = crate::volume::TABLE_ENTRIES as u32 + 1;
+    /// Where the looks of a body's labels begin that does not go by label.
+    NO_ROWS: u32 = u32::MAX;
+    /// Where the table of a field begins that has nothing on the GPU.
+    NO_PAGES: u32 = u32::MAX;
     /// The depth of nothing, and a sample that no ray reaches.
     FAR: f32 = 3e38;
     /// Last entry of the table of colour and opacity.

@@ -69,6 +69,28 @@ pub enum GpuError {
         /// Bricks that fit.
         room: usize,
     },
+    /// A picture or a stroke names a volume that does not exist.
+    #[error("volume {id} is asked for, which is not among those that are open")]
+    NoVolume {
+        /// Its name.
+        id: u32,
+    },
+    /// More looks than one picture can have.
+    #[error("{looks} looks in one picture, {most} fit; let some segments or parts inherit theirs")]
+    TooManyLooks {
+        /// Looks.
+        looks: usize,
+        /// Those that fit.
+        most: usize,
+    },
+    /// More volumes than one picture can show.
+    #[error("{volumes} volumes in one picture, {most} fit; hide some")]
+    TooManyVolumes {
+        /// Volumes.
+        volumes: usize,
+        /// Those that fit.
+        most: usize,
+    },
     /// A stroke that needs more memory than it may take.
     #[error(
         "the stroke needs {needed} bytes of graphics memory, {budget} are allowed; end it here, use a smaller brush or raise \

@@ -32,6 +32,7 @@ const LIBRARY: &[(&str, &str)] = files![
     "lib/iso.wgsl",
     "lib/mip.wgsl",
     "lib/fade.wgsl",
+    "lib/modes.wgsl",
     "lib/march.wgsl",
     "lib/merge.wgsl",
     "lib/stroke.wgsl",

@@ -3,15 +3,13 @@
 //! Owns the layout, in the order that the shader declares, and [`FieldInfo`]. A field with nothing on the GPU is bound as one
 //! texel of zero. Decides nothing.
 
+use crate::gpu::device::constants::MOST_VOLUMES;
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::fields::pool;
-use crate::gpu::fields::pool::Pool;
-use crate::gpu::fields::skip_maps::Skips;
 use crate::shared_struct;
-use crate::volume::{FieldKind, TexelFormat};
 
 shared_struct! {
-    /// What shaders know of the volume; see shaders/lib/field.wgsl.
+    /// What shaders know of a volume; see shaders/lib/field.wgsl.
     pub struct FieldInfo {
         /// Voxels of level 0.
         pub dims: [u32; 3],
@@ -27,23 +25,30 @@ shared_struct! {
         pub value_span: f32,
         /// 1 / texels of the pool.
         pub colour_texel: [f32; 3],
-        /// Unused.
-        pub pad_a: u32,
+        /// Whether texels are the values themselves and not codes.
+        pub floats: u32,
         /// 1 / texels of the pool.
         pub selection_texel: [f32; 3],
-        /// Unused.
-        pub pad_b: u32,
+        /// Whether the texels lie in the second density pool, that of floats.
+        pub second_pool: u32,
+        /// The number of its first page of density.
+        pub density_pages: u32,
+        /// Of colour.
+        pub colour_pages: u32,
+        /// Of the selection.
+        pub selection_pages: u32,
+        /// Of labels.
+        pub label_pages: u32,
     }
 }
 
-/// Whether a sampler may filter the density.
-pub(crate) fn filters(gpu: &Gpu, density: &Pool) -> bool {
-    density.format() != TexelFormat::R32Float || gpu.filters_float()
-}
+/// What group 1 binds besides buffers and sampler: density, density as floats (many volumes), colour, selection, labels, pages,
+/// maps of empty space.
+pub(crate) type Textures<'a> = [&'a wgpu::Texture; 7];
 
-/// A texel of zero as float, as integer, and as a page.
-pub(crate) fn nothing(gpu: &Gpu) -> [wgpu::Texture; 3] {
-    [wgpu::TextureFormat::R8Unorm, wgpu::TextureFormat::R8Uint, wgpu::TextureFormat::Rg32Uint].map(|format| {
+/// A texel of zero as float and as integer.
+pub(crate) fn nothing(gpu: &Gpu) -> [wgpu::Texture; 2] {
+    [wgpu::TextureFormat::R8Unorm, wgpu::TextureFormat::R8Uint].map(|format| {
         gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("nothing"),
             size: pool::extent([1; 3]),
@@ -59,8 +64,8 @@ pub(crate) fn nothing(gpu: &Gpu) -> [wgpu::Texture; 3] {
 
 pub(crate) fn info_buffer(gpu: &Gpu) -> wgpu::Buffer {
     gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("field info"),
-        size: size_of::<FieldInfo>() as u64,
+        label: Some("field infos"),
+        size: (MOST_VOLUMES as usize * size_of::<FieldInfo>()) as u64,
         usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,
     })
@@ -75,42 +80,33 @@ pub(crate) fn linear_sampler(gpu: &Gpu) -> wgpu::Sampler {
     })
 }
 
-pub(crate) fn layout(gpu: &Gpu, density_filters: bool) -> wgpu::BindGroupLayout {
+/// `first_filters`: whether a sampler may filter what is bound as density.
+pub(crate) fn layout(gpu: &Gpu, first_filters: bool) -> wgpu::BindGroupLayout {
+    use wgpu::TextureViewDimension::{D2, D3};
     let visibility = wgpu::ShaderStages::FRAGMENT | wgpu::ShaderStages::COMPUTE;
-    let texture = |binding: u32, sample_type: wgpu::TextureSampleType| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility,
-        ty: wgpu::BindingType::Texture {
-            sample_type,
-            view_dimension: wgpu::TextureViewDimension::D3,
-            multisampled: false,
-        },
-        count: None,
-    };
+    let entry = |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+    let texture =
+        |sample_type, view_dimension| wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false };
     let float = |filterable| wgpu::TextureSampleType::Float { filterable };
     let uint = wgpu::TextureSampleType::Uint;
-    let mut entries = vec![
-        wgpu::BindGroupLayoutEntry {
-            binding: 0,
-            visibility,
-            ty: wgpu::BindingType::Buffer {
-                ty: wgpu::BufferBindingType::Uniform,
-                has_dynamic_offset: false,
-                min_binding_size: wgpu::BufferSize::new(size_of::<FieldInfo>() as u64),
-            },
-            count: None,
-        },
-        wgpu::BindGroupLayoutEntry {
-            binding: 9,
-            visibility,
-            ty: wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
-            count: None,
-        },
-        texture(1, float(density_filters)),
-        texture(3, float(true)),
-        texture(5, float(true)),
+    let uniform = wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Uniform,
+        has_dynamic_offset: false,
+        // Pictures of one volume read one FieldInfo, those of several an array of them.
+        min_binding_size: None,
+    };
+    let types = [
+        uniform,
+        texture(float(first_filters), D3),
+        texture(float(gpu.filters_float()), D3),
+        texture(float(true), D3),
+        texture(float(true), D3),
+        texture(uint, D3),
+        texture(uint, D2),
+        texture(uint, D3),
+        wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
     ];
-    entries.extend([2, 4, 6, 7, 8, 10, 11, 12].map(|binding| texture(binding, uint)));
+    let entries: Vec<_> = (0..).zip(types).map(|(binding, ty)| entry(binding, ty)).collect();
     gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("fields"), entries: &entries })
 }
 
@@ -119,29 +115,17 @@ pub(crate) fn group(
     layout: &wgpu::BindGroupLayout,
     info: &wgpu::Buffer,
     sampler: &wgpu::Sampler,
-    [no_float, no_uint, no_page]: &[wgpu::Texture; 3],
-    pools: &[Option<Pool>; 4],
-    skips: &Skips,
+    textures: Textures<'_>,
 ) -> wgpu::BindGroup {
-    let view = |t: &wgpu::Texture| t.create_view(&wgpu::TextureViewDescriptor::default());
-    let mut views = Vec::new();
-    for kind in FieldKind::ALL {
-        let binding = 1 + 2 * kind as usize as u32;
-        let none = if kind == FieldKind::Labels { no_uint } else { no_float };
-        let pool = pools[kind as usize].as_ref();
-        views.push((binding, view(pool.map_or(none, |p| &p.texture))));
-        views.push((binding + 1, view(pool.map_or(no_page, |p| &p.page_texture))));
-    }
-    // Where nothing is selected all matter is background, and a selection that shows nothing may be searched like it.
-    let masked = pools[FieldKind::Selection as usize].is_some();
-    views.extend((0..3).map(|map| (10 + map as u32, view(&skips.textures[if masked { map } else { 0 }]))));
+    let views = textures.map(|t| t.create_view(&wgpu::TextureViewDescriptor::default()));
     let mut entries = vec![
         wgpu::BindGroupEntry { binding: 0, resource: info.as_entire_binding() },
-        wgpu::BindGroupEntry { binding: 9, resource: wgpu::BindingResource::Sampler(sampler) },
+        wgpu::BindGroupEntry { binding: 8, resource: wgpu::BindingResource::Sampler(sampler) },
     ];
-    entries.extend(views.iter().map(|(binding, v)| wgpu::BindGroupEntry {
-        binding: *binding,
-        resource: wgpu::BindingResource::TextureView(v),
-    }));
+    entries.extend(
+        (1..)
+            .zip(&views)
+            .map(|(binding, v)| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(v) }),
+    );
     gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("fields"), layout, entries: &entries })
 }

@@ -15,15 +15,15 @@ const HIDDEN: f32 = 0.05;
 /// Sides of pictures whose ratios differ by no more than this share have the same shape.
 const SAME_SHAPE: f64 = 0.02;
 
-/// Camera, picture and bodies of a frame.
+/// Camera and picture of a frame, and those of its bodies that are of one volume.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Sight {
+pub(crate) struct Viewing {
     pub(crate) camera: Camera,
     pub(crate) size: [u32; 2],
     pub(crate) bodies: Vec<Body>,
 }
 
-impl Sight {
+impl Viewing {
     /// Whether bricks matter alike to both: a picture in fewer pixels, but for the rounding of its sides, is the same picture.
     pub(crate) fn sees_like(&self, other: &Self) -> bool {
         let ([w, h], [v, g]) = (self.size.map(f64::from), other.size.map(f64::from));
@@ -56,7 +56,7 @@ pub(crate) fn extinction(density: &Field, grid: &Grid, transfer: &TransferFuncti
 /// For each of some bricks of level 0: pixels along a voxel's edge where a body shows it nearest, weighted by what reaches the
 /// eye.
 pub(crate) fn urgency(
-    sight: &Sight,
+    viewing: &Viewing,
     grid: &Grid,
     bricks: [u32; 3],
     extinction: &[f32],
@@ -70,15 +70,15 @@ pub(crate) fn urgency(
             let at = key.index.0;
             let corners = corners(grid, key.index);
             let mut best = 0.0_f32;
-            for body in &sight.bodies {
+            for body in &viewing.bodies {
                 if outside(&body.region, &corners) {
                     continue;
                 }
                 let posed = corners.map(|c| body.pose.apply(c));
-                let (inside, distance) = seen(&sight.camera, sight.size, &posed);
+                let (inside, distance) = seen(&viewing.camera, viewing.size, &posed);
                 let distance = distance.max(1e-3 * voxel);
-                let pixels = (voxel / sight.camera.mm_per_pixel(distance, sight.size[1])) as f32;
-                let eye = body.pose.unapply(toward(&sight.camera, &posed));
+                let pixels = (voxel / viewing.camera.mm_per_pixel(distance, viewing.size[1])) as f32;
+                let eye = body.pose.unapply(toward(&viewing.camera, &posed));
                 let clear = transmittance(
                     index_from_world.transform_point3(eye),
                     DVec3::new(f64::from(at[0]), f64::from(at[1]), f64::from(at[2])),

@@ -1,22 +1,22 @@
-//! One field on the GPU: a 3D texture of 34³ slots and the page table that says where each brick of level 0 is drawn from.
+//! Slots of one texel format on the GPU: a 3D texture of 34³ slots that bricks of all volumes share.
 //!
-//! Owns the texture, the map from bricks to slots, and the host's copy of the page table. Does not decide which bricks to
-//! hold (that is `residency`) and knows no camera. Slots lie apart, or, where all of level 0 fits, in place: neighbours then
-//! share their aprons, so that the texture is the volume and a ray need not know where bricks end.
+//! Owns the texture and the map from bricks to slots. Does not decide which bricks to hold (that is `residency`) and knows no
+//! camera and no pages. Slots lie apart, or, where all of level 0 of the only volume fits, in place: neighbours then share
+//! their aprons, so that the texture is the volume and a ray need not know where bricks end.
 
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
-use crate::volume::{BRICK, BrickIndex, BrickKey, Field, FieldKind, SLOT, TexelFormat};
+use crate::gpu::fields::pool::slots::{grow_grid, limit, places, slots_texture, texels};
+use crate::gpu::fields::pool::upload::Upload;
+use crate::gpu::fields::slot_key::SlotKey;
+use crate::volume::{BRICK, BrickIndex, BrickKey, Field, SLOT, TexelFormat, VolumeId};
 use std::collections::{HashMap, HashSet};
 
-pub(crate) mod pages;
 pub(crate) mod slots;
 pub(crate) mod upload;
 
-use crate::gpu::fields::pool::pages::Page;
-use crate::gpu::fields::pool::pages::UNWRITTEN;
-use crate::gpu::fields::pool::slots::{grow_grid, limit, places, slots_texture, texels};
-use crate::gpu::fields::pool::upload::Upload;
+/// Where a pool gets the texels of a volume's bricks from.
+pub(crate) type FieldOf<'a, 'f> = &'a (dyn Fn(VolumeId) -> Option<&'f Field> + Sync);
 
 #[derive(Clone, Copy, Debug)]
 struct Held {
@@ -30,75 +30,61 @@ struct Held {
 
 #[derive(Debug)]
 pub(crate) struct Pool {
-    kind: FieldKind,
-    host: TexelFormat,
+    name: &'static str,
     format: TexelFormat,
-    /// All bricks of level 0 are held, each where it is in the volume.
-    in_place: bool,
+    /// All bricks of level 0 of this volume are held, each where it is in the volume; so many bricks along each axis.
+    in_place: Option<(VolumeId, [u32; 3])>,
     budget: u64,
     pub(crate) texture: wgpu::Texture,
     grid: [u32; 3],
     limit: [u32; 3],
-    held: HashMap<BrickKey, Held>,
-    pinned: HashSet<BrickKey>,
+    held: HashMap<SlotKey, Held>,
+    pinned: HashSet<SlotKey>,
     free: Vec<[u32; 3]>,
     clock: u64,
-    bricks: [u32; 3],
     /// Whether anything was ever written to the texture.
     written: bool,
-    pages: Vec<Page>,
-    /// How many pages draw from each level.
-    levels: [usize; 32],
     /// Bricks whose texels were uploaded so far.
     uploaded: u64,
     /// Painting took a slot that a picture draws from.
     disturbed: bool,
-    pub(crate) page_texture: wgpu::Texture,
-    /// Whether a texture was replaced since the bind group was made.
+    /// Whether the texture was replaced since the bind group was made.
     pub(crate) replaced: bool,
 }
 
+/// Whether all of level 0 of a volume may lie in place in a texture of at most so many bytes.
+pub(crate) fn fits_in_place(gpu: &Gpu, format: TexelFormat, bricks: [u32; 3], most_bytes: u64) -> bool {
+    let longest = gpu.device.limits().max_texture_dimension_3d;
+    let whole = texels(bricks, true);
+    let bytes = whole.iter().map(|&n| u64::from(n)).product::<u64>() * format.bytes() as u64;
+    bytes <= most_bytes.min(slots::MOST_BYTES) && whole.iter().all(|&n| n <= longest)
+}
+
+/// Bytes of a slot.
+pub(crate) fn slot_bytes(format: TexelFormat) -> u64 {
+    slots::bytes(format)
+}
+
 impl Pool {
-    /// An empty pool of at most `budget_bytes`; its texture is one slot until something is held. Bricks lie in place if all
-    /// of level 0 then takes at most `in_place_bytes`.
+    /// An empty pool of at most `budget_bytes`, and of `least` slots at least; its texture is one slot until something is held.
+    /// All bricks of `in_place` lie in place, if it is given.
     pub(crate) fn new(
         gpu: &Gpu,
-        kind: FieldKind,
-        host: TexelFormat,
-        bricks: [u32; 3],
-        budget_bytes: u64,
-        in_place_bytes: u64,
+        name: &'static str,
+        format: TexelFormat,
+        (budget_bytes, least): (u64, usize),
+        in_place: Option<(VolumeId, [u32; 3])>,
     ) -> Result<Self, GpuError> {
-        let format = match host {
-            TexelFormat::R16Unorm if !gpu.has_unorm16() => TexelFormat::R32Float,
-            other => other,
-        };
-        let longest = gpu.device.limits().max_texture_dimension_3d;
-        let whole = texels(bricks, true);
-        let bytes = whole.iter().map(|&n| u64::from(n)).product::<u64>() * format.bytes() as u64;
-        let in_place =
-            bytes <= in_place_bytes.min(budget_bytes).min(slots::MOST_BYTES) && whole.iter().all(|&n| n <= longest);
-        let limit = if in_place { bricks } else { limit(gpu, format, budget_bytes) };
-        let (texture, page_texture) = gpu.scoped(&format!("the {} pool", kind.name()), || {
-            let pages = gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(&format!("{} pages", kind.name())),
-                size: extent(bricks),
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D3,
-                format: wgpu::TextureFormat::Rg32Uint,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-                view_formats: &[],
-            });
-            Ok((slots_texture(gpu, kind, format, texels([1; 3], in_place)), pages))
+        let budget = budget_bytes.max(slots::bytes(format) * least as u64);
+        let limit = in_place.map_or_else(|| limit(gpu, format, budget), |(_, bricks)| bricks);
+        let texture = gpu.scoped(&format!("the {name} pool"), || {
+            Ok(slots_texture(gpu, name, format, texels([1; 3], in_place.is_some())))
         })?;
-        let count = bricks.iter().map(|&b| b as usize).product();
         Ok(Self {
-            kind,
-            host,
+            name,
             format,
             in_place,
-            budget: budget_bytes,
+            budget,
             texture,
             grid: [1; 3],
             limit,
@@ -106,13 +92,9 @@ impl Pool {
             pinned: HashSet::new(),
             free: vec![[0; 3]],
             clock: 0,
-            bricks,
             written: false,
-            pages: vec![UNWRITTEN; count],
-            levels: [0; 32],
             uploaded: 0,
             disturbed: false,
-            page_texture,
             replaced: true,
         })
     }
@@ -127,42 +109,65 @@ impl Pool {
         self.limit.iter().map(|&n| n as usize).product()
     }
 
+    /// Another budget from now on, at least what the texture takes already.
+    pub(crate) fn set_budget(&mut self, gpu: &Gpu, (budget_bytes, least): (u64, usize)) {
+        self.budget = budget_bytes.max(slots::bytes(self.format) * least as u64);
+        self.limit = limit(gpu, self.format, self.budget);
+    }
+
+    /// Bytes that the texture takes.
+    pub(crate) fn bytes(&self) -> u64 {
+        let texels = texels(self.grid, self.is_in_place()).into_iter().map(u64::from);
+        texels.product::<u64>() * self.format.bytes() as u64
+    }
+
     /// How many bricks are held.
     pub(crate) fn held_count(&self) -> usize {
         self.held.len()
     }
 
-    /// Whether all bricks of level 0 are held, each where it is in the volume.
+    /// Whether all bricks of level 0 of a volume are held, each where it is in the volume.
     pub(crate) fn is_in_place(&self) -> bool {
-        self.in_place
+        self.in_place.is_some()
     }
 
     /// 1 / texels along each axis.
     pub(crate) fn texel(&self) -> [f32; 3] {
-        texels(self.grid, self.in_place).map(|n| 1.0 / n as f32)
+        texels(self.grid, self.is_in_place()).map(|n| 1.0 / n as f32)
     }
 
     /// Whether a brick has a slot.
-    pub(crate) fn holds(&self, key: BrickKey) -> bool {
+    pub(crate) fn holds(&self, key: SlotKey) -> bool {
         self.held.contains_key(&key)
     }
 
     /// First texel, apron included, of a held brick's slot.
-    pub(crate) fn texel_origin(&self, key: BrickKey) -> Option<[u32; 3]> {
+    pub(crate) fn texel_origin(&self, key: SlotKey) -> Option<[u32; 3]> {
         self.held.get(&key).map(|h| self.origin(h.slot))
     }
 
     /// First texel, apron included, of a slot.
     fn origin(&self, slot: [u32; 3]) -> [u32; 3] {
-        slot.map(|s| s * if self.in_place { BRICK } else { SLOT })
+        slot.map(|s| s * if self.is_in_place() { BRICK } else { SLOT })
+    }
+
+    /// The slot of a held brick, and whether it is pinned.
+    pub(crate) fn slot(&self, key: SlotKey) -> Option<([u32; 3], bool)> {
+        self.held.get(&key).map(|h| (h.slot, h.pinned))
     }
 
     /// Gives bricks slots with their texels: for pictures until [`release`](Self::release), or with `pin` for painting until
     /// [`unpin`](Self::unpin). What neither wants makes room, the longest unused first; painting may take what pictures want.
     /// Answers whether anything was uploaded.
-    pub(crate) fn hold(&mut self, gpu: &Gpu, field: &Field, keys: &[BrickKey], pin: bool) -> Result<bool, GpuError> {
+    pub(crate) fn hold(
+        &mut self,
+        gpu: &Gpu,
+        field_of: FieldOf<'_, '_>,
+        keys: &[SlotKey],
+        pin: bool,
+    ) -> Result<bool, GpuError> {
         self.clock += 1;
-        let filled = self.in_place && self.held.is_empty() && self.fill(gpu, field)?;
+        let filled = self.held.is_empty() && self.fill(gpu, field_of)?;
         let mut missing = Vec::new();
         for key in keys {
             match self.held.get_mut(key) {
@@ -173,11 +178,11 @@ impl Pool {
         if !missing.is_empty() {
             self.make_room(gpu, missing.len(), pin)?;
             let Some(left) = self.free.len().checked_sub(missing.len()) else {
-                return Err(GpuError::PoolFull { field: self.kind.name(), asked: keys.len(), room: self.most() });
+                return Err(GpuError::PoolFull { field: self.name, asked: keys.len(), room: self.most() });
             };
             let places = self.free[left..].iter().rev();
             let uploads: Vec<_> = missing.iter().zip(places).map(|(&key, &slot)| Upload::whole(key, slot)).collect();
-            self.upload(gpu, field, &uploads)?;
+            self.upload(gpu, field_of, &uploads)?;
             self.free.truncate(left);
             let fresh = |slot| Held { slot, used: self.clock, wanted: false, pinned: false };
             self.held.extend(uploads.into_iter().map(|u| (u.key, fresh(u.slot))));
@@ -194,15 +199,17 @@ impl Pool {
         Ok(filled || !missing.is_empty())
     }
 
-    /// Holds all of level 0 in place. Answers false, and lies apart from then on, where memory is short.
-    fn fill(&mut self, gpu: &Gpu, field: &Field) -> Result<bool, GpuError> {
-        match self.grow_to(gpu, self.bricks) {
+    /// Holds all of level 0 of the volume that lies in place, if one does. Answers false, and lies apart from then on, where
+    /// memory is short.
+    fn fill(&mut self, gpu: &Gpu, field_of: FieldOf<'_, '_>) -> Result<bool, GpuError> {
+        let Some((volume, bricks)) = self.in_place else { return Ok(false) };
+        match self.grow_to(gpu, bricks) {
             Err(GpuError::OutOfMemory { .. }) => {
-                self.in_place = false;
+                self.in_place = None;
                 self.limit = limit(gpu, self.format, self.budget);
                 (self.grid, self.free, self.written) = ([1; 3], vec![[0; 3]], false);
-                self.texture = gpu.scoped(&format!("the {} pool", self.kind.name()), || {
-                    Ok(slots_texture(gpu, self.kind, self.format, texels(self.grid, false)))
+                self.texture = gpu.scoped(&format!("the {} pool", self.name), || {
+                    Ok(slots_texture(gpu, self.name, self.format, texels(self.grid, false)))
                 })?;
                 self.replaced = true;
                 return Ok(false);
@@ -210,16 +217,16 @@ impl Pool {
             other => other?,
         }
         self.free.clear();
-        let whole = |at| Upload::whole(BrickKey { level: 0, index: BrickIndex(at) }, at);
-        let all: Vec<_> = places(self.bricks).map(whole).collect();
-        self.upload(gpu, field, &all)?;
+        let key = |at| SlotKey::new(volume, BrickKey { level: 0, index: BrickIndex(at) });
+        let all: Vec<_> = places(bricks).map(|at| Upload::whole(key(at), at)).collect();
+        self.upload(gpu, field_of, &all)?;
         let held = |slot| Held { slot, used: 0, wanted: true, pinned: false };
         self.held = all.into_iter().map(|u| (u.key, held(u.slot))).collect();
         Ok(true)
     }
 
     /// Pictures no longer draw from these bricks; they stay until their slot is needed.
-    pub(crate) fn release(&mut self, keys: impl IntoIterator<Item = BrickKey>) {
+    pub(crate) fn release(&mut self, keys: impl IntoIterator<Item = SlotKey>) {
         for key in keys {
             if let Some(held) = self.held.get_mut(&key) {
                 held.wanted = false;
@@ -290,11 +297,11 @@ impl Pool {
     }
 
     fn grow_to(&mut self, gpu: &Gpu, grid: [u32; 3]) -> Result<(), GpuError> {
-        let (kind, format, old, written) = (self.kind, self.format, &self.texture, self.written);
+        let (name, format, old, written) = (self.name, self.format, &self.texture, self.written);
         let size = old.size();
-        let larger = texels(grid, self.in_place);
-        self.texture = gpu.scoped(&format!("a {} pool of {grid:?} slots", kind.name()), || {
-            let texture = slots_texture(gpu, kind, format, larger);
+        let larger = texels(grid, self.is_in_place());
+        self.texture = gpu.scoped(&format!("a {name} pool of {grid:?} slots"), || {
+            let texture = slots_texture(gpu, name, format, larger);
             if written {
                 let mut encoder =
                     gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("grow pool") });
@@ -312,23 +319,41 @@ impl Pool {
         Ok(())
     }
 
-    /// Lets pinned bricks go; they stay until their slot is needed. Answers which they were.
-    pub(crate) fn unpin(&mut self) -> HashSet<BrickKey> {
-        for key in &self.pinned {
+    /// Lets a volume's pinned bricks go; they stay until their slot is needed. Answers which they were.
+    pub(crate) fn unpin(&mut self, volume: VolumeId) -> HashSet<BrickKey> {
+        let (gone, left): (HashSet<_>, HashSet<_>) = self.pinned.drain().partition(|key| key.volume == volume);
+        self.pinned = left;
+        for key in &gone {
             if let Some(held) = self.held.get_mut(key) {
                 held.pinned = false;
             }
         }
-        std::mem::take(&mut self.pinned)
+        gone.into_iter().map(|key| key.brick).collect()
+    }
+
+    /// Gives up all slots of a volume.
+    pub(crate) fn forget(&mut self, volume: VolumeId) {
+        self.pinned.retain(|key| key.volume != volume);
+        let free = &mut self.free;
+        self.held.retain(|key, held| {
+            if key.volume == volume {
+                free.push(held.slot);
+            }
+            key.volume != volume
+        });
+        if self.in_place.is_some_and(|(of, _)| of == volume) {
+            // What is in place is held whole or not at all.
+            self.held.clear();
+        }
     }
 
     /// Whether a brick is pinned.
-    pub(crate) fn is_pinned(&self, key: BrickKey) -> bool {
+    pub(crate) fn is_pinned(&self, key: SlotKey) -> bool {
         self.pinned.contains(&key)
     }
 
     /// The pinned bricks.
-    pub(crate) fn pinned(&self) -> &HashSet<BrickKey> {
+    pub(crate) fn pinned(&self) -> &HashSet<SlotKey> {
         &self.pinned
     }
 

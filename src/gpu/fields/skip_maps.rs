@@ -1,184 +1,347 @@
 //! Where rays can skip: for every cell of 4³ voxels the distance to the next cell that may show something.
 //!
-//! Owns three maps (all matter; what the selection shows; what it leaves) as 3D textures of 8-bit distances in cells, by the
+//! Owns a map for each [`Matter`] that is asked for, all of them boxes of one 3D texture of 8-bit distances in cells, by the
 //! largest coordinate difference, capped. Built from the fields' cell minima and maxima at the level that each brick is drawn
-//! from, so that no sample that shows is ever skipped. Knows no camera.
+//! from, so that no sample that shows is ever skipped. Maps that nothing asks for any more wait a while, for pictures take
+//! turns. Knows no camera.
 
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
+use crate::gpu::fields::dirty_bricks::DirtyBricks;
 use crate::gpu::fields::pool::extent;
-use crate::volume::{BRICK, CELL, Mode, TABLE_ENTRIES, TransferFunction};
+use crate::gpu::fields::slot_key::{brick_of, count_of};
+use crate::gpu::fields::visible_values::VisibleValues;
+use crate::gpu::picture::frame::{LabelLooks, Mask};
+use crate::volume::{BRICK, CELL, FieldKey, FieldKind, VolumeId};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// Largest distance kept, in cells: an edit renews the map this far around it.
 pub(crate) const CAP: u32 = 15;
+/// Maps of a volume that wait although nothing asked for them lately.
+const IDLE: usize = 3;
 
-/// The values that show nothing under a look.
+/// What of a volume bodies show: a cell that has none of it is empty to them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shows {
-    clear: Vec<(f64, f64)>,
+pub struct Matter {
+    /// The volume.
+    pub volume: VolumeId,
+    /// Its values that show.
+    pub values: Showing,
+    /// The share of them.
+    pub mask: Mask,
 }
 
-impl Shows {
-    /// Under a transfer function and mode. Iso: below the surface's value. What lies above it shows where a cut opens it.
-    /// MIP: up to the first value with opacity. Values within half an entry of the caster's table count as showing.
-    pub fn of(transfer: &TransferFunction, mode: Mode) -> Self {
-        let points = &transfer.opacity;
-        let (lo, hi) = transfer.domain();
-        let guard = (hi - lo) / (TABLE_ENTRIES - 1) as f64 * 0.51;
-        let mut clear: Vec<(f64, f64)> = Vec::new();
-        if let Mode::Iso(value) = mode {
-            // What is less by no more than the GPU's rounding may pass for the value.
-            return Self { clear: vec![(f64::NEG_INFINITY, value - value.abs() * 4e-7)] };
-        }
-        let mut start = None;
-        for (i, &(value, opacity)) in points.iter().enumerate() {
-            if opacity > 0.0 {
-                if let Some(from) = start.take() {
-                    // Opacity rises from the point before on.
-                    clear.push((from, points[i - 1].0 - guard));
-                }
-            } else if start.is_none() {
-                start = Some(if i == 0 { f64::NEG_INFINITY } else { value + guard });
+impl Matter {
+    fn hangs_on(&self, key: FieldKey) -> bool {
+        self.volume == key.volume
+            && match key.kind {
+                FieldKind::Density => true,
+                FieldKind::Colour => false,
+                FieldKind::Selection => self.mask != Mask::None,
+                FieldKind::Labels => matches!(self.values, Showing::ByLabel(_)),
             }
-        }
-        if let Some(from) = start {
-            clear.push((from, f64::INFINITY));
-        }
-        if mode == Mode::Mip {
-            clear.retain(|c| c.0 == f64::NEG_INFINITY);
-        }
-        Self { clear }
-    }
-
-    /// Whether anything in `[min, max]` may show; an empty interval holds no value.
-    pub fn any(&self, min: f32, max: f32) -> bool {
-        let (min, max) = (f64::from(min), f64::from(max));
-        min <= max && !self.clear.iter().any(|&(from, to)| from <= min && max <= to)
     }
 }
 
-/// The three maps, in the order of their bindings.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Map {
-    Matter,
-    Selection,
-    Background,
+/// The values that show of any matter, or by its label.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Showing {
+    /// Of all matter.
+    One(VisibleValues),
+    /// By label.
+    ByLabel(LabelValues),
 }
 
-impl Map {
-    pub(crate) const ALL: [Self; 3] = [Self::Matter, Self::Selection, Self::Background];
+/// The values that show of each label's matter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LabelValues {
+    /// Those that differ.
+    values: Vec<VisibleValues>,
+    /// Of labels that are not named; `None`: nothing of them shows.
+    default: Option<usize>,
+    by_label: BTreeMap<u16, Option<usize>>,
+}
+
+impl LabelValues {
+    /// Of looks by label; `of` answers the values that a row shows.
+    pub fn new(labels: &LabelLooks, of: impl Fn(usize) -> VisibleValues) -> Self {
+        let mut values: Vec<VisibleValues> = Vec::new();
+        let mut places = BTreeMap::new();
+        for row in labels.rows() {
+            let shown = of(row);
+            let at = values.iter().position(|v| *v == shown).unwrap_or_else(|| {
+                values.push(shown);
+                values.len() - 1
+            });
+            places.insert(row, at);
+        }
+        let place = |row: Option<usize>| row.and_then(|row| places.get(&row).copied());
+        let by_label = labels.by_label.iter().map(|(&label, &row)| (label, place(row))).collect();
+        Self { values, default: place(labels.default), by_label }
+    }
+
+    /// Whether anything in `[lo, hi]` of a label's matter shows.
+    pub fn shows(&self, label: u16, [lo, hi]: [f32; 2]) -> bool {
+        let at = self.by_label.get(&label).copied().unwrap_or(self.default);
+        at.is_some_and(|at| self.values[at].any(lo, hi))
+    }
+
+    /// The same of any label's.
+    pub fn any(&self, [lo, hi]: [f32; 2]) -> bool {
+        self.values.iter().any(|values| values.any(lo, hi))
+    }
+}
+
+#[derive(Debug)]
+struct SkipMap {
+    matter: Matter,
+    /// Voxels along an edge of a cell.
+    cell: u32,
+    cells: [u32; 3],
+    bricks: [u32; 3],
+    occupied: Vec<u8>,
+    /// Its first cell in the texture.
+    place: [u32; 3],
+    /// Bricks whose cells are to be renewed.
+    dirty: DirtyBricks,
+    /// When it was last asked for.
+    used: u64,
 }
 
 /// See the module's head.
 #[derive(Debug)]
-pub(crate) struct Skips {
-    /// Voxels along an edge of a cell: 4, or more where the map would pass 2048 cells along an axis.
-    pub(crate) cell: u32,
-    cells: [u32; 3],
-    bricks: [u32; 3],
-    occupied: [Vec<u8>; 3],
-    pub(crate) textures: [wgpu::Texture; 3],
+pub(crate) struct SkipMaps {
+    maps: Vec<SkipMap>,
+    clock: u64,
+    pub(crate) texture: wgpu::Texture,
+    /// Whether the texture was replaced since the bind group was made.
+    pub(crate) replaced: bool,
 }
 
-impl Skips {
-    /// Maps over a volume of `dims` voxels in `bricks`. Empty until [`update`](Self::update) was called for all bricks.
-    pub(crate) fn new(gpu: &Gpu, dims: [u32; 3], bricks: [u32; 3]) -> Result<Self, GpuError> {
-        let most = gpu.device.limits().max_texture_dimension_3d;
-        let mut cell = CELL;
-        while cell < BRICK && dims.iter().any(|d| d.div_ceil(cell) > most) {
-            cell *= 2;
+/// Voxels along an edge of a cell: 4, or more where a map would pass so many cells along an axis.
+pub(crate) fn cell_of(dims: [u32; 3], most: u32) -> u32 {
+    let mut cell = CELL;
+    while cell < BRICK && dims.iter().any(|d| d.div_ceil(cell) > most) {
+        cell *= 2;
+    }
+    cell
+}
+
+/// Where boxes of these sizes lie in one, and its size: on end along z as far as that goes, in columns beside each other.
+fn arrange(sizes: &[[u32; 3]], most: u32) -> (Vec<[u32; 3]>, [u32; 3]) {
+    let mut at = [0_u32; 3];
+    // How far the column, the row of columns, and all of them reach.
+    let (mut wide, mut high, mut all) = (0, 0, [1; 3]);
+    let mut places = Vec::with_capacity(sizes.len());
+    for size in sizes {
+        if at[2] + size[2] > most {
+            at = [at[0] + wide, at[1], 0];
+            wide = 0;
         }
-        let cells = dims.map(|d| d.div_ceil(cell));
-        let count = cells.iter().map(|&n| n as usize).product();
-        let textures = gpu.scoped("the maps of empty space", || {
-            Ok(Map::ALL.map(|map| {
-                gpu.device.create_texture(&wgpu::TextureDescriptor {
-                    label: Some(&format!("skips: {map:?}")),
-                    size: extent(cells),
-                    mip_level_count: 1,
-                    sample_count: 1,
-                    dimension: wgpu::TextureDimension::D3,
-                    format: wgpu::TextureFormat::R8Uint,
-                    usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-                    view_formats: &[],
-                })
-            }))
-        })?;
-        Ok(Self { cell, cells, bricks, occupied: std::array::from_fn(|_| vec![0; count]), textures })
+        if at[0] + size[0] > most {
+            at = [0, at[1] + high, 0];
+            (wide, high) = (0, 0);
+        }
+        places.push(at);
+        (wide, high) = (wide.max(size[0]), high.max(size[1]));
+        all = std::array::from_fn(|a| all[a].max(at[a] + size[a]));
+        at[2] += size[2];
+    }
+    (places, all)
+}
+
+impl SkipMaps {
+    /// No maps.
+    pub(crate) fn new(gpu: &Gpu) -> Result<Self, GpuError> {
+        let texture = gpu.scoped("the maps of empty space", || Ok(texture(gpu, [1; 3])))?;
+        Ok(Self { maps: Vec::new(), clock: 0, texture, replaced: true })
     }
 
-    /// Renews the cells of some bricks of level 0 and the distances around them. `of` answers for a brick, by its cells of 4³
-    /// in order, one bit per [`Map`] for whether it may show something.
-    pub(crate) fn update(
+    /// Bricks of a field have other cells: the maps that hang on it follow.
+    pub(crate) fn dirty(&mut self, key: FieldKey, bricks: impl IntoIterator<Item = usize> + Clone) {
+        for map in self.maps.iter_mut().filter(|map| map.matter.hangs_on(key)) {
+            map.dirty.extend(bricks.clone());
+        }
+    }
+
+    /// All cells of a volume are others.
+    pub(crate) fn dirty_all(&mut self, volume: VolumeId) {
+        for map in self.maps.iter_mut().filter(|map| map.matter.volume == volume) {
+            map.dirty = DirtyBricks::all();
+        }
+    }
+
+    /// A volume is gone.
+    pub(crate) fn forget(&mut self, volume: VolumeId) {
+        self.maps.retain(|map| map.matter.volume != volume);
+    }
+
+    /// Has a map for each matter; `shape` are the voxels and bricks of each one's volume. Answers the maps' numbers. What of a
+    /// map is dirty is still to be [renewed](Self::renew).
+    ///
+    /// # Errors
+    /// Out of memory, or a lost device.
+    pub(crate) fn have(
         &mut self,
         gpu: &Gpu,
-        bricks: &[usize],
-        of: &(dyn Fn([u32; 3]) -> [u8; 512] + Sync),
-    ) -> Result<(), GpuError> {
-        let [nx, ny, _] = self.bricks.map(|b| b as usize);
-        let places: Vec<[u32; 3]> =
-            bricks.iter().map(|&i| [i % nx, i / nx % ny, i / (nx * ny)].map(|v| v as u32)).collect();
-        let fresh: Vec<[u8; 512]> = places.par_iter().map(|&b| of(b)).collect();
-        let per = BRICK / self.cell;
-        let shrink = self.cell / CELL;
-        let mut changed: [Option<[[u32; 3]; 2]>; 3] = [None; 3];
-        for (brick, bits) in places.iter().zip(&fresh) {
-            let first = brick.map(|b| b * per);
-            let last: [u32; 3] = std::array::from_fn(|a| (first[a] + per).min(self.cells[a]));
+        wanted: &[Matter],
+        shape: &dyn Fn(VolumeId) -> ([u32; 3], [u32; 3]),
+    ) -> Result<Vec<usize>, GpuError> {
+        self.clock += 1;
+        let most = gpu.device.limits().max_texture_dimension_3d;
+        let mut numbers = Vec::with_capacity(wanted.len());
+        for matter in wanted {
+            if let Some(map) = self.maps.iter_mut().find(|map| map.matter == *matter) {
+                map.used = self.clock;
+            }
+        }
+        let mut grown = false;
+        for matter in wanted {
+            if let Some(i) = self.maps.iter().position(|map| map.matter == *matter) {
+                numbers.push(i);
+                continue;
+            }
+            let idle = |(i, map): (usize, &SkipMap)| {
+                (map.matter.volume == matter.volume && map.used != self.clock).then_some((map.used, i))
+            };
+            let idle: Vec<_> = self.maps.iter().enumerate().filter_map(idle).collect();
+            let old = idle.iter().min().filter(|_| idle.len() >= IDLE).map(|&(_, i)| i);
+            let at = match old {
+                Some(at) => at,
+                None => {
+                    let (dims, bricks) = shape(matter.volume);
+                    let cell = cell_of(dims, most);
+                    let cells = dims.map(|d| d.div_ceil(cell));
+                    let (matter, occupied) = (matter.clone(), vec![0; count_of(cells)]);
+                    let (dirty, place) = (DirtyBricks::all(), [0; 3]);
+                    self.maps.push(SkipMap { matter, cell, cells, bricks, occupied, place, dirty, used: 0 });
+                    grown = true;
+                    self.maps.len() - 1
+                }
+            };
+            let map = &mut self.maps[at];
+            (map.matter, map.dirty, map.used) = (matter.clone(), DirtyBricks::all(), self.clock);
+            numbers.push(at);
+        }
+        if grown {
+            self.lay_out(gpu, most)?;
+        }
+        Ok(numbers)
+    }
+
+    /// Lays the maps out anew, with what the texture has of them.
+    fn lay_out(&mut self, gpu: &Gpu, most: u32) -> Result<(), GpuError> {
+        let sizes: Vec<_> = self.maps.iter().map(|map| map.cells).collect();
+        let (places, size) = arrange(&sizes, most);
+        let old = self.texture.clone();
+        self.texture = gpu.scoped("the maps of empty space", || {
+            let new = texture(gpu, size);
+            let mut encoder = gpu
+                .device
+                .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("maps of empty space") });
+            for (map, place) in self.maps.iter().zip(&places).filter(|(map, _)| map.dirty.is_some()) {
+                let of = |texture, [x, y, z]: [u32; 3]| wgpu::TexelCopyTextureInfo {
+                    texture,
+                    mip_level: 0,
+                    origin: wgpu::Origin3d { x, y, z },
+                    aspect: wgpu::TextureAspect::All,
+                };
+                encoder.copy_texture_to_texture(of(&old, map.place), of(&new, *place), extent(map.cells));
+            }
+            gpu.queue.submit([encoder.finish()]);
+            Ok(new)
+        })?;
+        for (map, place) in self.maps.iter_mut().zip(places) {
+            map.place = place;
+        }
+        self.replaced = true;
+        Ok(())
+    }
+
+    /// The first cell of a map in the texture.
+    pub(crate) fn place(&self, map: usize) -> [u32; 3] {
+        self.maps[map].place
+    }
+
+    /// Renews the dirty cells of a map and the distances around them. `of` answers for a brick of level 0, by its cells of 4³ in
+    /// order, whether each may show something. Answers whether anything was dirty.
+    ///
+    /// # Errors
+    /// As [`have`](Self::have).
+    pub(crate) fn renew(
+        &mut self,
+        gpu: &Gpu,
+        map: usize,
+        of: &(dyn Fn(usize) -> [bool; 512] + Sync),
+    ) -> Result<bool, GpuError> {
+        let Some(map) = self.maps.get_mut(map) else { return Ok(false) };
+        let count = count_of(map.bricks);
+        let dirty = map.dirty.take(count);
+        if dirty.is_empty() {
+            return Ok(false);
+        }
+        let fresh: Vec<[bool; 512]> = dirty.par_iter().map(|&b| of(b)).collect();
+        let per = BRICK / map.cell;
+        let shrink = map.cell / CELL;
+        let mut changed: Option<[[u32; 3]; 2]> = None;
+        for (&brick, bits) in dirty.iter().zip(&fresh) {
+            let first = brick_of(map.bricks, brick).0.map(|b| b * per);
+            let last: [u32; 3] = std::array::from_fn(|a| (first[a] + per).min(map.cells[a]));
             for z in first[2]..last[2] {
                 for y in first[1]..last[1] {
                     for x in first[0]..last[0] {
-                        let bits = merged(bits, [x - first[0], y - first[1], z - first[2]], shrink);
-                        let at = index([x, y, z], self.cells);
-                        for (map, changed) in changed.iter_mut().enumerate() {
-                            let now = bits >> map & 1;
-                            if self.occupied[map][at] != now {
-                                self.occupied[map][at] = now;
-                                let [lo, hi] = changed.get_or_insert([[x, y, z], [x, y, z]]);
-                                for (a, v) in [x, y, z].into_iter().enumerate() {
-                                    lo[a] = lo[a].min(v);
-                                    hi[a] = hi[a].max(v);
-                                }
+                        let now = u8::from(merged(bits, [x - first[0], y - first[1], z - first[2]], shrink));
+                        let at = index([x, y, z], map.cells);
+                        if map.occupied[at] != now {
+                            map.occupied[at] = now;
+                            let [lo, hi] = changed.get_or_insert([[x, y, z], [x, y, z]]);
+                            for (a, v) in [x, y, z].into_iter().enumerate() {
+                                lo[a] = lo[a].min(v);
+                                hi[a] = hi[a].max(v);
                             }
                         }
                     }
                 }
             }
         }
-        let all = bricks.len() == self.bricks.iter().map(|&b| b as usize).product::<usize>();
-        for (map, changed) in changed.into_iter().enumerate() {
-            let touched = if all { Some([[0; 3], self.cells.map(|n| n - 1)]) } else { changed };
-            let Some([lo, hi]) = touched else { continue };
-            let lo = lo.map(|v| v.saturating_sub(CAP));
-            let hi: [u32; 3] = std::array::from_fn(|a| (hi[a] + 1 + CAP).min(self.cells[a]));
-            let size: [u32; 3] = std::array::from_fn(|a| hi[a] - lo[a]);
-            let distances = distances(&self.occupied[map], self.cells, lo, size);
-            gpu.scoped("the maps of empty space", || {
-                gpu.queue.write_texture(
-                    wgpu::TexelCopyTextureInfo {
-                        origin: wgpu::Origin3d { x: lo[0], y: lo[1], z: lo[2] },
-                        ..self.textures[map].as_image_copy()
-                    },
-                    &distances,
-                    wgpu::TexelCopyBufferLayout {
-                        offset: 0,
-                        bytes_per_row: Some(size[0]),
-                        rows_per_image: Some(size[1]),
-                    },
-                    extent(size),
-                );
-                Ok(())
-            })?;
-        }
-        Ok(())
+        let touched = if dirty.len() == count { Some([[0; 3], map.cells.map(|n| n - 1)]) } else { changed };
+        let Some([lo, hi]) = touched else { return Ok(true) };
+        let lo = lo.map(|v| v.saturating_sub(CAP));
+        let hi: [u32; 3] = std::array::from_fn(|a| (hi[a] + 1 + CAP).min(map.cells[a]));
+        let size: [u32; 3] = std::array::from_fn(|a| hi[a] - lo[a]);
+        let distances = distances(&map.occupied, map.cells, lo, size);
+        let [x, y, z] = std::array::from_fn(|a| map.place[a] + lo[a]);
+        gpu.scoped("the maps of empty space", || {
+            gpu.queue.write_texture(
+                wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x, y, z }, ..self.texture.as_image_copy() },
+                &distances,
+                wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(size[0]), rows_per_image: Some(size[1]) },
+                extent(size),
+            );
+            Ok(())
+        })?;
+        Ok(true)
     }
 }
 
+fn texture(gpu: &Gpu, size: [u32; 3]) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("maps of empty space"),
+        size: extent(size),
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D3,
+        format: wgpu::TextureFormat::R8Uint,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
+}
+
 /// Any of the 4³ cells that a larger cell of `shrink` of them along each axis covers.
-fn merged(bits: &[u8; 512], at: [u32; 3], shrink: u32) -> u8 {
+fn merged(bits: &[bool; 512], at: [u32; 3], shrink: u32) -> bool {
     let n = BRICK / CELL;
-    let mut any = 0;
+    let mut any = false;
     for z in at[2] * shrink..(at[2] + 1) * shrink {
         for y in at[1] * shrink..(at[1] + 1) * shrink {
             for x in at[0] * shrink..(at[0] + 1) * shrink {

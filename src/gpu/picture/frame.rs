@@ -5,7 +5,9 @@
 
 use crate::gpu::picture::layer::Layers;
 use crate::math::{Camera, Plane, Pose};
-use crate::volume::{Lighting, Mode, Segments, TransferFunction};
+use crate::volume::{Lighting, Mode, Segments, TransferFunction, VolumeId};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 /// What of the matter inside its region belongs to a body. The selection s divides extinction; iso-surfaces and MIP divide
 /// at ½ (ERRATA, Exploded Views).
@@ -24,20 +26,97 @@ pub enum Mask {
 pub struct Body {
     /// The caller's name for it; pictures hold `id + 1`.
     pub id: u32,
+    /// Whose matter it is. Its index space is that volume's.
+    pub volume: VolumeId,
     /// `world_from_rest`.
     pub pose: Pose,
     /// Bounding planes with outward normals, world mm at rest, besides the volume's box.
     pub region: Vec<Plane>,
     /// Its share of the matter.
     pub mask: Mask,
+    /// Row of [`Frame::looks`]; `None`: the frame's own look.
+    pub look: Option<usize>,
+    /// Looks by label, in place of `look`: what has none is not the body's. All of them have one kind of mode.
+    pub labels: Option<Arc<LabelLooks>>,
     /// Display-referred; multiplies colour.
     pub tint: Option<[f32; 3]>,
 }
 
 impl Body {
-    /// The whole volume at rest.
+    /// The whole of [`VolumeId::FIRST`] at rest.
     pub fn whole(id: u32) -> Self {
-        Self { id, pose: Pose::IDENTITY, region: Vec::new(), mask: Mask::None, tint: None }
+        Self {
+            id,
+            volume: VolumeId::FIRST,
+            pose: Pose::IDENTITY,
+            region: Vec::new(),
+            mask: Mask::None,
+            look: None,
+            labels: None,
+            tint: None,
+        }
+    }
+}
+
+/// How matter becomes a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Look {
+    /// Colour and opacity.
+    pub transfer: TransferFunction,
+    /// How rays become colour.
+    pub mode: Mode,
+    /// `None`: unshaded. MIP is never shaded.
+    pub lighting: Option<Lighting>,
+    /// 0 to 1. Multiplies the transfer function's opacity; that of an iso-surface is 1.
+    pub opacity: f32,
+}
+
+/// A look that lies elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LookRef<'a> {
+    /// As [`Look::transfer`].
+    pub transfer: &'a TransferFunction,
+    /// As [`Look::mode`].
+    pub mode: Mode,
+    /// As [`Look::lighting`].
+    pub lighting: Option<Lighting>,
+    /// As [`Look::opacity`].
+    pub opacity: f32,
+}
+
+impl LookRef<'_> {
+    /// Whether it is like another one.
+    pub fn is(&self, other: &Look) -> bool {
+        let Look { transfer, mode, lighting, opacity } = other;
+        (self.mode, self.lighting, self.opacity) == (*mode, *lighting, *opacity) && self.transfer == transfer
+    }
+
+    /// The same as one that lies for itself.
+    pub fn to_look(self) -> Look {
+        let Self { transfer, mode, lighting, opacity } = self;
+        Look { transfer: transfer.clone(), mode, lighting, opacity }
+    }
+}
+
+/// A row of [`Frame::looks`] for every label, or none: then its matter is not the body's. A set of labels as a mask is one that
+/// gives them the same row and the others none.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LabelLooks {
+    /// Of labels that are not named.
+    pub default: Option<usize>,
+    /// By label; 0 is what has no label.
+    pub by_label: BTreeMap<u16, Option<usize>>,
+}
+
+impl LabelLooks {
+    /// The row of a label.
+    pub fn row(&self, label: u16) -> Option<usize> {
+        self.by_label.get(&label).copied().unwrap_or(self.default)
+    }
+
+    /// The rows that any label has, in order.
+    pub fn rows(&self) -> BTreeSet<usize> {
+        self.by_label.values().copied().chain([self.default]).flatten().collect()
     }
 }
 
@@ -74,10 +153,45 @@ pub struct Frame {
     pub lighting: Option<Lighting>,
     /// Colour and opacity.
     pub transfer: TransferFunction,
+    /// Looks that bodies may have besides the frame's own, which `mode`, `lighting` and `transfer` are.
+    pub looks: Vec<Look>,
     /// What is drawn, in any order.
     pub bodies: Vec<Body>,
     /// Painted fields.
     pub overlay: Overlay,
     /// Meshes among the bodies, what cuts and what clips them.
     pub layers: Layers,
+    /// The same for volumes that have one of their own.
+    pub overlays: BTreeMap<VolumeId, Overlay>,
+}
+
+impl Frame {
+    /// A look by its row; the frame's own for `None` and for rows that it has not.
+    pub fn look(&self, row: Option<usize>) -> LookRef<'_> {
+        match row.and_then(|row| self.looks.get(row)) {
+            Some(Look { transfer, mode, lighting, opacity }) => {
+                LookRef { transfer, mode: *mode, lighting: *lighting, opacity: *opacity }
+            }
+            None => LookRef { transfer: &self.transfer, mode: self.mode, lighting: self.lighting, opacity: 1.0 },
+        }
+    }
+
+    /// The looks of a body: one, or those that any label has.
+    pub fn looks_of(&self, body: &Body) -> Vec<LookRef<'_>> {
+        match &body.labels {
+            Some(labels) => labels.rows().into_iter().map(|row| self.look(Some(row))).collect(),
+            None => vec![self.look(body.look)],
+        }
+    }
+
+    /// How a volume's painted fields show.
+    pub fn overlay_of(&self, volume: VolumeId) -> &Overlay {
+        self.overlays.get(&volume).unwrap_or(&self.overlay)
+    }
+
+    /// The volumes that it shows anything of, in order.
+    pub fn volumes(&self) -> Vec<VolumeId> {
+        let volumes: BTreeSet<_> = self.bodies.iter().map(|body| body.volume).collect();
+        volumes.into_iter().collect()
+    }
 }

@@ -3,6 +3,7 @@
 //! PNG takes the display-referred colour as it is; EXR holds linear colour (sRGB's transfer curve undone), `Z` in mm along
 //! the ray with +inf for nothing, and `id`. Knows nothing of how the picture came to be.
 
+use crate::gpu::picture::object_id::ObjectId;
 use crate::io::{IoError, replace_file};
 use crate::math::DVec2;
 use exr::prelude as exr;
@@ -38,15 +39,20 @@ pub struct Image {
     /// Millimetres along the ray from the eye (from the image plane in orthographic projection); +inf where there is nothing.
     /// DVR: where opacity reaches ½.
     pub depth_mm: Vec<f32>,
-    /// Id of the body at that depth plus 1; 0 where there is nothing.
-    pub object: Vec<u32>,
+    /// What is at that depth.
+    pub object: Vec<ObjectId>,
 }
 
 impl Image {
     /// Nothing at all.
     pub fn empty(size: [u32; 2]) -> Self {
         let count = size[0] as usize * size[1] as usize;
-        Self { size, colour: vec![[0.0; 4]; count], depth_mm: vec![f32::INFINITY; count], object: vec![0; count] }
+        Self {
+            size,
+            colour: vec![[0.0; 4]; count],
+            depth_mm: vec![f32::INFINITY; count],
+            object: vec![ObjectId::NOTHING; count],
+        }
     }
 
     /// Place of the pixel that holds a point of the picture, if it is inside.
@@ -141,20 +147,29 @@ impl Image {
         keep(path, file.get_ref())
     }
 
-    /// Writes an EXR with channels `R G B A Z id` in one layer, 32 bits each.
+    /// Writes an EXR with channels `R G B A Z id volume segment selected` in one layer, 32 bits each: `id` is the body's plus 1,
+    /// `volume` the volume's plus 1, `segment` the label, `selected` 1 for selected matter; 0 is nothing.
     ///
     /// # Errors
     /// If the file cannot be written.
     pub fn write_exr(&self, path: &Path) -> Result<(), ImageError> {
         let linear: Vec<[f32; 4]> = self.colour.iter().map(|&c| linear(c)).collect();
         let plane = |i: usize| exr::FlatSamples::F32(linear.iter().map(|c| c[i]).collect());
+        // Numbers from 1 on, so that 0 is nothing.
+        let whole = |of: &dyn Fn(ObjectId) -> Option<u32>| {
+            exr::FlatSamples::U32(self.object.iter().map(|&object| of(object).map_or(0, |id| id + 1)).collect())
+        };
+        let segments = self.object.iter().map(|object| object.segment().map_or(0, u32::from));
         let channels = [
             ("R", plane(0)),
             ("G", plane(1)),
             ("B", plane(2)),
             ("A", plane(3)),
             ("Z", exr::FlatSamples::F32(self.depth_mm.clone())),
-            ("id", exr::FlatSamples::U32(self.object.clone())),
+            ("id", whole(&|object| object.body())),
+            ("volume", whole(&|object| object.volume().map(|volume| volume.0))),
+            ("segment", exr::FlatSamples::U32(segments.collect())),
+            ("selected", exr::FlatSamples::U32(self.object.iter().map(|o| u32::from(o.is_selected())).collect())),
         ];
         let channels = channels.map(|(name, samples)| exr::AnyChannel::new(name, samples)).into_iter().collect();
         let layer = exr::Layer::new(

@@ -5,3 +5,4 @@
 pub(crate) mod frame;
 pub(crate) mod image;
 pub(crate) mod layer;
+pub(crate) mod object_id;

@@ -2,6 +2,7 @@
 
 use crate::document::ViewName;
 use crate::explode::{Explosion, PartId, Poses};
+use crate::gpu::ObjectId;
 use crate::interact::Hit;
 use crate::interact::surface::Surface;
 use crate::math::{Camera, DVec2, DVec3};
@@ -19,7 +20,7 @@ pub(crate) struct Pictures {
 struct Depth {
     size: [u32; 2],
     depth_mm: Vec<f32>,
-    object: Vec<u32>,
+    object: Vec<ObjectId>,
     camera: Camera,
     /// Made when somebody asks.
     surface: OnceCell<Surface>,
@@ -71,7 +72,7 @@ impl Pictures {
             return None;
         }
         let world = depth.camera.ray(px, size).at(along);
-        let part = part_of(explosion, poses, depth.object[i].checked_sub(1)?, world);
+        let part = part_of(explosion, poses, depth.object[i].body()?, world);
         let depth_mm = (world - depth.camera.eye).dot(depth.camera.forward());
         Some(Hit { world, part, depth_mm })
     }

@@ -7,6 +7,7 @@ use crate::document::answers::Answer;
 use crate::document::answers_ask::VoxelSaid;
 use crate::document::{Command, Ground, RenderCommand, Scene, ViewName};
 use crate::explode::Poses;
+use crate::gpu::ObjectId;
 use crate::math::{Camera, DVec2, DVec3};
 use crate::ui::thread::stop::Stop;
 use crate::volume::{Grid, Histogram, Statistics, VolumeId, VoxelType};
@@ -118,7 +119,7 @@ pub struct Picture {
     /// Only of the 3D view: mm along each pixel's ray, infinite where nothing is.
     pub depth_mm: Vec<f32>,
     /// Only of the 3D view: body id + 1, 0 where nothing is.
-    pub object: Vec<u32>,
+    pub object: Vec<ObjectId>,
     /// The camera that drew it.
     pub camera: Camera,
     /// Serial of the last request that it shows.

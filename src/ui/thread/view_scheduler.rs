@@ -6,6 +6,7 @@
 use crate::document::effects::Redraws;
 use crate::document::{Document, DocumentError, SlicePlane, ViewName};
 use crate::gpu::Image;
+use crate::gpu::ObjectId;
 use crate::math::Camera;
 use crate::ui::thread::session::Picture;
 use std::collections::BTreeMap;
@@ -44,7 +45,7 @@ struct Refining {
     rows: u32,
     rgba: Vec<u8>,
     depth_mm: Vec<f32>,
-    object: Vec<u32>,
+    object: Vec<ObjectId>,
 }
 
 /// Which pictures were drawn of what, and how long a pixel takes.

@@ -66,8 +66,9 @@ fn what_a_click_leaves_is_taken_back_and_looked_behind_as_a_strokes() {
             sample(&gpu, pools, &at).into_iter().map(bits).collect()
         };
         let seen = |canvas: &mut Canvas| {
-            let Canvas { density, colour, selection, labels, pools, .. } = canvas;
-            pools.make_resident(&gpu, &Fields { density, colour, selection, labels }, &frame).unwrap();
+            let Canvas { grid, density, colour, selection, labels, pools, .. } = canvas;
+            let fields = one_volume(grid, density, colour, selection, labels);
+            pools.make_resident(&gpu, &fields, &frame).unwrap();
             sampled(pools)
         };
         let before = seen(&mut canvas);
@@ -77,15 +78,15 @@ fn what_a_click_leaves_is_taken_back_and_looked_behind_as_a_strokes() {
             let painted = seen(&mut canvas);
             assert!(painted != before, "{kind:?}");
             // Behind the stroke lies what was there before it, and then it shows again.
-            let Canvas { painter, pools, density, colour, selection, labels, .. } = &mut canvas;
+            let Canvas { painter, pools, grid, density, colour, selection, labels, .. } = &mut canvas;
             let behind = painter.at_start(pools, |_| true, |pools| Ok(sampled(pools))).unwrap();
             // What a picture shows, and where, hangs on these two alone: others are not put back.
             if matches!(kind, FieldKind::Density | FieldKind::Selection) {
                 assert!(behind == before, "{kind:?}");
             }
-            let fields = Fields { density, colour, selection, labels };
+            let fields = one_volume(grid, density, colour, selection, labels);
             let refresh = painter.cancel(pools).unwrap();
-            pools.refresh_painted(&gpu, kind, fields.get(kind), &refresh).unwrap();
+            pools.refresh_painted(&gpu, kind, fields.field(kind.into()).unwrap(), &refresh).unwrap();
             assert!(seen(&mut canvas) == before, "{kind:?} after {frames}");
         }
     }

@@ -1,12 +1,13 @@
 //! What is known of cells while a stroke runs, and how a long stroke is submitted.
 
 use super::*;
-use crate::common::gpu::sample;
+use crate::common::gpu::{sample, sample_maps};
+use burin::gpu::Mask;
 
 /// Two frames: asks, waits for the GPU as time would, takes what has come.
 fn follow(gpu: &Gpu, canvas: &mut Canvas) -> Vec<(BrickIndex, LiveCells)> {
-    let Canvas { density, colour, selection, labels, painter, pools, .. } = canvas;
-    let fields = Fields { density, colour, selection, labels };
+    let Canvas { density, colour, selection, labels, painter, pools, grid, .. } = canvas;
+    let fields = one_volume(grid, density, colour, selection, labels);
     painter.follow(pools, &fields).unwrap();
     gpu.wait().unwrap();
     painter.follow(pools, &fields).unwrap();
@@ -15,8 +16,8 @@ fn follow(gpu: &Gpu, canvas: &mut Canvas) -> Vec<(BrickIndex, LiveCells)> {
 
 /// The field as the running stroke shows it, from read-back texels.
 fn shown(canvas: &Canvas, kind: FieldKind) -> Field {
-    let Canvas { density, colour, selection, labels, painter, pools, .. } = canvas;
-    let fields = Fields { density, colour, selection, labels };
+    let Canvas { density, colour, selection, labels, painter, pools, grid, .. } = canvas;
+    let fields = one_volume(grid, density, colour, selection, labels);
     let live = |b: BrickIndex| Some((b, Some(painter.live(pools, &fields, b).unwrap()?)));
     let bricks = painter.touched().into_iter().filter_map(live).collect();
     let mut field = canvas.field(kind).clone();
@@ -71,11 +72,13 @@ fn cells_in_doubt_may_show_anything_and_then_what_they_hold() {
     let mut canvas = Canvas::blank(&gpu, grid);
     let frame = frame(&grid, ramp(1000.0, 4000.0), DVec3::NEG_Y, [32, 32]);
     let skips = |canvas: &mut Canvas| {
-        let Canvas { density, colour, selection, labels, pools, .. } = canvas;
-        pools.make_resident(&gpu, &Fields { density, colour, selection, labels }, &frame).unwrap();
+        let Canvas { density, colour, selection, labels, pools, grid, .. } = canvas;
+        let fields = one_volume(grid, density, colour, selection, labels);
+        pools.make_resident(&gpu, &fields, &frame).unwrap();
+        let maps = pools.skip_maps(&gpu, &fields, &[matter(&frame, Mask::None)]).unwrap();
         // In the ball; in its block but not in it; in its brick but in another block.
         let at = [[6.0, 6.0, 6.0], [14.0, 14.0, 14.0], [28.0, 28.0, 28.0]];
-        sample(&gpu, &canvas.pools, &at).iter().map(|s| s.skip[0]).collect::<Vec<_>>()
+        sample_maps(&gpu, &canvas.pools, &maps, &at).iter().map(|s| s.skip[0]).collect::<Vec<_>>()
     };
     assert_eq!(skips(&mut canvas), [15; 3]);
     let brush = Brush { target: Target::Density(3000.0), radius_mm: 4.0, falloff: Falloff::Hard, ..Brush::default() };
@@ -99,16 +102,18 @@ fn cells_that_were_asked_for_and_not_answered_may_show_anything() {
     let mut canvas = Canvas::blank(&gpu, grid);
     let frame = frame(&grid, ramp(1000.0, 4000.0), DVec3::NEG_Y, [32, 32]);
     let skip = |canvas: &mut Canvas, at: f32| {
-        let Canvas { density, colour, selection, labels, pools, .. } = canvas;
-        pools.make_resident(&gpu, &Fields { density, colour, selection, labels }, &frame).unwrap();
-        sample(&gpu, &canvas.pools, &[[at; 3]])[0].skip[0]
+        let Canvas { density, colour, selection, labels, pools, grid, .. } = canvas;
+        let fields = one_volume(grid, density, colour, selection, labels);
+        pools.make_resident(&gpu, &fields, &frame).unwrap();
+        let maps = pools.skip_maps(&gpu, &fields, &[matter(&frame, Mask::None)]).unwrap();
+        sample_maps(&gpu, &canvas.pools, &maps, &[[at; 3]])[0].skip[0]
     };
     let brush = Brush { target: Target::Density(3000.0), radius_mm: 3.0, falloff: Falloff::Hard, ..Brush::default() };
     canvas.begin(&brush);
     canvas.extend(&[dab_at(&grid, DVec3::splat(6.0), 3.0)]);
     // Asked, and the answer not taken; then another block of the same brick is painted.
     let Canvas { density, colour, selection, labels, painter, pools, .. } = &mut canvas;
-    painter.follow(pools, &Fields { density, colour, selection, labels }).unwrap();
+    painter.follow(pools, &one_volume(&grid, density, colour, selection, labels)).unwrap();
     canvas.extend(&[dab_at(&grid, DVec3::splat(26.0), 3.0)]);
     assert_eq!(skip(&mut canvas, 6.0), 0, "the first ball must not be skipped by what was there before it");
     assert_eq!(skip(&mut canvas, 26.0), 0);
@@ -169,16 +174,16 @@ fn a_stroke_over_many_bricks_is_followed_and_taken_back_as_a_whole() {
             assert_eq!(*cell, if i < 64 { full } else { SelectedCell::NOTHING }, "{index:?} {i}");
         }
     }
-    let Canvas { density, colour, selection, labels, painter, pools, .. } = &mut canvas;
-    let (fields, uploaded) = (Fields { density, colour, selection, labels }, pools.work().1);
+    let Canvas { density, colour, selection, labels, painter, pools, grid, .. } = &mut canvas;
+    let (fields, uploaded) = (one_volume(grid, density, colour, selection, labels), pools.work().1);
     let refresh = painter.cancel(pools).unwrap();
-    pools.refresh_painted(&gpu, FieldKind::Selection, fields.selection, &refresh).unwrap();
+    pools.refresh_painted(&gpu, FieldKind::Selection, selection, &refresh).unwrap();
     assert_eq!(pools.work().1, uploaded, "what was put back is not uploaded");
-    let frame = frame(&grid, ramp(-1.0, 10.0), DVec3::NEG_Y, [16, 16]);
+    let frame = frame(grid, ramp(-1.0, 10.0), DVec3::NEG_Y, [16, 16]);
     pools.make_resident(&gpu, &fields, &frame).unwrap();
-    let voxels: Vec<[u32; 3]> = fields.selection.brick_indices(0).iter().map(|b| b.origin().map(|v| v + 1)).collect();
+    let voxels: Vec<[u32; 3]> = selection.brick_indices(0).iter().map(|b| b.origin().map(|v| v + 1)).collect();
     let at: Vec<[f32; 3]> = voxels.iter().map(|v| v.map(|v| v as f32)).collect();
     for (voxel, s) in voxels.iter().zip(sample(&gpu, pools, &at)) {
-        assert!((s.selection - fields.selection.value(*voxel).unwrap()).abs() < 0.5 / 255.0, "{voxel:?}");
+        assert!((s.selection - selection.value(*voxel).unwrap()).abs() < 0.5 / 255.0, "{voxel:?}");
     }
 }

@@ -37,7 +37,7 @@ fn pool(gpu: &Gpu, canvas: &Canvas, kind: FieldKind) -> (Vec<u8>, [u32; 3], usiz
 fn pin_all(gpu: &Gpu, canvas: &mut Canvas, kind: FieldKind) -> Vec<(BrickIndex, [u32; 3])> {
     let all = canvas.field(kind).brick_indices(0);
     let field = canvas.field(kind).clone();
-    let origins = canvas.pools.pin(gpu, &field, &all).unwrap();
+    let origins = canvas.pools.pin(gpu, kind, &field, &all).unwrap();
     let texture = canvas.pools.texture(kind).unwrap();
     let bytes = canvas.pools.format(kind).unwrap().bytes() as u32;
     let size = texture.size();
@@ -303,7 +303,7 @@ fn a_lost_device_replays_the_stroke() {
     doomed.raw().0.destroy();
     let _ = doomed.wait();
     let Canvas { density, colour, selection, labels, painter, pools, grid, .. } = &mut canvas;
-    let fields = Fields { density, colour, selection, labels };
+    let fields = one_volume(grid, density, colour, selection, labels);
     assert!(painter.extend(pools, &fields, rest).is_err());
     assert!(painter.finish(pools, &fields).is_err());
     *pools = FieldPools::new(&gpu, grid, density, 64 << 20).unwrap();
@@ -324,8 +324,8 @@ fn a_stroke_beyond_its_budget_keeps_what_it_has() {
         .flat_map(|x| (0..7).map(move |y| DVec3::new(16.0 + 30.0 * f64::from(x), 16.0 + 30.0 * f64::from(y), 3.0)))
         .map(|p| dab_at(&canvas.grid, p, 4.0))
         .collect();
-    let Canvas { density, colour, selection, labels, painter, pools, .. } = &mut canvas;
-    let fields = Fields { density, colour, selection, labels };
+    let Canvas { density, colour, selection, labels, painter, pools, grid, .. } = &mut canvas;
+    let fields = one_volume(grid, density, colour, selection, labels);
     let error = painter.extend(pools, &fields, &many).unwrap_err().to_string();
     assert!(error.contains("stroke needs") && error.contains("4800000"), "{error}");
     let live = painter.live(pools, &fields, BrickIndex([0; 3])).unwrap().unwrap();
@@ -354,27 +354,27 @@ fn calls_out_of_turn_are_answers() {
     let Some(gpu) = gpu() else { return };
     let mut canvas = Canvas::codes(&gpu, grids()[0]);
     let Canvas { density, colour, selection, labels, painter, pools, grid, segments, .. } = &mut canvas;
-    let fields = Fields { density, colour, selection, labels };
+    let fields = one_volume(grid, density, colour, selection, labels);
     assert!(painter.extend(pools, &fields, &[]).is_err());
     assert!(painter.finish(pools, &fields).is_err());
     assert!(painter.cancel(pools).is_err());
     let bad = Brush { strength: 2.0, ..Brush::default() };
     assert!(
         painter
-            .begin(grid, &fields, &bad, segments, Reach([0.0; 2]))
+            .begin(VolumeId::FIRST, &fields, &bad, segments, Reach([0.0; 2]))
             .unwrap_err()
             .to_string()
             .starts_with("brush.strength")
     );
     let high = Brush { target: Target::Density(70_000.0), ..Brush::default() };
-    match painter.begin(grid, &fields, &high, segments, Reach([0.0; 2])).unwrap_err() {
+    match painter.begin(VolumeId::FIRST, &fields, &high, segments, Reach([0.0; 2])).unwrap_err() {
         burin::gpu::GpuError::BeyondRange { needed, held } => {
             assert_eq!((needed, held), ([0.0, 70_000.0], [0.0, 65_535.0]));
         }
         other => panic!("{other}"),
     }
-    painter.begin(grid, &fields, &Brush::default(), segments, Reach([0.0; 2])).unwrap();
-    assert!(painter.begin(grid, &fields, &Brush::default(), segments, Reach([0.0; 2])).is_err());
+    painter.begin(VolumeId::FIRST, &fields, &Brush::default(), segments, Reach([0.0; 2])).unwrap();
+    assert!(painter.begin(VolumeId::FIRST, &fields, &Brush::default(), segments, Reach([0.0; 2])).is_err());
 }
 
 #[test]
@@ -465,8 +465,8 @@ fn a_stroke_whose_source_fails_goes_on_once_it_answers_again() {
         canvas.painter.open(&column(128, 150));
         source.1.store(fails, Ordering::Relaxed);
         if fails {
-            let Canvas { density, colour, selection, labels, painter, pools, .. } = &mut canvas;
-            let fields = Fields { density, colour, selection, labels };
+            let Canvas { density, colour, selection, labels, painter, pools, grid, .. } = &mut canvas;
+            let fields = one_volume(grid, density, colour, selection, labels);
             let error = painter.extend(pools, &fields, &[dab(140.0)]).unwrap_err().to_string();
             assert!(error.contains("made to fail"), "{error}");
             assert_eq!(painter.touched(), before, "as it was");

@@ -4,7 +4,7 @@
 
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::fields::pool::extent;
-use crate::volume::{BRICK, FieldKind, SLOT, SLOT_VOXELS, TexelFormat};
+use crate::volume::{BRICK, SLOT, SLOT_VOXELS, TexelFormat};
 
 /// Slots along an axis: a slot's place is a byte of a page, and textures end at 2048 texels on many adapters.
 const MOST_ALONG: u32 = 60;
@@ -50,11 +50,15 @@ pub(super) fn grow_grid(old: [u32; 3], slots: usize, limit: [u32; 3]) -> [u32; 3
     grid
 }
 
+/// Bytes of a slot.
+pub(super) fn bytes(format: TexelFormat) -> u64 {
+    (SLOT_VOXELS * format.bytes()) as u64
+}
+
 /// The grid of slots that lie apart within a budget.
 pub(super) fn limit(gpu: &Gpu, format: TexelFormat, budget_bytes: u64) -> [u32; 3] {
-    let slot_bytes = (SLOT_VOXELS * format.bytes()) as u64;
     let along = (gpu.device.limits().max_texture_dimension_3d / SLOT).min(MOST_ALONG);
-    largest_grid((budget_bytes.min(MOST_BYTES) / slot_bytes).max(1), along)
+    largest_grid((budget_bytes.min(MOST_BYTES) / bytes(format)).max(1), along)
 }
 
 /// Texels along each axis of a grid of slots.
@@ -62,9 +66,9 @@ pub(super) fn texels(grid: [u32; 3], in_place: bool) -> [u32; 3] {
     grid.map(|n| if in_place { n * BRICK + SLOT - BRICK } else { n * SLOT })
 }
 
-pub(super) fn slots_texture(gpu: &Gpu, kind: FieldKind, format: TexelFormat, size: [u32; 3]) -> wgpu::Texture {
+pub(super) fn slots_texture(gpu: &Gpu, name: &str, format: TexelFormat, size: [u32; 3]) -> wgpu::Texture {
     gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(&format!("{} pool", kind.name())),
+        label: Some(&format!("{name} pool")),
         size: extent(size),
         mip_level_count: 1,
         sample_count: 1,

@@ -6,8 +6,9 @@
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::fields::pool::slots::texels;
-use crate::gpu::fields::pool::{Pool, extent};
-use crate::volume::{BrickKey, Field, Region, SLOT, SLOT_VOXELS, TexelFormat};
+use crate::gpu::fields::pool::{FieldOf, Pool, extent};
+use crate::gpu::fields::slot_key::SlotKey;
+use crate::volume::{BrickKey, Field, Region, SLOT, SLOT_VOXELS, TexelFormat, VolumeId};
 use rayon::prelude::*;
 
 /// Bytes handed to the queue before it is told to start.
@@ -18,7 +19,7 @@ const WHOLE_BYTES: u64 = 128 << 20;
 /// Texels of a brick and the slot they go to.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Upload {
-    pub(super) key: BrickKey,
+    pub(super) key: SlotKey,
     pub(super) slot: [u32; 3],
     /// Those of the slot, counted from the apron on.
     pub(super) part: Region,
@@ -26,63 +27,70 @@ pub(super) struct Upload {
 
 impl Upload {
     /// All of a slot.
-    pub(super) fn whole(key: BrickKey, slot: [u32; 3]) -> Self {
+    pub(super) fn whole(key: SlotKey, slot: [u32; 3]) -> Self {
         Self { key, slot, part: Region { lo: [0; 3], end: [SLOT; 3] } }
     }
 }
 
 impl Pool {
-    /// New texels for those of `slots` that are held.
-    pub(crate) fn renew(&mut self, gpu: &Gpu, field: &Field, slots: &[(BrickKey, Region)]) -> Result<(), GpuError> {
-        let held = |(key, region): &(BrickKey, Region)| {
-            let part = region.in_slot(key.index, field.dims(key.level));
-            self.held.get(key).map(|h| Upload { key: *key, slot: h.slot, part })
+    /// New texels for those of a volume's `slots` that are held.
+    pub(crate) fn renew(
+        &mut self,
+        gpu: &Gpu,
+        (volume, field): (VolumeId, &Field),
+        slots: &[(BrickKey, Region)],
+    ) -> Result<(), GpuError> {
+        let held = |(brick, region): &(BrickKey, Region)| {
+            let part = region.in_slot(brick.index, field.dims(brick.level));
+            let key = SlotKey::new(volume, *brick);
+            self.held.get(&key).map(|h| Upload { key, slot: h.slot, part })
         };
         let uploads: Vec<_> = slots.iter().filter_map(held).collect();
-        self.upload(gpu, field, &uploads)
+        self.upload(gpu, &|of| (of == volume).then_some(field), &uploads)
     }
 
-    pub(super) fn upload(&mut self, gpu: &Gpu, field: &Field, uploads: &[Upload]) -> Result<(), GpuError> {
+    pub(super) fn upload(&mut self, gpu: &Gpu, field_of: FieldOf<'_, '_>, uploads: &[Upload]) -> Result<(), GpuError> {
         if uploads.is_empty() {
             return Ok(());
         }
-        let [width, height, depth] = texels(self.grid, self.in_place);
+        let [width, height, depth] = texels(self.grid, self.is_in_place());
         let pitch = (width * self.format.bytes() as u32).next_multiple_of(256);
         let whole = u64::from(pitch) * u64::from(height) * u64::from(depth);
         let at_once = !self.written && whole <= WHOLE_BYTES.min(gpu.device.limits().max_buffer_size);
         if at_once {
-            self.upload_whole(gpu, field, uploads, (pitch, whole))?;
+            self.upload_whole(gpu, field_of, uploads, (pitch, whole))?;
         } else {
-            self.upload_slots(gpu, field, uploads)?;
+            self.upload_slots(gpu, field_of, uploads)?;
         }
         self.written = true;
         self.uploaded += uploads.len() as u64;
         Ok(())
     }
 
-    fn texels(&self, field: &Field, uploads: &[Upload]) -> Result<Vec<Vec<u8>>, GpuError> {
-        let widen = field.format() == TexelFormat::R16Unorm && self.format == TexelFormat::R32Float;
+    fn texels(&self, field_of: FieldOf<'_, '_>, uploads: &[Upload]) -> Result<Vec<Vec<u8>>, GpuError> {
         uploads
             .par_iter()
-            .map(|Upload { key, part, .. }| {
-                let origin = key.index.origin();
+            .map(|Upload { key: SlotKey { volume, brick }, part, .. }| {
+                let field = field_of(*volume).ok_or(GpuError::NoVolume { id: volume.0 })?;
+                let widen = field.format() == TexelFormat::R16Unorm && self.format == TexelFormat::R32Float;
+                let origin = brick.index.origin();
                 let lo = std::array::from_fn(|a| i64::from(origin[a]) + i64::from(part.lo[a]) - 1);
-                let texels = field.read(key.level, lo, part.size())?;
+                let texels = field.read(brick.level, lo, part.size())?;
                 Ok(if widen { widened(&texels) } else { texels })
             })
             .collect()
     }
 
-    fn upload_slots(&self, gpu: &Gpu, field: &Field, uploads: &[Upload]) -> Result<(), GpuError> {
+    fn upload_slots(&self, gpu: &Gpu, field_of: FieldOf<'_, '_>, uploads: &[Upload]) -> Result<(), GpuError> {
         let bytes = self.format.bytes();
         let batch = (BATCH_BYTES / (SLOT_VOXELS * bytes)).max(1);
         for (i, part) in uploads.chunks(batch).enumerate() {
-            let texels = self.texels(field, part)?;
+            let texels = self.texels(field_of, part)?;
             if i > 0 {
                 // The batch before is in place and its staging free again.
                 gpu.wait()?;
             }
-            gpu.scoped(&format!("bricks of {}", self.kind.name()), || {
+            gpu.scoped(&format!("bricks of {}", self.name), || {
                 for (Upload { slot, part, .. }, texels) in part.iter().zip(&texels) {
                     let origin = self.origin(*slot);
                     let [x, y, z] = std::array::from_fn(|a| origin[a] + part.lo[a]);
@@ -111,12 +119,12 @@ impl Pool {
     fn upload_whole(
         &self,
         gpu: &Gpu,
-        field: &Field,
+        field_of: FieldOf<'_, '_>,
         uploads: &[Upload],
         (pitch, whole): (u32, u64),
     ) -> Result<(), GpuError> {
         let bytes = self.format.bytes();
-        let what = format!("bricks of {}", self.kind.name());
+        let what = format!("bricks of {}", self.name);
         let buffer = gpu.scoped(&what, || {
             Ok(gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("pool staging"),
@@ -129,10 +137,10 @@ impl Pool {
             let mut view = buffer
                 .get_mapped_range_mut(..)
                 .map_err(|e| GpuError::Refused { what: what.clone(), reason: e.to_string() })?;
-            let [_, height, _] = texels(self.grid, self.in_place);
+            let [_, height, _] = texels(self.grid, self.is_in_place());
             let row_bytes = SLOT as usize * bytes;
             for part in uploads.chunks((BATCH_BYTES / (SLOT_VOXELS * bytes)).max(1)) {
-                for (Upload { slot, .. }, texels) in part.iter().zip(self.texels(field, part)?) {
+                for (Upload { slot, .. }, texels) in part.iter().zip(self.texels(field_of, part)?) {
                     let [x, y, z] = self.origin(*slot).map(|t| t as usize);
                     let rows = height as usize;
                     for (i, row) in texels.chunks_exact(row_bytes).enumerate() {

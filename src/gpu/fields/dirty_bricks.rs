@@ -3,33 +3,38 @@
 use std::collections::BTreeSet;
 
 /// See the module's head. `None`: all.
-#[derive(Debug)]
-pub(super) struct Marks(Option<BTreeSet<usize>>);
+#[derive(Clone, Debug)]
+pub(crate) struct DirtyBricks(Option<BTreeSet<usize>>);
 
-impl Marks {
+impl DirtyBricks {
     /// All bricks.
-    pub(super) fn all() -> Self {
+    pub(crate) fn all() -> Self {
         Self(None)
     }
 
-    pub(super) fn is_empty(&self) -> bool {
+    /// Whether not all are dirty.
+    pub(crate) fn is_some(&self) -> bool {
+        self.0.is_some()
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
         self.0.as_ref().is_some_and(BTreeSet::is_empty)
     }
 
-    pub(super) fn insert(&mut self, brick: usize) {
+    pub(crate) fn insert(&mut self, brick: usize) {
         if let Some(some) = &mut self.0 {
             some.insert(brick);
         }
     }
 
-    pub(super) fn extend(&mut self, bricks: impl IntoIterator<Item = usize>) {
+    pub(crate) fn extend(&mut self, bricks: impl IntoIterator<Item = usize>) {
         if let Some(some) = &mut self.0 {
             some.extend(bricks);
         }
     }
 
-    /// The marked bricks, in order, of `count` that there are; afterwards none is marked.
-    pub(super) fn take(&mut self, count: usize) -> Vec<usize> {
+    /// The dirty bricks, in order, of `count` that there are; afterwards none is dirty.
+    pub(crate) fn take(&mut self, count: usize) -> Vec<usize> {
         match self.0.replace(BTreeSet::new()) {
             Some(some) => some.into_iter().collect(),
             None => (0..count).collect(),

@@ -1,0 +1,248 @@
+//! The looks of a picture as the shaders see them: rows of one table, labels' rows in another, and which kernel draws them.
+//!
+//! Owns what is common to a picture's looks: whether one serves all of it, the mode or modes, and the textures' content. A row is
+//! a table of colour and opacity with the look's light and its surface's opacity behind it. Knows no fields.
+
+use crate::gpu::cast::merging::Drawn;
+use crate::gpu::device::constants::{MODE_DVR, MODE_ISO, MODE_MIP, NO_ROWS};
+use crate::gpu::picture::frame::{Frame, LabelLooks, LookRef};
+use crate::volume::{Mode, Segments, TABLE_ENTRIES, TransferFunction, VolumeId};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Texels of a row of the table of looks: the entries, light, opacity of the surface.
+pub(crate) const ROW: usize = TABLE_ENTRIES + 2;
+
+/// Looks in one picture: that many rows of the table take 256 MiB, with their integrals twice as much.
+pub(crate) const MOST_LOOKS: usize = 4096;
+
+/// What marches a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Dvr,
+    Iso,
+    Mip,
+    /// Bodies of several modes, and those that a mode alone does not order.
+    Modes,
+}
+
+/// Numbers that a mode has in shaders.
+pub(crate) fn number_of(mode: Mode) -> u32 {
+    match mode {
+        Mode::Dvr => MODE_DVR,
+        Mode::Iso(_) => MODE_ISO,
+        Mode::Mip => MODE_MIP,
+    }
+}
+
+/// See the module's head.
+#[derive(Debug)]
+pub(crate) struct Looks {
+    pub(crate) kind: Kind,
+    /// Whether bodies have looks of their own; else the view's numbers serve all.
+    pub(crate) own: bool,
+    /// Whether any body's looks go by label.
+    pub(crate) by_label: bool,
+    pub(crate) lit: bool,
+    /// Whether samples stand for stretches: in pictures of direct volume rendering alone in which no look goes by label.
+    pub(crate) refines: bool,
+    /// The frame's rows that are drawn, in order of their rows in the table.
+    pub(crate) rows: Vec<Option<usize>>,
+    /// Tables of labels with the volumes that their numbers are of.
+    tables: Vec<(Arc<LabelLooks>, VolumeId)>,
+    /// The first row of each in the texture, and the last label that it has.
+    firsts: Vec<(u32, u32)>,
+    /// The first row of each volume's segment colours.
+    segments: BTreeMap<VolumeId, u32>,
+    segment_rows: u32,
+}
+
+fn rows_of(segments: &Segments) -> u32 {
+    segments.0.last().map_or(1, |s| u32::from(s.id) / 256 + 1)
+}
+
+impl Looks {
+    /// Of the marched bodies of a frame.
+    pub(crate) fn of(frame: &Frame, drawn: &[Drawn]) -> Self {
+        let mut rows: Vec<Option<usize>> = Vec::new();
+        let mut tables: Vec<(Arc<LabelLooks>, VolumeId)> = Vec::new();
+        let mut place = BTreeMap::new();
+        let mut take = |row: Option<usize>, rows: &mut Vec<Option<usize>>| {
+            place.entry(row).or_insert_with(|| rows.push(row));
+        };
+        for d in drawn {
+            match &d.labels {
+                Some(labels) => {
+                    labels.rows().into_iter().for_each(|row| take(Some(row), &mut rows));
+                    let same = |t: &(Arc<LabelLooks>, VolumeId)| Arc::ptr_eq(&t.0, labels) && t.1 == d.volume;
+                    if !tables.iter().any(same) {
+                        tables.push((labels.clone(), d.volume));
+                    }
+                }
+                None => take(d.look, &mut rows),
+            }
+        }
+        let looks: Vec<LookRef<'_>> = rows.iter().map(|&row| frame.look(row)).collect();
+        let one = looks.windows(2).all(|pair| pair[0] == pair[1]) && tables.is_empty();
+        let volumes = frame.volumes();
+        let own = !one || volumes.len() > 1;
+        let all = |mode: u32| looks.iter().all(|look| number_of(look.mode) == mode);
+        let opaque = looks.iter().all(|look| look.opacity >= 1.0);
+        let kind = match () {
+            () if all(MODE_DVR) => Kind::Dvr,
+            () if all(MODE_ISO) && opaque => Kind::Iso,
+            () if all(MODE_MIP) && !own => Kind::Mip,
+            () => Kind::Modes,
+        };
+        let mut segment_rows = 0;
+        let mut segments = BTreeMap::new();
+        for volume in volumes {
+            segments.insert(volume, segment_rows);
+            segment_rows += rows_of(&frame.overlay_of(volume).segments);
+        }
+        let mut next = 0;
+        let firsts = tables.iter().map(|(labels, _)| {
+            let last = labels.by_label.keys().next_back().map_or(0, |&l| u32::from(l) + 1).min(0xffff);
+            let first = next;
+            next += last / 256 + 1;
+            (first, last)
+        });
+        let firsts = firsts.collect();
+        Self {
+            kind,
+            own: own || kind == Kind::Modes,
+            by_label: !tables.is_empty(),
+            refines: frame.refine && kind == Kind::Dvr && tables.is_empty(),
+            lit: looks.iter().any(|look| look.lighting.is_some() && look.mode != Mode::Mip),
+            rows,
+            tables,
+            firsts,
+            segments,
+            segment_rows: segment_rows.max(1),
+        }
+    }
+
+    /// Rows of a look in the table: its own, and that of its integrals where the picture refines.
+    pub(crate) fn rows_each(&self) -> usize {
+        if self.refines { 2 } else { 1 }
+    }
+
+    /// The first row of a look in the table.
+    pub(crate) fn row_of(&self, row: Option<usize>) -> i32 {
+        self.rows.iter().position(|r| *r == row).map_or(-1, |i| (i * self.rows_each()) as i32)
+    }
+
+    /// The first row of a body's labels and the last label that it has.
+    pub(crate) fn labels_of(&self, d: &Drawn) -> (u32, u32) {
+        let Some(labels) = &d.labels else { return (NO_ROWS, 0) };
+        let at = self.tables.iter().position(|t| Arc::ptr_eq(&t.0, labels) && t.1 == d.volume);
+        at.map_or((NO_ROWS, 0), |at| self.firsts[at])
+    }
+
+    /// The first row of a volume's segment colours.
+    pub(crate) fn segments_of(&self, volume: VolumeId) -> u32 {
+        self.segments.get(&volume).copied().unwrap_or(0)
+    }
+
+    /// Colours of all volumes' visible segments, 256 labels a row.
+    pub(crate) fn segment_colours(&self, frame: &Frame) -> Vec<[u8; 4]> {
+        let mut colours = vec![[0_u8; 4]; self.segment_rows as usize * 256];
+        for (&volume, &first) in &self.segments {
+            for s in frame.overlay_of(volume).segments.0.iter().filter(|s| s.visible) {
+                let [r, g, b] = s.colour.map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8);
+                colours[first as usize * 256 + usize::from(s.id)] = [r, g, b, 255];
+            }
+        }
+        colours
+    }
+
+    /// What labels look like, 256 a row: table scale and bias, texel of the iso-surface, row of the table (−1: nothing shows).
+    /// `texel` answers (lo, span) of a volume's density: density = lo + texel·span.
+    pub(crate) fn label_texels(&self, frame: &Frame, texel: &dyn Fn(VolumeId) -> (f64, f64)) -> Vec<[f32; 4]> {
+        let rows: BTreeMap<Option<usize>, usize> =
+            self.rows.iter().enumerate().map(|(i, row)| (*row, i * self.rows_each())).collect();
+        let mut texels = Vec::new();
+        for ((labels, volume), (first, last)) in self.tables.iter().zip(&self.firsts) {
+            texels.resize(*first as usize * 256, [0.0; 4]);
+            let numbers = texel(*volume);
+            let of = |row: Option<usize>| match row {
+                Some(row) => {
+                    let Meaning { table_scale, table_bias, iso } = Meaning::of(frame.look(Some(row)), numbers);
+                    [table_scale, table_bias, iso, rows[&Some(row)] as f32]
+                }
+                None => [0.0, 0.0, 0.0, -1.0],
+            };
+            let default = of(labels.default);
+            let start = texels.len();
+            texels.resize(start + *last as usize + 1, default);
+            for (&label, &row) in &labels.by_label {
+                texels[start + usize::from(label)] = of(row);
+            }
+        }
+        texels.resize(texels.len().next_multiple_of(256).max(256), [0.0; 4]);
+        texels
+    }
+}
+
+/// The rows of a look in the table: opacity of a step, for MIP as it stands; where the picture refines its integrals too.
+pub(crate) fn rows(look: LookRef<'_>, step_mm: f64, refines: bool) -> Vec<[f32; 4]> {
+    let mut row = entries(look, step_mm);
+    row.push(match look.lighting.filter(|_| look.mode != Mode::Mip) {
+        Some(light) => [light.ambient, light.diffuse, light.specular, light.power],
+        None => [1.0, 0.0, 0.0, 1.0],
+    });
+    row.push([look.opacity.clamp(0.0, 1.0); 4]);
+    if refines {
+        row.extend(integrals(look, step_mm));
+        row.resize(2 * ROW, [0.0; 4]);
+    }
+    row
+}
+
+/// The entries of a look's row.
+pub(crate) fn entries(look: LookRef<'_>, step_mm: f64) -> Vec<[f32; 4]> {
+    let step = if look.mode == Mode::Mip { look.transfer.unit_mm } else { step_mm };
+    thinned(look).table(step)
+}
+
+/// What lies below the entries, for pictures that refine.
+pub(crate) fn integrals(look: LookRef<'_>, step_mm: f64) -> Vec<[f32; 4]> {
+    thinned(look).integrals(step_mm)
+}
+
+/// A look's transfer function with its opacity in it.
+fn thinned(look: LookRef<'_>) -> Cow<'_, TransferFunction> {
+    if look.opacity >= 1.0 {
+        return Cow::Borrowed(look.transfer);
+    }
+    let mut thinner = look.transfer.clone();
+    // Both ends stay, so that the entries are of the same values.
+    thinner.opacity.iter_mut().for_each(|(_, opacity)| *opacity *= look.opacity.max(0.0));
+    Cow::Owned(thinner)
+}
+
+/// What a volume's texels are to a look.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Meaning {
+    pub(crate) table_scale: f32,
+    pub(crate) table_bias: f32,
+    pub(crate) iso: f32,
+}
+
+impl Meaning {
+    /// `(lo, span)`: density = lo + texel·span.
+    pub(crate) fn of(look: LookRef<'_>, (lo, span): (f64, f64)) -> Self {
+        let (first, last) = look.transfer.domain();
+        // Halves, since their distance may be beyond all numbers.
+        let entries = (TABLE_ENTRIES - 1) as f64 * 0.5 / (last * 0.5 - first * 0.5);
+        Self {
+            table_scale: (span * entries) as f32,
+            table_bias: ((lo - first) * entries + 0.5) as f32,
+            iso: match look.mode {
+                Mode::Iso(value) => ((value - lo) / span) as f32,
+                Mode::Dvr | Mode::Mip => 0.0,
+            },
+        }
+    }
+}
