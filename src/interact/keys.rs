@@ -2,7 +2,7 @@
 
 use crate::document::PastOf;
 use crate::interact::event::{Key, Modifiers};
-use crate::interact::tool::Tool;
+use crate::interact::tools::Tool;
 
 /// What a key asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,53 +52,68 @@ pub struct Shortcut {
     pub what: &'static str,
 }
 
-const fn line(group: &'static str, keys: &'static str, what: &'static str) -> Shortcut {
-    Shortcut { group, keys, what }
-}
-
-/// Everything that the keyboard and the pointer can do.
-pub const SHORTCUTS: [Shortcut; 40] = [
-    line("Paint", "B", "Brush"),
-    line("Paint", "[  ]", "Smaller or larger brush"),
-    line("Paint", "Shift + wheel", "Smaller or larger brush"),
-    line("Paint", "Hold E", "Erase, also from the middle of a stroke on"),
-    line("Paint", "1 … 9", "Paint this label"),
-    line("Paint", "Esc", "Take the running stroke back"),
-    line("Look", "N", "Navigate"),
-    line("Look", "Wheel on a slice", "Next or previous slice"),
-    line("Look", "Up, Down", "Next or previous slice"),
-    line("Look", "Ctrl + wheel", "Zoom"),
-    line("Look", "Wheel in 3D", "Zoom"),
-    line("Look", "Right drag on a slice", "Grey window: across for width, up for level"),
-    line("Look", "Right drag in 3D", "Zoom"),
-    line("Look", "Space + drag, middle drag", "Pan"),
-    line("Look", "Alt + drag in 3D", "Turn, with any tool"),
-    line("Look", "Shift + click", "Crosshair here, with any tool"),
-    line("Look", "Double-click the view's title", "One view or all four"),
-    line("Look", "F", "One view or all four"),
-    line("Look", "Home", "Fit the view; in 3D the direction stays"),
-    line("Look", "Shift + Home", "3D view from the front"),
-    line("Look", "Alt + Left, Alt + Right", "View or look before, and after"),
-    line("Look", "Alt + Shift + Left, Right", "Look alone before, and after"),
-    line("Parts", "X", "Axis split (Shift: vertical)"),
-    line("Parts", "D", "Depth split"),
-    line("Parts", "L", "Line split"),
-    line("Parts", "M", "Move part"),
-    line("Parts", "Click or line on a slice", "Cut there, with the split tools"),
-    line("Parts", "Drag, tool Move part", "Move a part and pin it"),
-    line("Parts", "Ctrl + drag, tool Move part", "Turn a part and pin it"),
-    line("Panels", "Drag a border", "More room; double-click: as at first"),
-    line("Panels", "Double-click the curve", "A new point of opacity or colour"),
-    line("Panels", "Right-click a point", "Remove it"),
-    line("Panels", "Shift + drag a point", "Opacity and its colour together"),
-    line("Document", "Ctrl + Z", "Undo"),
-    line("Document", "Ctrl + Y, Ctrl + Shift + Z", "Redo"),
-    line("Document", "Ctrl + S", "Save"),
-    line("Document", "Ctrl + Shift + S", "Save as"),
-    line("Document", "Ctrl + O", "Open"),
-    line("Document", "Esc", "Take back what is running"),
-    line("Document", "F1, ?", "This page"),
+/// What the keyboard and the pointer can do with any tool: heading, keys, what they do.
+const GENERAL: &[(&str, &str, &str)] = &[
+    ("Look", "Wheel on a slice", "Next or previous slice"),
+    ("Look", "Up, Down", "Next or previous slice"),
+    ("Look", "Ctrl + wheel", "Zoom"),
+    ("Look", "Wheel in 3D", "Zoom"),
+    ("Look", "Right drag on a slice", "Grey window: across for width, up for level"),
+    ("Look", "Right drag in 3D", "Zoom"),
+    ("Look", "Space + drag, middle drag", "Pan"),
+    ("Look", "Alt + drag in 3D", "Turn, with any tool"),
+    ("Look", "Shift + click", "Crosshair here, with any tool"),
+    ("Look", "Double-click the view's title", "One view or all four"),
+    ("Look", "F", "One view or all four"),
+    ("Look", "Home", "Fit the view; in 3D the direction stays"),
+    ("Look", "Shift + Home", "3D view from the front"),
+    ("Look", "Alt + Left, Alt + Right", "View or look before, and after"),
+    ("Look", "Alt + Shift + Left, Right", "Look alone before, and after"),
+    ("Panels", "Drag a border", "More room; double-click: as at first"),
+    ("Panels", "Double-click the curve", "A new point of opacity or colour"),
+    ("Panels", "Right-click a point", "Remove it"),
+    ("Panels", "Shift + drag a point", "Opacity and its colour together"),
+    ("Document", "Ctrl + Z", "Undo"),
+    ("Document", "Ctrl + Y, Ctrl + Shift + Z", "Redo"),
+    ("Document", "Ctrl + S", "Save"),
+    ("Document", "Ctrl + Shift + S", "Save as"),
+    ("Document", "Ctrl + O", "Open"),
+    ("Document", "Esc", "Take back what is running"),
+    ("Document", "F1, ?", "This page"),
 ];
+
+/// How many lines the page has.
+const LINES: usize = {
+    let (mut lines, mut at) = (GENERAL.len(), 0);
+    while at < Tool::ALL.len() {
+        lines += Tool::ALL[at].keys().1.len();
+        at += 1;
+    }
+    lines
+};
+
+/// Everything that the keyboard and the pointer can do: what tools say of themselves, then what goes with any tool.
+pub const SHORTCUTS: [Shortcut; LINES] = {
+    let mut all = [Shortcut { group: "", keys: "", what: "" }; LINES];
+    let (mut next, mut at) = (0, 0);
+    while at < Tool::ALL.len() {
+        let (group, lines) = Tool::ALL[at].keys();
+        let mut line = 0;
+        while line < lines.len() {
+            let (keys, what) = lines[line];
+            all[next] = Shortcut { group, keys, what };
+            (next, line) = (next + 1, line + 1);
+        }
+        at += 1;
+    }
+    let mut line = 0;
+    while line < GENERAL.len() {
+        let (group, keys, what) = GENERAL[line];
+        all[next] = Shortcut { group, keys, what };
+        (next, line) = (next + 1, line + 1);
+    }
+    all
+};
 
 /// What a key does, if anything. Held keys (Space, E) are modifiers of the pointer and not asked here.
 pub fn action_of(key: Key, modifiers: Modifiers) -> Option<Action> {

@@ -1,13 +1,12 @@
 //! The machine: which tool, which gesture, and what comes of an event.
 
-use crate::document::{Command, Scene, ViewCommand, ViewName};
-use crate::explode::{Axis, Poses};
+use crate::document::{Command, ViewCommand, ViewName};
 use crate::interact::brush::set_radius;
+use crate::interact::context::Context;
 use crate::interact::event::{Button, Event, PointerEvent, Wheel};
 use crate::interact::gesture::Gesture;
-use crate::interact::slices::CutSlice;
-use crate::interact::tool::Tool;
-use crate::volume::Grid;
+use crate::interact::looking::{Crosshair, GreyWindow, Orbit, Pan, Zoom};
+use crate::interact::tools::{Press, Tool};
 
 /// One step of the brush's size.
 pub(super) const SIZE_STEP: f64 = 1.15;
@@ -17,24 +16,11 @@ const LARGEST_VOXELS: f64 = 20.0;
 /// One notch of zoom.
 const ZOOM_STEP: f64 = 1.15;
 
-/// What a tool may look at.
-#[derive(Clone, Copy, Debug)]
-pub struct Context<'a> {
-    /// The scene as last seen.
-    pub scene: &'a Scene,
-    /// Where its parts stand.
-    pub poses: &'a Poses,
-    /// The volume's lattice, which says where slices lie.
-    pub grid: &'a Grid,
-    /// The smallest spacing in mm: the smallest brush that one can still grow is half of it.
-    pub voxel_mm: f64,
-}
-
 /// The tool in hand, the gesture that runs, and what a key or a pointer makes of both.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct Interaction {
     tool: Tool,
-    gesture: Option<(Button, Gesture, u32)>,
+    gesture: Option<(Button, Box<dyn Gesture>, u32)>,
     notches: f64,
 }
 
@@ -52,8 +38,8 @@ impl Interaction {
     }
 
     /// The gesture that runs.
-    pub fn gesture(&self) -> Option<&Gesture> {
-        self.gesture.as_ref().map(|(_, g, _)| g)
+    pub fn gesture(&self) -> Option<&dyn Gesture> {
+        self.gesture.as_ref().map(|(_, gesture, _)| &**gesture)
     }
 
     /// Takes in an event, answers what is to be done.
@@ -100,55 +86,35 @@ impl Interaction {
         commands
     }
 
-    fn gesture_of(&self, button: Button, e: &PointerEvent, context: &Context<'_>) -> Option<Gesture> {
-        let three_d = e.view == ViewName::ThreeD;
-        let orbit = Gesture::Orbit { start: context.scene.views.camera, last: e.px };
-        let pan = Gesture::Pan { view: e.view, start: e.px, last: e.px };
+    fn gesture_of(&self, button: Button, e: &PointerEvent, context: &Context<'_>) -> Option<Box<dyn Gesture>> {
+        let (scene, view, px) = (context.scene, e.view, e.px);
+        let three_d = view == ViewName::ThreeD;
+        let pan = || -> Option<Box<dyn Gesture>> { Some(Box::new(Pan { view, start: px, last: px })) };
+        let orbit = || -> Option<Box<dyn Gesture>> { Some(Box::new(Orbit { start: scene.views.camera, last: px })) };
+        let crosshair =
+            || -> Option<Box<dyn Gesture>> { Some(Box::new(Crosshair { view, start: scene.views.crosshair })) };
         match button {
-            Button::Middle => return Some(pan),
-            Button::Secondary if three_d => return Some(Gesture::Zoom { view: e.view, start: e.px, last: e.px }),
-            Button::Secondary => return Some(Gesture::Window { start: context.scene.window(), from: e.px }),
+            Button::Middle => return pan(),
+            Button::Secondary if three_d => return Some(Box::new(Zoom { view, start: px, last: px })),
+            Button::Secondary => return Some(Box::new(GreyWindow { start: scene.window(), from: px })),
             Button::Primary => {}
         }
         if e.modifiers.space {
-            return Some(pan);
+            return pan();
         }
         if e.modifiers.alt {
-            return Some(if three_d { orbit } else { pan });
+            return if three_d { orbit() } else { pan() };
         }
-        let can_point = !three_d || e.hit.is_some();
-        match self.tool {
-            // Shift is the axis splitter's own.
-            tool if e.modifiers.shift && tool != Tool::AxisSplit => {
-                can_point.then_some(Gesture::Crosshair { view: e.view, start: context.scene.views.crosshair })
-            }
-            Tool::Navigate if three_d => Some(orbit),
-            Tool::Brush if !three_d || e.hit.is_some() => {
-                let fixed = context.scene.brush.erase;
-                Some(Gesture::Stroke { view: e.view, last: *e, erase: e.modifiers.erase && !fixed, fixed })
-            }
-            Tool::LineSplit => {
-                let slice = CutSlice::new(context.grid, context.scene, e.view, e.size);
-                Some(Gesture::Line { view: e.view, from: e.px, to: e.px, slice })
-            }
-            Tool::AxisSplit | Tool::DepthSplit if can_point => {
-                let axis = if e.modifiers.shift { Axis::Vertical } else { Axis::Horizontal };
-                let slice = CutSlice::new(context.grid, context.scene, e.view, e.size);
-                Some(Gesture::Click { tool: self.tool, from: e.px, axis, slice })
-            }
-            Tool::MovePart if three_d => Some(self.part_gesture(e, context).unwrap_or(orbit)),
-            // Slices show the volume at rest: there is nothing to move there.
-            Tool::MovePart => None,
-            _ if three_d => Some(orbit),
-            _ => Some(Gesture::Crosshair { view: e.view, start: context.scene.views.crosshair }),
+        if e.modifiers.shift && !self.tool.has_shift() {
+            let can_point = !three_d || e.hit.is_some();
+            return if can_point { crosshair() } else { None };
         }
-    }
-
-    fn part_gesture(&self, e: &PointerEvent, context: &Context<'_>) -> Option<Gesture> {
-        let hit = e.hit?;
-        let part = context.scene.explosion.parts.iter().find(|p| Some(p.id) == hit.part)?;
-        let (start, centre) = (context.poses.of(part), part.centre());
-        Some(Gesture::Part { id: part.id, start, from: e.px, hit, turn: e.modifiers.ctrl, centre, moved: false })
+        match self.tool.does().press(e, context) {
+            Press::Begins(gesture) => Some(gesture),
+            Press::Looks if three_d => orbit(),
+            Press::Looks => crosshair(),
+            Press::Nothing => None,
+        }
     }
 
     fn wheel(&mut self, wheel: &Wheel, context: &Context<'_>) -> Vec<Command> {

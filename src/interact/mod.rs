@@ -4,24 +4,32 @@
 //! pixels and what lies under the pointer come with the event, so a test drives a tool as a user would. It changes nothing
 //! itself; what it wants done are [`Command`](crate::document::Command)s.
 
+mod aim;
 mod brush;
+mod click;
+mod context;
 pub mod curve;
 mod event;
 mod gesture;
 mod keys;
+mod looking;
 mod machine;
+mod mark;
 pub mod preview;
 mod projection;
 pub mod readout;
 mod slices;
 pub mod surface;
-mod tool;
+mod tools;
 
+pub use aim::{Aim, Aimed};
 pub use brush::{brush_change, reach};
+pub use context::Context;
 pub use event::{Button, Event, Hit, Key, Modifiers, PointerEvent, Wheel};
 pub use gesture::Gesture;
 pub use keys::{Action, SHORTCUTS, Shortcut, action_of};
-pub use machine::{Context, Interaction};
+pub use machine::Interaction;
+pub use mark::{Ink, Mark, Pen};
 pub use projection::projected;
 pub use slices::{Cut, CutSlice};
-pub use tool::Tool;
+pub use tools::Tool;

@@ -3,8 +3,7 @@
 use crate::document::{
     Command, HistoryCommand, PartCommand, Place, Scene, SlicePlane, Splitter, ViewCommand, ViewName, Window,
 };
-use crate::explode::{Axis, Part, PartId};
-use crate::interact::tool::Tool;
+use crate::explode::{Axis, Part, PartId, Poses};
 use crate::math::{DVec2, DVec3, Plane, Ray};
 use crate::volume::Grid;
 
@@ -56,22 +55,29 @@ pub struct Cut {
     pub plane: Plane,
 }
 
-/// What a splitter cuts on a slice, from pixel to pixel; a click cuts the part under it, a line every part that it crosses.
-pub(super) fn cuts_on(slice: &CutSlice, scene: &Scene, tool: Tool, (from, to): (DVec2, DVec2), axis: Axis) -> Vec<Cut> {
-    let plane = match tool {
-        Tool::LineSplit => slice.along(from, to),
-        Tool::AxisSplit => slice.across(from, axis),
-        Tool::DepthSplit => slice.flat(),
-        _ => None,
-    };
+/// What a click on a slice cuts: the part under it, along a plane.
+pub(super) fn cuts_at(slice: &CutSlice, scene: &Scene, plane: Option<Plane>, px: DVec2) -> Vec<Cut> {
     let Some(plane) = plane else { return Vec::new() };
+    let under = scene.explosion.holding(slice.plane.world(px));
+    under.into_iter().map(|p| Cut { part: p.id, plane }).collect()
+}
+
+/// What a line on a slice cuts: every part that it crosses.
+pub(super) fn cuts_along(slice: &CutSlice, scene: &Scene, from: DVec2, to: DVec2) -> Vec<Cut> {
+    let Some(plane) = slice.along(from, to) else { return Vec::new() };
     let (a, b) = (slice.plane.world(from), slice.plane.world(to));
-    let parts = &scene.explosion.parts;
-    let ids: Vec<PartId> = match tool {
-        Tool::LineSplit => parts.iter().filter(|p| crosses(p, a, b)).map(|p| p.id).collect(),
-        _ => scene.explosion.holding(a).into_iter().map(|p| p.id).collect(),
-    };
-    ids.into_iter().map(|part| Cut { part, plane }).collect()
+    scene.explosion.parts.iter().filter(|p| crosses(p, a, b)).map(|p| Cut { part: p.id, plane }).collect()
+}
+
+/// Cuts of parts as they stand along a plane of the world, as cuts at rest; none where there is no plane.
+pub(super) fn cuts_of(
+    (scene, poses): (&Scene, &Poses),
+    parts: impl IntoIterator<Item = PartId>,
+    plane: Option<Plane>,
+) -> Vec<Cut> {
+    let Some(plane) = plane else { return Vec::new() };
+    let parts = parts.into_iter().filter_map(|id| scene.explosion.part(id).ok());
+    parts.map(|p| Cut { part: p.id, plane: poses.of(p).unapply_plane(&plane) }).collect()
 }
 
 /// Whether a line from point to point goes through a part at rest.
@@ -80,7 +86,7 @@ fn crosses(part: &Part, a: DVec3, b: DVec3) -> bool {
     Ray { origin: a, dir: b - a }.clip(&planes, 0.0, 1.0).is_some()
 }
 
-/// The same as commands; several are one step of history.
+/// Cuts as commands; several are one step of history.
 pub(super) fn split(cuts: &[Cut]) -> Vec<Command> {
     let one = |cut: &Cut| {
         let point = (cut.plane.normal * cut.plane.offset).to_array();

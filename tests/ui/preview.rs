@@ -4,8 +4,7 @@ use super::scene;
 use burin::document::{SlicePlane, ViewName};
 use burin::explode::{Axis, Poses};
 use burin::interact::preview;
-use burin::interact::preview::Aim;
-use burin::interact::{CutSlice, Gesture, Hit, Tool};
+use burin::interact::{Aim, CutSlice, Hit, Tool};
 use burin::math::{DVec2, DVec3, Plane, Pose};
 
 const SIZE: [u32; 2] = [400, 300];
@@ -39,14 +38,14 @@ fn a_preview_is_the_cut_that_a_click_makes() {
             assert_eq!(preview::cuts((tool, None), (&scene, &poses), aim(None), axis), []);
         }
         let (from, to) = (px - DVec2::new(300.0, 10.0), px + DVec2::new(300.0, 10.0));
-        let line = Gesture::Line { view: ViewName::ThreeD, from, to, slice: None };
-        let cuts = preview::cuts((Tool::LineSplit, Some(&line)), (&scene, &poses), aim(hit), Axis::Horizontal);
+        let line = Some([from, to]);
+        let cuts = preview::cuts((Tool::LineSplit, line), (&scene, &poses), aim(hit), Axis::Horizontal);
         let (a, b) = (camera.ray(from, SIZE).dir, camera.ray(to, SIZE).dir);
         assert_eq!(cuts.len(), 1);
         assert!(cuts[0].plane.normal.cross(a.cross(b).normalize()).length() < 1e-9, "{cuts:?}");
         assert!(cuts[0].plane.distance(camera.eye - pose.translation).abs() < 1e-6, "{cuts:?}");
-        let beside = Gesture::Line { view: ViewName::ThreeD, from: DVec2::ZERO, to: DVec2::X, slice: None };
-        let past = preview::cuts((Tool::LineSplit, Some(&beside)), (&scene, &poses), aim(None), Axis::Horizontal);
+        let beside = Some([DVec2::ZERO, DVec2::X]);
+        let past = preview::cuts((Tool::LineSplit, beside), (&scene, &poses), aim(None), Axis::Horizontal);
         assert_eq!(past, []);
         assert_eq!(preview::cuts((Tool::Navigate, None), (&scene, &poses), aim(hit), Axis::Horizontal), []);
     }

@@ -10,17 +10,6 @@ use crate::ui::thread::session::Gravity;
 use crate::ui::window::app::App;
 use egui::{Frame, Margin, Panel, RichText, Ui};
 
-const fn icon_of(tool: Tool) -> Icon {
-    match tool {
-        Tool::Navigate => Icon::Navigate,
-        Tool::Brush => Icon::Brush,
-        Tool::AxisSplit => Icon::AxisSplit,
-        Tool::DepthSplit => Icon::DepthSplit,
-        Tool::LineSplit => Icon::LineSplit,
-        Tool::MovePart => Icon::MovePart,
-    }
-}
-
 impl App {
     pub(crate) fn top_bar(&mut self, ui: &mut Ui) {
         let frame = Frame::new().inner_margin(Margin::symmetric(8, 4));
@@ -108,7 +97,7 @@ impl App {
         ui.add_enabled_ui(open, |ui| {
             for tool in Tool::ALL {
                 let tip = format!("{} ({})\n{}", tool.name(), tool.key(), tool.hint());
-                let face = Face::tool(icon_of(tool), tool.name(), &tip, with_text).on(tool == now);
+                let face = Face::tool(Icon::Tool(tool), tool.name(), &tip, with_text).on(tool == now);
                 if icon_button(ui, face).clicked() {
                     self.act(Action::Choose(tool));
                 }

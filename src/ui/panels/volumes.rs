@@ -3,7 +3,7 @@
 //! It takes room only where there is something to choose: a document of one volume as it was opened has no list.
 
 use crate::document::{Command, VolumeCommand, VolumeSettings};
-use crate::interact::readout;
+use crate::interact::{Tool, readout};
 use crate::math::{DVec3, Pose};
 use crate::ui::style::icons;
 use crate::ui::style::icons::Icon;
@@ -132,7 +132,7 @@ impl App {
         let tint = if moved { theme::WARNING } else { theme::TEXT_WEAK };
         let name = format!("Place of volume {called}");
         let tip = if moved { "It was moved by hand: shift or turn it" } else { "Shift or turn this volume" };
-        let response = icon_button(ui, Face::small(Icon::MovePart, &name, tip).tint(tint));
+        let response = icon_button(ui, Face::small(Icon::Tool(Tool::MovePart), &name, tip).tint(tint));
         let centre = self.opened().and_then(|open| open.centres.get(&id).copied()).unwrap_or_default();
         Popup::menu(&response).close_behavior(PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
             ui.set_width(LABEL + 110.0);
@@ -186,7 +186,7 @@ fn mark(ui: &mut Ui, called: &str, active: bool) -> bool {
     let lit = response.hovered() || response.has_focus();
     if active || lit {
         let colour = if active { theme::TEXT } else { theme::TEXT_WEAK };
-        icons::paint(ui.painter(), rect, Icon::Brush, colour);
+        icons::paint(ui.painter(), rect, Icon::Tool(Tool::Brush), colour);
     }
     let tip = if active { "The brush paints this volume" } else { "Paint this volume" };
     tipped(response, tip).clicked()

@@ -1,5 +1,6 @@
 //! Icons drawn as strokes on a 16 px grid, so that they are crisp at every scale and of one hand.
 
+use crate::interact::{self, Tool};
 use egui::{Color32, Painter, Pos2, Rect, Stroke, Vec2, pos2};
 
 /// The icons.
@@ -10,12 +11,8 @@ pub(crate) enum Icon {
     Save,
     Undo,
     Redo,
-    Navigate,
-    Brush,
-    AxisSplit,
-    DepthSplit,
-    LineSplit,
-    MovePart,
+    /// A tool's own.
+    Tool(Tool),
     Eye,
     EyeOff,
     Lock,
@@ -56,37 +53,12 @@ pub(crate) fn paint(painter: &Painter, rect: Rect, icon: Icon, colour: Color32) 
         }
         Icon::Undo => pen.turn(false),
         Icon::Redo => pen.turn(true),
-        Icon::Navigate => {
-            pen.ellipse((8.0, 8.0), 6.5, 2.6);
-            pen.ellipse((8.0, 8.0), 2.6, 6.5);
-            pen.circle((8.0, 8.0), 6.5);
-        }
-        Icon::Brush => {
-            pen.line(&[(14.0, 2.0), (7.5, 8.5)]);
-            pen.closed(&[(7.0, 8.0), (9.0, 10.0), (7.0, 13.0), (2.0, 14.0), (3.5, 9.5)]);
-        }
-        Icon::AxisSplit => {
-            pen.closed(&[(3.0, 2.0), (13.0, 2.0), (13.0, 6.0), (3.0, 6.0)]);
-            pen.closed(&[(3.0, 10.0), (13.0, 10.0), (13.0, 14.0), (3.0, 14.0)]);
-            pen.line(&[(0.5, 8.0), (15.5, 8.0)]);
-        }
-        Icon::DepthSplit => {
-            pen.closed(&[(2.0, 2.0), (10.0, 2.0), (10.0, 10.0), (2.0, 10.0)]);
-            pen.line(&[(12.0, 6.0), (14.0, 6.0), (14.0, 14.0), (6.0, 14.0), (6.0, 12.0)]);
-        }
-        Icon::LineSplit => {
-            pen.line(&[(1.5, 14.5), (14.5, 1.5)]);
-            pen.line(&[(2.5, 9.0), (2.5, 2.5), (9.0, 2.5)]);
-            pen.line(&[(13.5, 7.0), (13.5, 13.5), (7.0, 13.5)]);
-        }
-        Icon::MovePart => {
-            pen.line(&[(8.0, 1.5), (8.0, 14.5)]);
-            pen.line(&[(1.5, 8.0), (14.5, 8.0)]);
-            pen.line(&[(6.0, 3.5), (8.0, 1.5), (10.0, 3.5)]);
-            pen.line(&[(6.0, 12.5), (8.0, 14.5), (10.0, 12.5)]);
-            pen.line(&[(3.5, 6.0), (1.5, 8.0), (3.5, 10.0)]);
-            pen.line(&[(12.5, 6.0), (14.5, 8.0), (12.5, 10.0)]);
-        }
+        Icon::Tool(tool) => tool.icon().iter().for_each(|stroke| match *stroke {
+            interact::Pen::Line(points) => pen.line(points),
+            interact::Pen::Closed(points) => pen.closed(points),
+            interact::Pen::Circle(centre, radius) => pen.circle(centre, radius),
+            interact::Pen::Ellipse(centre, rx, ry) => pen.ellipse(centre, rx, ry),
+        }),
         Icon::Eye | Icon::EyeOff => {
             let arc = |s: f32| -> Vec<(f32, f32)> {
                 (0..=10)

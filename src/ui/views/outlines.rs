@@ -3,12 +3,11 @@
 //! In 3D all of it lies on the surface that is seen; slices show parts at rest as lines. Owns no state: what is drawn is what the
 //! pointer means now, and nothing stays when it goes.
 
-use crate::document::{SlicePlane, ViewName};
+use crate::document::SlicePlane;
 use crate::explode::{Axis, Part};
 use crate::interact::preview;
-use crate::interact::preview::Aim;
 use crate::interact::surface::Piece;
-use crate::interact::{Cut, CutSlice, Tool};
+use crate::interact::{Aim, Cut, CutSlice};
 use crate::math::{DVec2, Plane};
 use crate::ui::style::theme;
 use crate::ui::window::app::App;
@@ -17,7 +16,7 @@ use egui::{Color32, Mesh, Painter, Pos2, Rect, Stroke, pos2};
 impl App {
     /// What a splitter would cut now, wherever the pointer is.
     fn pending_cuts(&self, painter: &Painter) -> Vec<Cut> {
-        let (tool, gesture) = (self.interaction.tool(), self.interaction.gesture());
+        let tool = self.interaction.tool();
         let (Some(scene), Some(open)) = (&self.scene, self.opened()) else { return Vec::new() };
         let Some((view, px)) = self.viewports.hovered.filter(|_| tool.is_of_parts()) else { return Vec::new() };
         let Some(&size) = self.viewports.sizes.get(&view) else { return Vec::new() };
@@ -26,7 +25,8 @@ impl App {
             Some(slice) => Aim::Slice { px, slice },
             None => Aim::Solid { px, size, hit: self.hit(px, size) },
         };
-        preview::cuts((tool, gesture), (scene, &open.poses), aim, axis)
+        let line = self.interaction.gesture().and_then(|gesture| gesture.line());
+        preview::cuts((tool, line.map(|(_, ends)| ends)), (scene, &open.poses), aim, axis)
     }
 
     /// The part in whose row, or over which with a tool for parts, the pointer is.
@@ -58,8 +58,7 @@ impl App {
         }
         for cut in cuts {
             let Some(part) = parts.iter().find(|p| p.id == cut.part) else { continue };
-            if tool == Tool::DepthSplit {
-                // What lies before the plane comes off.
+            if tool.peels() {
                 let side = surface.side((parts, poses), part, Some(&cut.plane));
                 tint(painter, body, &side, theme::ACCENT.gamma_multiply(0.38));
             }
@@ -107,17 +106,6 @@ impl App {
         let Some(surface) = self.pictures.surface() else { return };
         let Some((colour, tinted)) = self.trail.tint(surface) else { return };
         tint(painter, body, &surface.boxes(|i| tinted[i]), colour.gamma_multiply(0.6));
-    }
-
-    /// The line of the line splitter under the hand.
-    pub(crate) fn split_line(&self, painter: &Painter, view: ViewName, to_screen: &dyn Fn(DVec2) -> Pos2) {
-        if let Some(crate::interact::Gesture::Line { view: of, from, to, .. }) = self.interaction.gesture()
-            && *of == view
-        {
-            let line = [to_screen(*from), to_screen(*to)];
-            painter.line_segment(line, Stroke::new(3.0, Color32::from_black_alpha(160)));
-            painter.line_segment(line, Stroke::new(1.5, theme::ACCENT));
-        }
     }
 }
 

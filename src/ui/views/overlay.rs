@@ -1,7 +1,7 @@
-//! What lies over a picture: crosshair, side letters, scale bar, the brush's outline, and a tool's line.
+//! What lies over a picture: crosshair, side letters, scale bar, and the marks that tools ask for.
 
 use crate::document::{SlicePlane, ViewName};
-use crate::interact::{Tool, reach};
+use crate::interact::{Aimed, Ink, Mark};
 use crate::math::{DVec2, DVec3, Projection};
 use crate::paint::Target;
 use crate::ui::style::theme;
@@ -43,44 +43,57 @@ impl App {
                 scale_bar(painter, body, views.camera.mm_per_pixel(1.0, size[1]) * f64::from(scale));
             }
         }
-        self.split_line(painter, view, &to_screen);
-        self.tool_mark(painter, view, plane.as_ref(), &to_screen, size, scale);
+        let mut marks = self.interaction.gesture().map_or_else(Vec::new, |gesture| gesture.marks(view));
+        marks.extend(self.tool_marks(painter, view, plane.as_ref(), size));
+        self.draw_marks(painter, &marks, &to_screen, scale);
     }
 
-    fn tool_mark(
-        &self,
-        painter: &Painter,
-        view: ViewName,
-        plane: Option<&SlicePlane>,
-        to_screen: &dyn Fn(DVec2) -> Pos2,
-        size: [u32; 2],
-        scale: f32,
-    ) {
-        let Some(scene) = &self.scene else { return };
-        let Some((_, px)) = self.viewports.hovered.filter(|(v, _)| *v == view) else { return };
-        let at = to_screen(px);
-        if self.interaction.tool() != Tool::Brush {
-            return;
-        }
+    /// What the tool in hand shows about the pointer.
+    fn tool_marks(&self, painter: &Painter, view: ViewName, plane: Option<&SlicePlane>, size: [u32; 2]) -> Vec<Mark> {
+        let Some(scene) = &self.scene else { return Vec::new() };
+        let Some((_, px)) = self.viewports.hovered.filter(|(v, _)| *v == view) else { return Vec::new() };
         let mm_per_px = match plane {
-            Some(plane) => plane.mm_per_px,
-            None => match self.hit(px, size) {
-                Some(hit) => scene.views.camera.mm_per_pixel(hit.depth_mm, size[1]),
-                None => return,
-            },
+            Some(plane) => Some(plane.mm_per_px),
+            None => self.hit(px, size).map(|hit| scene.views.camera.mm_per_pixel(hit.depth_mm, size[1])),
         };
-        let rim = (scene.brush.radius_mm / mm_per_px) as f32 / scale;
-        let radius = rim * reach(&scene.brush) as f32;
-        let erase = scene.brush.erase || painter.ctx().input(|i| i.key_down(egui::Key::E));
-        let colour = if erase { theme::ERROR } else { paint_colour(scene.brush.target, scene) };
-        if radius < rim {
-            painter.circle_stroke(at, rim, Stroke::new(1.0, colour.gamma_multiply(0.4)));
+        let erase = painter.ctx().input(|i| i.key_down(egui::Key::E));
+        self.interaction.tool().marks(scene, &Aimed { px, mm_per_px, erase })
+    }
+
+    fn ink(&self, ink: Ink) -> Color32 {
+        match (ink, &self.scene) {
+            (Ink::Paint, Some(scene)) => paint_colour(scene.brush.target, scene),
+            (Ink::Erase, _) => theme::ERROR,
+            (Ink::Accent | Ink::Paint, _) => theme::ACCENT,
         }
-        painter.circle_stroke(at, radius + 1.0, Stroke::new(1.0, Color32::from_black_alpha(170)));
-        painter.circle_stroke(at, radius.max(1.0), Stroke::new(1.4, colour));
-        painter.circle_filled(at, 1.2, colour);
-        if erase {
-            painter.line_segment([at - vec2(4.0, 0.0), at + vec2(4.0, 0.0)], Stroke::new(1.4, colour));
+    }
+
+    /// Marks in pixels of a view, drawn with a shade where bone and air must both let them be seen.
+    fn draw_marks(&self, painter: &Painter, marks: &[Mark], to_screen: &dyn Fn(DVec2) -> Pos2, scale: f32) {
+        for mark in marks {
+            match *mark {
+                Mark::Line { from, to, ink } => {
+                    let line = [to_screen(from), to_screen(to)];
+                    painter.line_segment(line, Stroke::new(3.0, Color32::from_black_alpha(160)));
+                    painter.line_segment(line, Stroke::new(1.5, self.ink(ink)));
+                }
+                Mark::Ring { at, radius_px, ink, faint: true } => {
+                    let stroke = Stroke::new(1.0, self.ink(ink).gamma_multiply(0.4));
+                    painter.circle_stroke(to_screen(at), radius_px as f32 / scale, stroke);
+                }
+                Mark::Ring { at, radius_px, ink, faint: false } => {
+                    let (at, radius) = (to_screen(at), radius_px as f32 / scale);
+                    painter.circle_stroke(at, radius + 1.0, Stroke::new(1.0, Color32::from_black_alpha(170)));
+                    painter.circle_stroke(at, radius.max(1.0), Stroke::new(1.4, self.ink(ink)));
+                }
+                Mark::Dot { at, ink } => {
+                    painter.circle_filled(to_screen(at), 1.2, self.ink(ink));
+                }
+                Mark::Minus { at, ink } => {
+                    let (at, half) = (to_screen(at), vec2(4.0, 0.0));
+                    painter.line_segment([at - half, at + half], Stroke::new(1.4, self.ink(ink)));
+                }
+            }
         }
     }
 }

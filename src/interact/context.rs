@@ -1,0 +1,18 @@
+//! What a tool may look at.
+
+use crate::document::Scene;
+use crate::explode::Poses;
+use crate::volume::Grid;
+
+/// What a tool may look at.
+#[derive(Clone, Copy, Debug)]
+pub struct Context<'a> {
+    /// The scene as last seen.
+    pub scene: &'a Scene,
+    /// Where its parts stand.
+    pub poses: &'a Poses,
+    /// The volume's lattice, which says where slices lie.
+    pub grid: &'a Grid,
+    /// The smallest spacing in mm: the smallest brush that one can still grow is half of it.
+    pub voxel_mm: f64,
+}
