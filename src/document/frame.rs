@@ -1,4 +1,7 @@
 //! From the scene to what the GPU is asked to draw: one place for the window, renders, picks and measurements.
+//!
+//! A picture shows every visible volume where it lies. A part is cut out of all of them: one body for each volume, and one more for
+//! what of a volume is selected. A slice lies on the voxels of the active volume; the others are laid under and over it in their order.
 
 use crate::document::error::DocumentError;
 use crate::document::scene::ViewName;
@@ -6,9 +9,9 @@ use crate::document::scene::slice_plane::SlicePlane;
 use crate::document::state::State;
 use crate::document::subject::Subject;
 use crate::explode::{PartId, Poses};
-use crate::gpu::{Body, Frame, Mask, Overlay, SliceFrame};
+use crate::gpu::{Body, Frame, Look, Mask, Overlay, SliceFrame, SliceLayer};
 use crate::math::{Camera, DVec3};
-use crate::volume::{FieldKind, VolumeId};
+use crate::volume::FieldKind;
 use std::collections::BTreeMap;
 
 /// Id of the body that is not a part: the whole volume, or the selection among its parts. Parts' ids begin at 1.
@@ -20,71 +23,104 @@ pub const SELECTION_COLOUR: [f32; 3] = [1.0, 0.6, 0.15];
 /// Level and width of a grey window in which every value is black, as numbers of 32 bits.
 const ALL_BLACK: (f64, f64) = (2e38, 2e38);
 
-impl Subject<'_> {
+impl State {
+    /// The volumes that pictures show, in order.
+    pub(crate) fn visible(&self) -> impl Iterator<Item = Subject<'_>> {
+        self.subjects().filter(|subject| subject.settings.visible && subject.settings.opacity > 0.0)
+    }
+
     /// What the 3D view shows with the parts in these poses.
     pub(super) fn frame(&self, poses: &Poses, camera: &Camera, size: [u32; 2]) -> Frame {
         let parts = &self.scene.explosion.parts;
         let plain = poses.at_rest(parts) && parts.iter().all(|p| p.visible && p.colour.is_none());
-        let bodies = if plain { vec![Body::whole(WHOLE)] } else { self.bodies(poses) };
-        self.frame_of(bodies, camera, size)
+        self.frame_of(camera, size, |subject| if plain { vec![whole_of(subject)] } else { bodies_of(subject, poses) })
     }
 
     /// The selection and every visible part as a body of its own, also where all are at rest. What hides what is told by samples a
     /// voxel apart, however finely pictures are drawn.
     pub(super) fn parted_frame(&self, poses: &Poses, camera: &Camera, size: [u32; 2]) -> Frame {
-        let frame = self.frame_of(self.bodies(poses), camera, size);
-        Frame { step_mm: frame.step_mm.max(self.grid().voxel_mm()), refine: false, ..frame }
+        let frame = self.frame_of(camera, size, |subject| bodies_of(subject, poses));
+        Frame { step_mm: frame.step_mm.max(self.voxel_mm()), refine: false, ..frame }
     }
 
-    fn frame_of(&self, bodies: Vec<Body>, camera: &Camera, size: [u32; 2]) -> Frame {
-        let look = &self.scene.look;
-        Frame {
+    /// Smallest spacing of all visible volumes in mm; where there is none that of nothing, 1.
+    fn voxel_mm(&self) -> f64 {
+        self.visible().map(|subject| subject.grid().voxel_mm()).reduce(f64::min).unwrap_or(1.0)
+    }
+
+    fn frame_of(&self, camera: &Camera, size: [u32; 2], bodies: impl Fn(&Subject<'_>) -> Vec<Body>) -> Frame {
+        let scene = &self.scene;
+        let volumes: Vec<_> = self.visible().collect();
+        // What is alone and whole is the picture's own look.
+        let alone = match &volumes[..] {
+            [only] if only.settings.opacity >= 1.0 => Some(only.id),
+            _ => None,
+        };
+        let first = volumes.first().map_or(scene.volumes.active, |subject| subject.id);
+        let mut frame = Frame {
             camera: *camera,
             size,
-            step_mm: look.step_voxels * self.grid().voxel_mm(),
-            refine: look.refine,
-            mode: self.mode(),
-            lighting: self.scene.lighting_of(self.id),
-            transfer: self.transfer().clone(),
-            bodies,
-            overlay: self.overlay(),
+            step_mm: scene.look.step_voxels * self.voxel_mm(),
+            refine: scene.look.refine,
+            mode: scene.mode_of(first),
+            lighting: scene.lighting_of(first),
+            transfer: scene.transfer_of(first).clone(),
+            bodies: Vec::new(),
+            overlay: Overlay::default(),
             layers: Default::default(),
             looks: Vec::new(),
             overlays: BTreeMap::new(),
+        };
+        for subject in &volumes {
+            let look = (alone != Some(subject.id)).then(|| {
+                frame.looks.push(Look {
+                    transfer: subject.transfer().clone(),
+                    mode: subject.mode(),
+                    lighting: scene.lighting_of(subject.id),
+                    opacity: subject.settings.opacity,
+                });
+                frame.looks.len() - 1
+            });
+            frame.bodies.extend(bodies(subject).into_iter().map(|body| Body { look, ..body }));
+            frame.overlays.insert(subject.id, self.overlay(subject));
         }
+        if let Some(overlay) = alone.and_then(|id| frame.overlays.remove(&id)) {
+            frame.overlay = overlay;
+        }
+        frame
     }
 
-    fn bodies(&self, poses: &Poses) -> Vec<Body> {
-        let selected = !self.selection.is_blank();
-        let mask = if selected { Mask::Background } else { Mask::None };
-        let parts = self.scene.explosion.parts.iter().filter(|p| p.visible).map(|part| Body {
-            id: part.id.0,
-            volume: VolumeId::FIRST,
-            look: None,
-            labels: None,
-            pose: poses.of(part),
-            // The volume's own box is every body's.
-            region: part.faces.iter().filter(|f| f.cut).map(|f| f.plane).collect(),
-            mask,
-            tint: part.colour,
-        });
-        let selection = selected.then(|| Body { mask: Mask::Selection, ..Body::whole(WHOLE) });
-        selection.into_iter().chain(parts).collect()
-    }
-
-    /// What a slice view shows in a picture of another size; `None` for the 3D view.
+    /// What a slice view shows in a picture of another size; `None` for the 3D view, and where there is no volume.
     pub(super) fn slice_frame(&self, view: ViewName, size: [u32; 2]) -> Option<SliceFrame> {
-        let mut views = self.scene.views.clone();
+        let mut views = (*self.scene.views).clone();
         views.slices[view.slice()?].size = size;
-        let plane = SlicePlane::new(self.grid(), &views, view)?;
-        let window = self.scene.window_of(self.id);
-        let at = (plane.axis, plane.index);
-        let shown = self.scene.layer(FieldKind::Density).visible;
-        let grey = if shown { (window.level, window.width) } else { ALL_BLACK };
-        Some(SliceFrame::new(self.grid(), at, size, |px| plane.world(px), grey, self.overlay()))
+        let active = self.at(None).ok()?;
+        let plane = SlicePlane::new(active.grid(), &views, view)?;
+        let grey = |subject: &Subject<'_>| {
+            let window = self.scene.window_of(subject.id);
+            self.scene.layer(FieldKind::Density).visible.then_some((window.level, window.width))
+        };
+        let world = |px| plane.world(px);
+        let (at, overlay) = ((plane.axis, plane.index), self.overlay(&active));
+        let mut frame = SliceFrame::new(active.grid(), at, size, world, grey(&active).unwrap_or(ALL_BLACK), overlay);
+        frame.volume = active.id;
+        frame.opacity = if active.settings.visible { active.settings.opacity } else { 0.0 };
+        for subject in self.visible().filter(|subject| subject.id != active.id) {
+            let lowest = frame.under.is_empty() && subject.id < active.id;
+            // A label map over something else shows its labels, not their numbers.
+            let grey = grey(&subject).filter(|_| !subject.is_label_map());
+            let grey = if lowest { grey.or(Some(ALL_BLACK)) } else { grey };
+            let (of, overlay) = ((subject.id, subject.grid()), self.overlay(&subject));
+            let layer = SliceLayer::new(of, size, world, grey, subject.settings.opacity, overlay);
+            if subject.id < active.id { frame.under.push(layer) } else { frame.over.push(layer) }
+        }
+        if !frame.under.is_empty() && (grey(&active).is_none() || active.is_label_map()) {
+            frame.window = None;
+        }
+        Some(frame)
     }
 
-    fn overlay(&self) -> Overlay {
+    fn overlay(&self, subject: &Subject<'_>) -> Overlay {
         let strength = |kind: FieldKind| {
             let layer = self.scene.layer(kind);
             if layer.visible { layer.opacity } else { 0.0 }
@@ -94,9 +130,38 @@ impl Subject<'_> {
             labels: strength(FieldKind::Labels),
             selection: strength(FieldKind::Selection),
             selection_colour: SELECTION_COLOUR,
-            segments: self.segments().clone(),
+            segments: subject.segments().clone(),
         }
     }
+}
+
+impl Subject<'_> {
+    /// Whether its values are ids that its labels say anyway.
+    fn is_label_map(&self) -> bool {
+        !self.histogram.ids.is_empty() && !self.labels.is_blank()
+    }
+}
+
+/// A volume at rest, in one piece.
+fn whole_of(subject: &Subject<'_>) -> Body {
+    Body { volume: subject.id, ..Body::whole(WHOLE) }
+}
+
+/// What of a volume is selected and its share of every visible part.
+fn bodies_of(subject: &Subject<'_>, poses: &Poses) -> Vec<Body> {
+    let selected = !subject.selection.is_blank();
+    let mask = if selected { Mask::Background } else { Mask::None };
+    let parts = subject.scene.explosion.parts.iter().filter(|p| p.visible).map(|part| Body {
+        id: part.id.0,
+        pose: poses.of(part),
+        // The volume's own box is every body's.
+        region: part.faces.iter().filter(|f| f.cut).map(|f| f.plane).collect(),
+        mask,
+        tint: part.colour,
+        ..whole_of(subject)
+    });
+    let selection = selected.then(|| Body { mask: Mask::Selection, ..whole_of(subject) });
+    selection.into_iter().chain(parts).collect()
 }
 
 impl State {

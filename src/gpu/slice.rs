@@ -33,10 +33,14 @@ pub struct SliceFrame {
     pub per_x: DVec3,
     /// Voxels per pixel down.
     pub per_y: DVec3,
-    /// Density shown as black and as white.
-    pub window: [f64; 2],
+    /// Density shown as black and as white; `None`: its painted fields alone are shown.
+    pub window: Option<[f64; 2]>,
+    /// 0 to 1: how much of what lies under it it hides. At 0 nothing of it is looked at.
+    pub opacity: f32,
     /// Painted fields.
     pub overlay: Overlay,
+    /// Other volumes under it, the first one lowest.
+    pub under: Vec<SliceLayer>,
     /// Other volumes over it, the first one lowest.
     pub over: Vec<SliceLayer>,
 }
@@ -75,6 +79,22 @@ fn window_of((level, width): (f64, f64)) -> [f64; 2] {
     [level - half, level + half]
 }
 
+impl SliceLayer {
+    /// A volume on the plane of a slice of `size` pixels. `world` is that of the slice; `grey` as there, `None` where its values are
+    /// not shown.
+    pub fn new(
+        (volume, grid): (VolumeId, &Grid),
+        size: [u32; 2],
+        world: impl Fn(DVec2) -> DVec3,
+        grey: Option<(f64, f64)>,
+        opacity: f32,
+        overlay: Overlay,
+    ) -> Self {
+        let [top_left, per_x, per_y] = lie(grid, size, world);
+        Self { volume, top_left, per_x, per_y, window: grey.map(window_of), opacity, overlay }
+    }
+}
+
 impl SliceFrame {
     /// The slice whose pixels lie where `world` says (mm, pixel (0, 0) at the top left, an affine map onto the slice).
     /// `grey` are level and width of the grey window, in the density's unit. It is one of [`VolumeId::FIRST`] alone.
@@ -91,22 +111,24 @@ impl SliceFrame {
         top_left[axis] = f64::from(index.min(grid.dims[axis].saturating_sub(1)));
         per_x[axis] = 0.0;
         per_y[axis] = 0.0;
-        let (volume, window, over) = (VolumeId::FIRST, window_of(grey), Vec::new());
-        Self { volume, axis, index, size, top_left, per_x, per_y, window, overlay, over }
+        let (volume, window, opacity) = (VolumeId::FIRST, Some(window_of(grey)), 1.0);
+        let (under, over) = (Vec::new(), Vec::new());
+        Self { volume, axis, index, size, top_left, per_x, per_y, window, opacity, overlay, under, over }
     }
 
-    /// Lays another volume over it. `world` is that of the slice; `grey` as there, `None` where its values are not shown.
-    pub fn lay_over(
-        &mut self,
-        (volume, grid): (VolumeId, &Grid),
-        world: impl Fn(DVec2) -> DVec3,
-        grey: Option<(f64, f64)>,
-        opacity: f32,
-        overlay: Overlay,
-    ) {
-        let [top_left, per_x, per_y] = lie(grid, self.size, world);
-        let window = grey.map(window_of);
-        self.over.push(SliceLayer { volume, top_left, per_x, per_y, window, opacity, overlay });
+    /// The layers from the lowest up; the slice's own is none of [`under`](Self::under) and [`over`](Self::over).
+    fn layers(&self) -> impl Iterator<Item = (SliceLayer, bool)> {
+        let own = SliceLayer {
+            volume: self.volume,
+            top_left: self.top_left,
+            per_x: self.per_x,
+            per_y: self.per_y,
+            window: self.window,
+            opacity: self.opacity,
+            overlay: self.overlay.clone(),
+        };
+        let other = |layers: &[SliceLayer]| layers.iter().cloned().map(|layer| (layer, false)).collect::<Vec<_>>();
+        other(&self.under).into_iter().chain([(own, true)]).chain(other(&self.over))
     }
 
     /// A rectangle of the picture, as a picture of its own: its top-left corner in pixels, and its size.
@@ -116,7 +138,7 @@ impl SliceFrame {
         let mut part = self.clone();
         part.size = size;
         part.top_left += shift(self.per_x, self.per_y);
-        for layer in &mut part.over {
+        for layer in part.under.iter_mut().chain(&mut part.over) {
             layer.top_left += shift(layer.per_x, layer.per_y);
         }
         part
@@ -224,28 +246,27 @@ impl SliceCaster {
         if frame.size.contains(&0) {
             return Ok(Vec::new());
         }
-        pools.make_slice_resident(gpu, fields, frame.volume, SliceCut::Row { axis: frame.axis, index: frame.index })?;
-        let base = SliceLayer {
-            volume: frame.volume,
-            top_left: frame.top_left,
-            per_x: frame.per_x,
-            per_y: frame.per_y,
-            window: Some(frame.window),
-            opacity: 1.0,
-            overlay: frame.overlay.clone(),
-        };
-        let mut picture = self.layer(gpu, pools, &base, frame.size)?;
-        for layer in &frame.over {
-            let across = layer.per_x * f64::from(frame.size[0]);
-            let down = layer.per_y * f64::from(frame.size[1]);
-            let cut = SliceCut::Plane { view: frame.axis, corner: layer.top_left, across, down };
+        let mut picture: Option<Vec<[f32; 4]>> = None;
+        for (layer, is_own) in frame.layers().filter(|(layer, _)| layer.opacity > 0.0) {
+            let cut = if is_own {
+                SliceCut::Row { axis: frame.axis, index: frame.index }
+            } else {
+                let across = layer.per_x * f64::from(frame.size[0]);
+                let down = layer.per_y * f64::from(frame.size[1]);
+                SliceCut::Plane { view: frame.axis, corner: layer.top_left, across, down }
+            };
             pools.make_slice_resident(gpu, fields, layer.volume, cut)?;
-            let over = self.layer(gpu, pools, layer, frame.size)?;
-            for (under, over) in picture.iter_mut().zip(over) {
-                *under = std::array::from_fn(|i| over[i] + under[i] * (1.0 - over[3]));
+            let over = self.layer(gpu, pools, &layer, frame.size)?;
+            match &mut picture {
+                Some(picture) => {
+                    for (under, over) in picture.iter_mut().zip(over) {
+                        *under = std::array::from_fn(|i| over[i] + under[i] * (1.0 - over[3]));
+                    }
+                }
+                None => picture = Some(over),
             }
         }
-        Ok(picture)
+        Ok(picture.unwrap_or_else(|| vec![[0.0; 4]; frame.size[0] as usize * frame.size[1] as usize]))
     }
 
     /// A layer's pixels, as [`pixels`](Self::pixels) has them.

@@ -68,7 +68,8 @@ fn reference(of: &Painted, frame: &SliceFrame, px: [u32; 2]) -> [f64; 4] {
         return [0.0; 4];
     }
     let density = bilinear(&of.density, p, |t| of.density.map().decode(t));
-    let grey = ((density - frame.window[0]) / (frame.window[1] - frame.window[0])).clamp(0.0, 1.0);
+    let [black, white] = frame.window.unwrap();
+    let grey = ((density - black) / (white - black)).clamp(0.0, 1.0);
     let mut c = [grey; 3];
     let mut mix = |with: [f64; 3], t: f64| {
         for (c, w) in c.iter_mut().zip(with) {
@@ -196,16 +197,23 @@ fn other_volumes_lie_over_a_slice_each_on_its_own_grid() {
             let p = base.top_left + base.per_x * px.x + base.per_y * px.y;
             of.grid.world_from_index.transform_point3(p)
         };
-        frame.lay_over((VolumeId(8), &other.grid), world, grey, 0.6, overlay(0.4, 0.7, 0.5));
+        let layer = |grey, opacity, overlay| {
+            SliceLayer::new((VolumeId(8), &other.grid), frame.size, world, grey, opacity, overlay)
+        };
+        let above = layer(grey, 0.6, overlay(0.4, 0.7, 0.5));
+        let below = layer(Some((1000.0, 2000.0)), 0.8, overlay(0.0, 0.0, 0.3));
+        (frame.under, frame.over, frame.opacity) = (vec![below], vec![above], 0.7);
         let picture = caster.pixels(&gpu, &mut pools, &fields, &frame).unwrap();
         let (mut both, mut off) = (0, 0);
         for (i, got) in picture.iter().enumerate() {
             let px = [i as u32 % frame.size[0], i as u32 / frame.size[0]];
-            let under = reference(&of, &base, px);
+            let own = reference(&of, &base, px).map(|c| c * 0.7);
             let at = world(DVec2::new(f64::from(px[0]) + 0.5, f64::from(px[1]) + 0.5));
-            let over = laid_over(&other, &frame.over[0], other.grid.index_from_world().transform_point3(at));
-            both += usize::from(under[3] > 0.0 && over[3] > 0.0);
-            let expected: [f64; 4] = std::array::from_fn(|c| over[c] + under[c] * (1.0 - over[3]));
+            let there = other.grid.index_from_world().transform_point3(at);
+            let [under, over] = [&frame.under[0], &frame.over[0]].map(|layer| laid_over(&other, layer, there));
+            both += usize::from(own[3] > 0.0 && over[3] > 0.0);
+            let lay = |over: [f64; 4], under: [f64; 4]| std::array::from_fn(|c| over[c] + under[c] * (1.0 - over[3]));
+            let expected: [f64; 4] = lay(over, lay(own, under));
             // At a voxel's border a label may be its neighbour's.
             off += usize::from((0..4).any(|c| (f64::from(got[c]) - expected[c]).abs() > 1.5 / 255.0));
         }

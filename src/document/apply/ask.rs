@@ -82,7 +82,7 @@ impl Document {
                 let views = &state.scene.views;
                 let camera = safe_camera(camera.unwrap_or(views.camera), &state.bounds())?;
                 let size = check_size(size.unwrap_or(views.size))?;
-                let frame = state.at(self.graphics.painted_on())?.parted_frame(self.motion.poses(), &camera, size);
+                let frame = state.parted_frame(self.motion.poses(), &camera, size);
                 let seen = self.graphics.visibility(state, &frame)?;
                 let hidden = seen.hidden_by.iter().map(|&(part, pixels)| HiddenBy { part, pixels });
                 VisibilitySaid {

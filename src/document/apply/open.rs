@@ -280,7 +280,6 @@ impl Document {
         self.no_stroke();
         let keeper = self.keeper.take();
         let volume = recovered.stroke_volume;
-        self.graphics.paint_on(Some(volume));
         let begun = self.begin_stroke(volume, Resolved { samples: recovered.stroke.clone(), ..Resolved::default() });
         self.keeper = keeper;
         match begun.and_then(|_| self.finish_stroke()) {
@@ -288,7 +287,6 @@ impl Document {
             Err(error) => {
                 warnings.push(format!("the stroke that was running is lost: {error}"));
                 self.drop_stroke();
-                self.graphics.paint_on(None);
                 StrokeFate::Lost
             }
         }

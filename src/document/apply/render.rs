@@ -83,16 +83,12 @@ impl Document {
         (corner, part): ([u32; 2], [u32; 2]),
     ) -> Result<Image, DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
-        match state.at(self.graphics.painted_on())?.slice_frame(view, size) {
+        match state.slice_frame(view, size) {
             Some(frame) => self.graphics.slice(state, &frame.part(corner, part)),
+            None if view != ViewName::ThreeD => Ok(Image::empty(part)),
             None => {
                 let camera = safe_camera(camera.unwrap_or(state.scene.views.camera), &state.bounds())?;
-                self.graphics.part(
-                    state,
-                    &state.at(self.graphics.painted_on())?.frame(self.motion.poses(), &camera, size),
-                    corner,
-                    part,
-                )
+                self.graphics.part(state, &state.frame(self.motion.poses(), &camera, size), corner, part)
             }
         }
     }
@@ -103,12 +99,12 @@ impl Document {
     /// Without a GPU, or whatever the GPU or the source fails with.
     pub fn picture(&mut self, view: ViewName, size: [u32; 2], camera: Option<Camera>) -> Result<Image, DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
-        match state.at(self.graphics.painted_on())?.slice_frame(view, check_size(size)?) {
+        match state.slice_frame(view, check_size(size)?) {
             Some(frame) => self.graphics.slice(state, &frame),
+            None if view != ViewName::ThreeD => Ok(Image::empty(size)),
             None => {
                 let camera = safe_camera(camera.unwrap_or(state.scene.views.camera), &state.bounds())?;
-                self.graphics
-                    .image(state, &state.at(self.graphics.painted_on())?.frame(self.motion.poses(), &camera, size))
+                self.graphics.image(state, &state.frame(self.motion.poses(), &camera, size))
             }
         }
     }
@@ -120,11 +116,7 @@ impl Document {
     pub fn picture_rows(&mut self, size: [u32; 2], rows: std::ops::Range<u32>) -> Result<Image, DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
         let camera = safe_camera(state.scene.views.camera, &state.bounds())?;
-        self.graphics.rows(
-            state,
-            &state.at(self.graphics.painted_on())?.frame(self.motion.poses(), &camera, check_size(size)?),
-            rows,
-        )
+        self.graphics.rows(state, &state.frame(self.motion.poses(), &camera, check_size(size)?), rows)
     }
 
     /// Says whether something is held or moves: pictures and picks of the 3D view then wait for a bounded number of bricks, and

@@ -84,12 +84,8 @@ impl Document {
 
     /// Begins a stroke on a volume with these points.
     fn begin_with(&mut self, volume: VolumeId, points: &[StrokePoint]) -> Result<Answer, DocumentError> {
-        self.graphics.paint_on(Some(volume));
-        let begun = self.follow(volume, points, None).and_then(|resolved| self.begin_stroke(volume, resolved));
-        if begun.is_err() {
-            self.graphics.paint_on(None);
-        }
-        begun
+        let resolved = self.follow(volume, points, None)?;
+        self.begin_stroke(volume, resolved)
     }
 
     /// Whether a stroke runs.
@@ -109,7 +105,6 @@ impl Document {
         let changes: Vec<_> =
             self.graphics.finish(state)?.into_iter().map(|(index, brick)| (index, Some(brick))).collect();
         let Some(mut running) = self.running.take() else { return Ok(Answer::default()) };
-        self.graphics.paint_on(None);
         let swapped = running.edit.swap(state, key, changes);
         let (voxels, bricks) = running.edit.counts();
         if swapped.is_err() || voxels == 0 {
@@ -208,7 +203,6 @@ impl Document {
     pub(crate) fn drop_stroke(&mut self) {
         let (Some(running), Some(state)) = (self.running.take(), &mut self.state) else { return };
         self.graphics.cancel(state, running.field());
-        self.graphics.paint_on(None);
         // Of a stroke there is at most a segment and a map to take back; a source that fails leaves the wider map.
         match running.edit.roll_back(state) {
             Ok(refreshed) => self.mirror(&refreshed),
@@ -249,7 +243,7 @@ impl Document {
             begun = edit.remap(state, id, map).map_err(DocumentError::from);
             self.graphics.remap(state, id);
         }
-        let begun = begun.and_then(|()| self.graphics.begin(state, &brush, reach[1]));
+        let begun = begun.and_then(|()| self.graphics.begin(state, id, &brush, reach[1]));
         self.running = Some(Running {
             volume: id,
             brush,
@@ -293,7 +287,7 @@ impl Document {
         self.graphics.cancel(state, FieldKey::new(id, FieldKind::Density));
         let mut widened = running.edit.remap(state, id, map).map_err(DocumentError::from);
         self.graphics.remap(state, id);
-        widened = widened.and_then(|()| self.graphics.begin(state, &running.brush, running.reach[1]));
+        widened = widened.and_then(|()| self.graphics.begin(state, id, &running.brush, running.reach[1]));
         self.graphics.open(&running.seen);
         let painted = widened
             .and_then(|()| if before.is_empty() { Ok(()) } else { self.graphics.extend(state, &before).map(drop) });

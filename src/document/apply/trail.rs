@@ -11,6 +11,7 @@ use crate::document::command::brush::StrokePoint;
 use crate::document::error::DocumentError;
 use crate::document::scene::ViewName;
 use crate::document::scene::check::direction;
+use crate::document::state::State;
 use crate::document::subject::Subject;
 use crate::explode::Poses;
 use crate::gpu::{Frame, Hit};
@@ -60,12 +61,13 @@ pub(crate) struct Resolved {
     pub(crate) on_slice: bool,
 }
 
-impl Subject<'_> {
+impl State {
     /// What a look into the 3D view is marched by: the picture on its plain lattice, with samples dense enough to tell where a surface
-    /// is.
-    pub(crate) fn looking(&self, poses: &Poses, camera: &Camera, size: [u32; 2]) -> Frame {
+    /// of a volume is, the active one if none is named.
+    pub(crate) fn looking(&self, volume: Option<VolumeId>, poses: &Poses, camera: &Camera, size: [u32; 2]) -> Frame {
         let frame = self.frame(poses, camera, size);
-        let step_mm = frame.step_mm.min(STEP_VOXELS * self.grid().voxel_mm());
+        let dense = self.at(volume).map_or(f64::INFINITY, |subject| STEP_VOXELS * subject.grid().voxel_mm());
+        let step_mm = frame.step_mm.min(dense);
         Frame { step_mm, refine: false, ..frame }
     }
 }
@@ -119,7 +121,7 @@ impl Document {
             return Err(DocumentError::invalid("px", px, "two finite numbers"));
         }
         let camera = state.scene.views.camera;
-        let frame = subject.looking(self.motion.poses(), &camera, size);
+        let frame = state.looking(Some(volume), self.motion.poses(), &camera, size);
         let (pixel_mm, voxel_mm) = (pixel_mm(&frame, &subject), subject.grid().voxel_mm());
         let radius_mm = state.scene.brush.radius_mm;
         let rule = SurfaceRule {
@@ -237,7 +239,8 @@ pub(crate) fn pixel_mm(frame: &Frame, subject: &Subject<'_>) -> f64 {
     let corners = subject.grid().world_corners();
     let forward = frame.camera.forward();
     let far = |pose: &Pose| corners.map(|c| (pose.apply(c) - frame.camera.eye).dot(forward));
-    let furthest = frame.bodies.iter().flat_map(|b| far(&b.pose)).fold(0.0, f64::max);
+    let own = frame.bodies.iter().filter(|b| b.volume == subject.id);
+    let furthest = own.flat_map(|b| far(&b.pose)).fold(0.0, f64::max);
     frame.camera.mm_per_pixel(furthest, frame.size[1])
 }
 

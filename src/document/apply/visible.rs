@@ -29,9 +29,9 @@ impl Document {
     pub(crate) fn see(&mut self, volume: VolumeId, dabs: &[Dab], seen: &mut VoxelSet) -> Result<(), DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
         let (views, subject) = (&state.scene.views, state.at(Some(volume))?);
-        let frame = subject.looking(self.motion.poses(), &views.camera, views.size);
+        let frame = state.looking(Some(volume), self.motion.poses(), &views.camera, views.size);
         let mut areas: Vec<Area> = Vec::new();
-        for body in &frame.bodies {
+        for body in frame.bodies.iter().filter(|body| body.volume == volume) {
             // Consecutive dabs that lie close together are one look; each body has its own.
             let mut open: Option<(Area, f64)> = None;
             for dab in dabs {
@@ -86,7 +86,9 @@ impl Document {
         let image = self.graphics.part_at_start(state, &frame, corner, extent)?;
         let index_from_world = grid.index_from_world();
         for (i, (&depth, &object)) in image.depth_mm.iter().zip(&image.object).enumerate() {
-            let Some(id) = object.body().filter(|_| depth.is_finite()) else { continue };
+            // What another volume shows hides this one.
+            let own = depth.is_finite() && object.volume() == Some(volume);
+            let Some(id) = object.body().filter(|_| own) else { continue };
             let at = DVec2::new((i as u32 % extent[0]) as f64, (i as u32 / extent[0]) as f64);
             let world = frame.camera.ray(lo + at + 0.5, size).at(f64::from(depth));
             let rest = frame.bodies.iter().find(|b| b.id == id).map_or(world, |b| b.pose.unapply(world));

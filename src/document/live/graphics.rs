@@ -7,7 +7,6 @@ use crate::document::error::DocumentError;
 use crate::document::history::step::Refreshed;
 use crate::document::live::area::Area;
 use crate::document::state::State;
-use crate::document::subject::Subject;
 use crate::gpu::cast::tiles::Window;
 use crate::gpu::{
     Caster, FieldPools, Fields, Frame, Gpu, GpuError, Hit, Image, Painter, SliceCaster, SliceFrame, Visibility,
@@ -37,26 +36,28 @@ pub(crate) struct Graphics {
     gpu: Option<Gpu>,
     tools: Option<Tools>,
     painter: Option<Painter>,
-    /// The volume whose fields the pools mirror.
-    shown: VolumeId,
-    /// The volume that a stroke runs on: pictures are its own until the stroke ends.
+    /// The volume that a stroke runs on: it stays on the device, seen or not.
     painted: Option<VolumeId>,
     moving: bool,
 }
 
-fn fields<'a>(subject: &Subject<'a>) -> Fields<'a> {
-    let volume = subject.volume;
+/// The fields of what pictures show and of what is painted. What is in neither the device may forget.
+fn fields(state: &State, painted: Option<VolumeId>) -> Fields<'_> {
     let mut fields = Fields::default();
-    fields.put(
-        subject.id,
-        VolumeFields {
-            grid: *subject.grid(),
-            density: &volume.density,
-            colour: &volume.colour,
-            selection: &volume.selection,
-            labels: &volume.labels,
-        },
-    );
+    let painted = painted.and_then(|id| state.subject(id));
+    for subject in state.visible().chain(painted) {
+        let volume = subject.volume;
+        fields.put(
+            subject.id,
+            VolumeFields {
+                grid: *subject.grid(),
+                density: &volume.density,
+                colour: &volume.colour,
+                selection: &volume.selection,
+                labels: &volume.labels,
+            },
+        );
+    }
     fields
 }
 
@@ -64,16 +65,6 @@ impl Graphics {
     /// Works on this device instead of one of its own.
     pub(crate) fn use_gpu(&mut self, gpu: Gpu) {
         *self = Self { gpu: Some(gpu), ..Self::default() };
-    }
-
-    /// Shows this volume instead of the active one: a stroke runs on it, or begins to. `None`: none runs any more.
-    pub(crate) fn paint_on(&mut self, volume: Option<VolumeId>) {
-        self.painted = volume;
-    }
-
-    /// The volume that pictures are of while a stroke runs on it; `None`: the active one.
-    pub(crate) fn painted_on(&self) -> Option<VolumeId> {
-        self.painted
     }
 
     /// Whether pictures are in motion: they then wait for a bounded number of bricks, and coarser ones stand in.
@@ -100,26 +91,20 @@ impl Graphics {
 
     /// Hands changed voxels on. What fails here is made again when it is next needed.
     pub(crate) fn mirror(&mut self, state: &State, refreshed: &Refreshed) {
-        let gone = |key: VolumeId| refreshed.exchanged.contains(&key);
-        if gone(self.shown) || state.subject(self.shown).is_none() {
-            self.tools = None;
+        let Some(tools) = &mut self.tools else { return };
+        for id in &refreshed.exchanged {
+            tools.pools.leave(*id);
         }
-        if refreshed.remapped.contains(&self.shown) {
-            self.remap(state, self.shown);
+        for id in &refreshed.remapped {
+            self.remap(state, *id);
         }
-        let shown = self.shown;
-        let (Some(tools), Some(subject)) = (&mut self.tools, state.subject(shown)) else { return };
-        let refresh = |tools: &mut Tools| {
-            let Tools { gpu, pools, .. } = tools;
-            refreshed.slots.iter().filter(|(key, _)| key.volume == shown).try_for_each(|(key, slots)| {
-                let field = subject.volume.field(key.kind);
-                match refreshed.painted {
-                    true => pools.refresh_painted(gpu, *key, field, slots),
-                    false => pools.refresh(gpu, *key, field, slots),
-                }
-            })
-        };
-        if let Err(error) = refresh(tools) {
+        let Some(Tools { gpu, pools, .. }) = &mut self.tools else { return };
+        let refreshed = refreshed.slots.iter().try_for_each(|(key, slots)| match state.field(*key) {
+            Some(field) if refreshed.painted => pools.refresh_painted(gpu, *key, field, slots),
+            Some(field) => pools.refresh(gpu, *key, field, slots),
+            None => Ok(()),
+        });
+        if let Err(error) = refreshed {
             tracing::warn!("{error}");
             self.tools = None;
         }
@@ -127,14 +112,14 @@ impl Graphics {
 
     /// Density has another map.
     pub(crate) fn remap(&mut self, state: &State, volume: VolumeId) {
-        if let (Some(tools), Some(subject), true) = (&mut self.tools, state.subject(volume), volume == self.shown) {
+        if let (Some(tools), Some(subject)) = (&mut self.tools, state.subject(volume)) {
             tools.pools.remap(volume, &subject.volume.density);
         }
     }
 
     pub(crate) fn image(&mut self, state: &State, frame: &Frame) -> Result<Image, DocumentError> {
         let bound = self.bound();
-        self.with(state, "a picture", |t, painter, fields, _| {
+        self.with(state, "a picture", |t, painter, fields| {
             painter.follow(&mut t.pools, fields)?;
             t.pools.bound_uploads(bound);
             t.caster.image(&t.gpu, &mut t.pools, fields, frame)
@@ -148,7 +133,7 @@ impl Graphics {
         rows: std::ops::Range<u32>,
     ) -> Result<Image, DocumentError> {
         let bound = self.bound();
-        self.with(state, "a picture", |t, painter, fields, _| {
+        self.with(state, "a picture", |t, painter, fields| {
             painter.follow(&mut t.pools, fields)?;
             t.pools.bound_uploads(bound);
             t.caster.rows(&t.gpu, &mut t.pools, fields, frame, rows.clone())
@@ -164,7 +149,7 @@ impl Graphics {
         size: [u32; 2],
     ) -> Result<Image, DocumentError> {
         let origin = DVec2::new(f64::from(corner[0]), f64::from(corner[1]));
-        self.with(state, "a picture", |t, painter, fields, _| {
+        self.with(state, "a picture", |t, painter, fields| {
             painter.follow(&mut t.pools, fields)?;
             t.pools.bound_uploads(None);
             t.caster.part(&t.gpu, &mut t.pools, fields, frame, &Window { picture: frame.size, origin, size })
@@ -182,19 +167,19 @@ impl Graphics {
         let [origin, extent] = [corner, size].map(|[x, y]| DVec2::new(f64::from(x), f64::from(y)));
         let area = Area { lo: origin, hi: origin + extent };
         let window = Window { picture: frame.size, origin, size };
-        self.with(state, "a picture", |t, painter, fields, subject| {
+        self.with(state, "a picture", |t, painter, fields| {
             let Tools { gpu, pools, caster, .. } = t;
             pools.bound_uploads(None);
             painter.at_start(
                 pools,
-                |brick| area.shows_brick(frame, subject.grid(), brick),
+                |volume, brick| shows(state, frame, &area, volume, brick),
                 |pools| caster.part(gpu, pools, fields, frame, &window),
             )
         })
     }
 
     pub(crate) fn slice(&mut self, state: &State, frame: &SliceFrame) -> Result<Image, DocumentError> {
-        let colour = self.with(state, "a slice", |t, _, fields, _| {
+        let colour = self.with(state, "a slice", |t, _, fields| {
             t.pools.bound_uploads(None);
             t.slices.pixels(&t.gpu, &mut t.pools, fields, frame)
         })?;
@@ -203,7 +188,7 @@ impl Graphics {
 
     pub(crate) fn pick(&mut self, state: &State, frame: &Frame, px: DVec2) -> Result<Option<Hit>, DocumentError> {
         let bound = self.bound();
-        self.with(state, "a pixel of the 3D view", |t, _, fields, _| {
+        self.with(state, "a pixel of the 3D view", |t, _, fields| {
             t.pools.bound_uploads(bound);
             t.caster.pick(&t.gpu, &mut t.pools, fields, frame, px)
         })
@@ -219,28 +204,37 @@ impl Graphics {
         count: u32,
     ) -> Result<Vec<Option<Hit>>, DocumentError> {
         let area = Area { lo: ends[0].min(ends[1]) - 1.0, hi: ends[0].max(ends[1]) + 1.0 };
-        self.with(state, "pixels of the 3D view", |t, painter, fields, subject| {
+        self.with(state, "pixels of the 3D view", |t, painter, fields| {
             let Tools { gpu, pools, caster, .. } = t;
             pools.bound_uploads(None);
             painter.at_start(
                 pools,
-                |brick| area.shows_brick(frame, subject.grid(), brick),
+                |volume, brick| shows(state, frame, &area, volume, brick),
                 |pools| caster.pick_along(gpu, pools, fields, frame, ends, count),
             )
         })
     }
 
     pub(crate) fn visibility(&mut self, state: &State, frame: &Frame) -> Result<Visibility, DocumentError> {
-        self.with(state, "visibility", |t, _, fields, _| {
+        self.with(state, "visibility", |t, _, fields| {
             // Poses depend on it, and must not on what was held before.
             t.pools.bound_uploads(None);
             t.caster.visibility(&t.gpu, &mut t.pools, fields, frame)
         })
     }
 
-    pub(crate) fn begin(&mut self, state: &State, brush: &Brush, reach: Reach) -> Result<(), DocumentError> {
-        self.with(state, "painting", |_, painter, fields, subject| {
-            painter.begin(subject.id, fields, brush, subject.segments(), reach)
+    /// Begins a stroke on a volume; it stays on the device until the stroke ends.
+    pub(crate) fn begin(
+        &mut self,
+        state: &State,
+        volume: VolumeId,
+        brush: &Brush,
+        reach: Reach,
+    ) -> Result<(), DocumentError> {
+        let subject = state.at(Some(volume))?;
+        self.painted = Some(volume);
+        self.with(state, "painting", |_, painter, fields| {
+            painter.begin(volume, fields, brush, subject.segments(), reach)
         })
     }
 
@@ -252,11 +246,13 @@ impl Graphics {
     }
 
     pub(crate) fn extend(&mut self, state: &State, dabs: &[Dab]) -> Result<Vec<BrickIndex>, DocumentError> {
-        self.with(state, "painting", |t, painter, fields, _| painter.extend(&mut t.pools, fields, dabs))
+        self.with(state, "painting", |t, painter, fields| painter.extend(&mut t.pools, fields, dabs))
     }
 
     pub(crate) fn finish(&mut self, state: &State) -> Result<Vec<(BrickIndex, Brick)>, DocumentError> {
-        self.with(state, "painting", |t, painter, fields, _| painter.finish(&mut t.pools, fields))
+        let finished = self.with(state, "painting", |t, painter, fields| painter.finish(&mut t.pools, fields))?;
+        self.painted = None;
+        Ok(finished)
     }
 
     /// The running stroke's dabs so far.
@@ -266,6 +262,7 @@ impl Graphics {
 
     /// Takes the running stroke back; nothing of it is left even if the device fails meanwhile.
     pub(crate) fn cancel(&mut self, state: &State, key: FieldKey) {
+        self.painted = None;
         let (Some(tools), Some(painter)) = (&mut self.tools, &mut self.painter) else {
             // It waits for a device to be painted again on.
             self.painter = None;
@@ -287,7 +284,7 @@ impl Graphics {
 
     /// Cells of the running stroke's bricks of which something is new, if it has come already.
     pub(crate) fn live(&mut self, state: &State) -> Result<Vec<(BrickIndex, LiveCells)>, DocumentError> {
-        self.with(state, "painting", |t, painter, fields, _| {
+        self.with(state, "painting", |t, painter, fields| {
             painter.follow(&mut t.pools, fields)?;
             Ok(painter.take_live())
         })
@@ -314,19 +311,18 @@ impl Graphics {
         &mut self,
         state: &State,
         what: &'static str,
-        mut work: impl FnMut(&mut Tools, &mut Painter, &Fields<'_>, &Subject<'_>) -> Result<T, GpuError>,
+        mut work: impl FnMut(&mut Tools, &mut Painter, &Fields<'_>) -> Result<T, GpuError>,
     ) -> Result<T, DocumentError> {
-        let subject = state.at(self.painted)?;
-        let fields = fields(&subject);
+        let fields = fields(state, self.painted);
         let mut again = true;
         loop {
-            let done = self.ready(&subject).map_err(|error| match error {
+            let done = self.ready(&fields).map_err(|error| match error {
                 GpuError::NoAdapter { .. } | GpuError::NoDevice { .. } => {
                     DocumentError::NoGpu { what, reason: error.to_string() }
                 }
                 other => other.into(),
             })?;
-            match work(done.0, done.1, &fields, &subject) {
+            match work(done.0, done.1, &fields) {
                 Err(GpuError::Lost { reason }) if again => {
                     tracing::warn!("the graphics device was lost ({reason}) and is asked for again");
                     again = false;
@@ -337,17 +333,16 @@ impl Graphics {
         }
     }
 
-    fn ready(&mut self, subject: &Subject<'_>) -> Result<(&mut Tools, &mut Painter), GpuError> {
+    fn ready(&mut self, fields: &Fields<'_>) -> Result<(&mut Tools, &mut Painter), GpuError> {
         let gpu = self.gpu()?.clone();
-        if self.tools.as_ref().is_some_and(|t| t.gpu.lost()) || self.shown != subject.id {
+        if self.tools.as_ref().is_some_and(|t| t.gpu.lost()) {
             self.tools = None;
         }
-        self.shown = subject.id;
         if self.tools.is_none() {
-            let mut pools = FieldPools::new(&gpu, subject.grid(), &subject.volume.density, BUDGET_BYTES)?;
+            let mut pools = FieldPools::empty(&gpu, BUDGET_BYTES)?;
             match &mut self.painter {
                 // A stroke that was running goes on.
-                Some(painter) => painter.replay(&gpu, &mut pools, &fields(subject))?,
+                Some(painter) => painter.replay(&gpu, &mut pools, fields)?,
                 None => self.painter = Some(Painter::new(&gpu)?),
             }
             let (caster, slices) = (Caster::new(&gpu)?, SliceCaster::new(&gpu)?);
@@ -358,4 +353,9 @@ impl Graphics {
             _ => Err(GpuError::NoAdapter { reason: "none asked for".into() }),
         }
     }
+}
+
+/// Whether a brick of a volume may show in an area of a picture.
+fn shows(state: &State, frame: &Frame, area: &Area, volume: VolumeId, brick: BrickIndex) -> bool {
+    state.subject(volume).is_some_and(|subject| area.shows_brick(frame, subject.grid(), brick))
 }

@@ -374,9 +374,8 @@ fn measure(state: &State, graphics: &mut Graphics, poses: &[Pose]) -> Result<Mea
     let (parts, views) = (&state.scene.explosion.parts, &state.scene.views);
     let longest = f64::from(views.size[0].max(views.size[1]));
     let size = views.size.map(|s| (f64::from(s) * MEASURED_PX / longest).round().max(1.0) as u32);
-    let shown = graphics.painted_on();
-    let seen =
-        graphics.visibility(state, &state.at(shown)?.parted_frame(&Poses::found(parts, poses), &views.camera, size))?;
+    let frame = state.parted_frame(&Poses::found(parts, poses), &views.camera, size);
+    let seen = graphics.visibility(state, &frame)?;
     let share = |pixels: u64| pixels as f64 / seen.selected.max(1) as f64;
     let hidden = parts
         .iter()

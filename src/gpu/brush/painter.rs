@@ -95,13 +95,14 @@ impl Painter {
     pub fn at_start<T>(
         &mut self,
         pools: &mut FieldPools,
-        under: impl Fn(BrickIndex) -> bool,
+        under: impl Fn(VolumeId, BrickIndex) -> bool,
         look: impl FnOnce(&mut FieldPools) -> Result<T, GpuError>,
     ) -> Result<T, GpuError> {
         let Some(stroke) = &mut self.stroke else { return look(pools) };
         // What a picture shows, and where, hangs on these two alone.
         let matters = live_cells::matters(stroke.kind());
-        let bricks: Vec<_> = stroke.touched().into_iter().filter(|&brick| matters && under(brick)).collect();
+        let seen = |brick: &BrickIndex| matters && under(stroke.volume, *brick);
+        let bricks: Vec<_> = stroke.touched().into_iter().filter(seen).collect();
         if bricks.is_empty() {
             return look(pools);
         }

@@ -79,7 +79,7 @@ fn what_a_click_leaves_is_taken_back_and_looked_behind_as_a_strokes() {
             assert!(painted != before, "{kind:?}");
             // Behind the stroke lies what was there before it, and then it shows again.
             let Canvas { painter, pools, grid, density, colour, selection, labels, .. } = &mut canvas;
-            let behind = painter.at_start(pools, |_| true, |pools| Ok(sampled(pools))).unwrap();
+            let behind = painter.at_start(pools, |_, _| true, |pools| Ok(sampled(pools))).unwrap();
             // What a picture shows, and where, hangs on these two alone: others are not put back.
             if matches!(kind, FieldKind::Density | FieldKind::Selection) {
                 assert!(behind == before, "{kind:?}");
