@@ -41,6 +41,21 @@ fn sources(dir: &Path, into: &mut Vec<PathBuf>) {
 /// what the floor's own `mod.rs` defines; that file and what the whole floor is seen by (its re-exports) may name all.
 const INNER: &[(&str, &[&[&str]])] = &[
     (
+        "io",
+        &[
+            &["disk", "progress", "regular", "words"],
+            &["error"],
+            &["codec", "place", "replace", "statistics"],
+            &["head", "layout", "colour"],
+            &["leaving", "raw", "stream", "reader"],
+            &["layout_read"],
+            &["formats"],
+            &["export", "foreign"],
+            &["open"],
+            &["info"],
+        ],
+    ),
+    (
         "gpu",
         &[&["device"], &["picture"], &["fields"], &["layers"], &["brush", "cast"], &["trace"], &["slice", "backdrop"]],
     ),
@@ -59,6 +74,17 @@ const INNER: &[(&str, &[&[&str]])] = &[
             &["mod"],
             &["place"],
             &["apply"],
+        ],
+    ),
+    (
+        "interact",
+        &[
+            &["curve", "event", "mark", "projection", "readout", "surface", "brush", "slices", "context"],
+            &["aim", "gesture"],
+            &["click", "looking"],
+            &["tools"],
+            &["machine", "preview"],
+            &["keys"],
         ],
     ),
     ("ui", &[&["style", "browse"], &["thread"], &["state"], &["window"], &["views"], &["panels", "dialogs"]]),
@@ -100,6 +126,29 @@ fn code(text: &str) -> String {
         out.push('\n');
     }
     out
+}
+
+/// The same with every path from a parent said from the crate's root.
+fn from_root(path: &str, code: &str) -> String {
+    let own = module_of(path);
+    let mut out = String::new();
+    let mut rest = code;
+    while let Some(at) = rest.find("super::") {
+        let (before, mut after) = rest.split_at(at);
+        out.push_str(before);
+        let mut depth = 0;
+        while let Some(next) = after.strip_prefix("super::") {
+            (after, depth) = (next, depth + 1);
+        }
+        let word = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
+        let parent = &own[..own.len().saturating_sub(depth)];
+        match before.ends_with(word) {
+            true => out.push_str("super::"),
+            false => ["crate"].iter().chain(parent).for_each(|part| out.push_str(&format!("{part}::"))),
+        }
+        rest = after;
+    }
+    out + rest
 }
 
 /// Every path from the crate's root that a file names, grouped imports taken apart: `crate::a::{b, c::D}` is `a b` and `a c D`.
@@ -188,7 +237,8 @@ fn inner_faults(path: &str, code: &str) -> Vec<String> {
             faults.push(format!("{path} imports {}, which does not stand below {folder}", named.join("::")));
         }
     }
-    if code.contains("use super::*") {
+    let parent = own[..own.len() - 1].iter().map(|part| format!("{part}::")).collect::<String>();
+    if code.contains(&format!("use crate::{parent}*")) {
         faults.push(format!("{path} takes all that its parent has"));
     }
     faults.dedup();
@@ -201,8 +251,8 @@ fn circles(files: &[(String, String)]) -> Vec<Vec<String>> {
     let names: Vec<Vec<usize>> = files
         .iter()
         .zip(&modules)
-        .map(|((_, text), own)| {
-            let named = named_paths(&code(text));
+        .map(|((path, text), own)| {
+            let named = named_paths(&from_root(path, &code(text)));
             let files = named.iter().filter_map(|path| {
                 // The longest beginning of the path that is a file.
                 let is_at =
@@ -234,7 +284,7 @@ fn circles(files: &[(String, String)]) -> Vec<Vec<String>> {
 
 /// What is wrong with a file, in sentences.
 fn faults(path: &str, text: &str) -> Vec<String> {
-    let code = code(text);
+    let code = from_root(path, &code(text));
     let module = path.split(['/', '.']).next().unwrap_or("");
     let mut faults = Vec::new();
     if let Some(own) = floor_of(module) {
@@ -255,6 +305,8 @@ fn faults(path: &str, text: &str) -> Vec<String> {
         let names = |c: &str| {
             c.match_indices(&format!("{library}::"))
                 .any(|(i, _)| !c[..i].ends_with(|b: char| b.is_alphanumeric() || b == '_' || b == ':'))
+                || c.contains(&format!("use {library};"))
+                || c.contains(&format!("use {library} as"))
         };
         if names(&code) && !places.iter().any(|p| path.starts_with(p)) {
             faults.push(format!("{path} names {library}, which belongs in {places:?}"));
@@ -322,7 +374,12 @@ fn a_forbidden_import_is_found() {
     assert_eq!(faults("annex/mod.rs", "").len(), 1);
     assert!(faults("gpu/fields/pool.rs", "use crate::volume::Field; use wgpu::Device; // crate::ui").is_empty());
     assert!(faults("ui/window/app.rs", "let d: egui_wgpu::Thing; let s = \"wgpu::Device\";").is_empty());
+    assert_eq!(faults("document/mod.rs", "use wgpu as graphics;").len(), 1);
+    assert_eq!(faults("paint/dab.rs", "use super::super::gpu::Gpu;").len(), 1);
     // Inside a floor.
+    assert_eq!(faults("gpu/fields/pool.rs", "use super::super::cast::tiles::Tiles;").len(), 1);
+    assert_eq!(faults("gpu/device/mod.rs", "use super::cast::tiles::Tiles;").len(), 1);
+    assert!(faults("gpu/fields/pool.rs", "use super::super::device::Gpu; pub(super) fn f() {}").is_empty());
     assert_eq!(faults("ui/window/app.rs", "use crate::ui::dialogs::what::What;").len(), 1);
     assert_eq!(faults("gpu/fields/pool.rs", "use crate::gpu::cast::tiles::Tiles;").len(), 1);
     assert_eq!(faults("gpu/cast/tiles.rs", "use crate::gpu::{device::Gpu, brush::painter::Painter};").len(), 1);
@@ -331,10 +388,23 @@ fn a_forbidden_import_is_found() {
     assert_eq!(faults("document/scene/check.rs", "fn f() { crate::document::apply::view::near() }").len(), 1);
     assert_eq!(faults("document/live/motion.rs", "use crate::document::Document;").len(), 1);
     assert_eq!(faults("document/apply/mod.rs", "use super::*;").len(), 1);
+    assert_eq!(faults("interact/event.rs", "use crate::interact::tools::Tool;").len(), 1);
+    assert_eq!(faults("interact/tools/brush.rs", "use crate::interact::machine::Interaction;").len(), 1);
+    assert_eq!(faults("io/codec/inflate.rs", "use crate::io::formats::readers;").len(), 1);
+    assert_eq!(faults("io/formats/nrrd/mod.rs", "fn f() { crate::io::open::open(p) }").len(), 1);
     assert!(faults("document/apply/ask.rs", "use crate::document::{Document, frame::WHOLE};").is_empty());
     assert!(faults("gpu/mod.rs", "pub use cast::tiles::Tiles; use crate::gpu::slice::Slice;").is_empty());
     assert!(
         faults("gpu/cast/tiles.rs", "use crate::gpu::cast::order::{self, Order}; use crate::gpu::fields::pool::Pool;")
             .is_empty()
     );
+}
+
+#[test]
+fn documentation_says_what_a_thing_is_instead_of_where_that_is_said() {
+    for (path, text) in program() {
+        for empty in ["See the module", "see the module", "module's head", "See the head"] {
+            assert!(!text.contains(empty), "{path}: {empty:?} tells a reader of the documentation nothing");
+        }
+    }
 }

@@ -175,7 +175,7 @@ shared_struct! {
     }
 }
 
-/// See the module's head.
+/// Draws [`SliceFrame`]s: the kernel, its numbers and the segments' colours, kept from slice to slice.
 #[derive(Debug)]
 pub struct SliceCaster {
     kernel: Kernel<Draw>,

@@ -39,6 +39,11 @@ pub fn export_endings(kind: FieldKind) -> Vec<&'static [&'static str]> {
     writers().filter(|f| !f.labels_only || kind == FieldKind::Labels).map(|f| f.endings).collect()
 }
 
+/// What people know the format of these endings by, what is to be said about it, and whether it is for labels only.
+pub(crate) fn about_format(endings: &[&str]) -> Option<(&'static str, &'static str, bool)> {
+    writers().find(|f| f.endings == endings).map(|f| (f.name, f.about, f.labels_only))
+}
+
 /// Voxels handled at once.
 const SLAB_VOXELS: u64 = 1 << 21;
 
@@ -132,8 +137,8 @@ pub fn export(
 fn format(path: &Path, file: &str, kind: FieldKind) -> Result<(&'static Format, Option<Compression>), IoError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     let endings = export_endings(kind).concat().iter().map(|e| &e[1..]).collect::<Vec<_>>().join(", ");
-    let mut all = writers().flat_map(|f| f.endings.iter().map(move |&ending| (f, ending)));
-    match all.find(|(_, ending)| name.ends_with(ending)) {
+    let all = writers().flat_map(|f| f.endings.iter().map(move |&ending| (f, ending)));
+    match all.filter(|(_, ending)| name.ends_with(ending)).max_by_key(|(_, ending)| ending.len()) {
         Some((format, ending)) if format.labels_only && kind != FieldKind::Labels => {
             let expected = format!("one of {endings}: only labels are segments");
             Err(IoError::field(file, "extension", &ending[1..], expected))

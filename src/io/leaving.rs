@@ -98,6 +98,10 @@ pub(crate) fn take_edits<T: Value>(voxels: &mut [T], painted: &[(usize, f64)], (
 
 /// A format that fields can leave in.
 pub(crate) struct Format {
+    /// What people know it by.
+    pub(crate) name: &'static str,
+    /// What it holds or who reads it, a sentence without its stop.
+    pub(crate) about: &'static str,
     /// How its files' names end, lower case, the usual one first.
     pub(crate) endings: &'static [&'static str],
     /// What an ending says of it; `None`: as it is asked for.

@@ -1,6 +1,6 @@
 //! Readers and writers of volumes.
 //!
-//! Owns the [`Reader`] trait, the list of readers (`formats`), `info`, the export to NRRD, and how a file is replaced. A reader turns a file into a [`Grid`] in
+//! Owns the [`Reader`] trait, the formats (`formats`), `info`, the export, and how a file is replaced. A reader turns a file into a [`Grid`] in
 //! RAS+ mm (LPS is turned here and nowhere else) and into `BrickSource`s; voxels keep their file's order, the affine carries
 //! the orientation. Files are hostile: what is allocated is bounded by what the file can hold, and an error names the field.
 //! Knows no GPU and no document.
@@ -32,6 +32,7 @@ mod words;
 
 pub use disk::{Told, Witness};
 pub use error::IoError;
+pub(crate) use export::about_format;
 pub use export::{Exported, export, export_endings};
 pub use foreign::what_is;
 pub use formats::readers;

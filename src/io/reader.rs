@@ -14,6 +14,10 @@ const MOST_NAMES: usize = 10;
 pub trait Reader: Sync {
     /// The format's name and its usual extensions, for messages.
     fn name(&self) -> &'static str;
+    /// What people know it by, with its usual extensions, for lists of what can be opened.
+    fn title(&self) -> &'static str;
+    /// How the names of its files end that a person opens, lower case with the dot.
+    fn endings(&self) -> &'static [&'static str];
     /// Whether the first bytes (inflated if the file is gzip) are this format's.
     fn recognises(&self, head: &[u8]) -> bool;
     /// Whether a file of this name would be of this format; asked when no reader recognises the bytes, so that the error

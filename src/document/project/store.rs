@@ -432,4 +432,4 @@ fn write_density(
     files.into_par_iter().map(write).collect()
 }
 
-const _: () = assert!(VERSION == 2, "the module's head describes version 2");
+const _: () = assert!(VERSION == 2, "the first lines of this file describe version 2");

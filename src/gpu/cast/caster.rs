@@ -35,7 +35,8 @@ struct LookTable {
     texture: wgpu::Texture,
 }
 
-/// See the module's head.
+/// Makes pictures, picks and measurements of [`Frame`]s: keeps the kernels, the buffers that a frame is written into and the tables
+/// of looks, so that the next picture costs only what changed. Lives as long as its device.
 #[derive(Debug)]
 pub struct Caster {
     pub(crate) layout: wgpu::BindGroupLayout,

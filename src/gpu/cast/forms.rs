@@ -64,7 +64,7 @@ pub(crate) enum Begins<'a> {
     AsItIs,
 }
 
-/// See the module's head.
+/// The caster's kernel, ready to march in either form; pipelines are made when a picture first needs them.
 #[derive(Debug)]
 pub(crate) struct Forms {
     pub form: Form,

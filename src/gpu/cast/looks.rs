@@ -36,7 +36,7 @@ pub(crate) fn number_of(mode: Mode) -> u32 {
     }
 }
 
-/// See the module's head.
+/// What one picture's looks have in common, and the rows and label tables that its textures are to hold.
 #[derive(Debug)]
 pub(crate) struct Looks {
     pub(crate) kind: Kind,

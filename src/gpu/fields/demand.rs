@@ -73,7 +73,7 @@ impl SliceCut {
     }
 }
 
-/// See the module's head.
+/// Which bricks of one volume are needed for what was last asked of it, kept up to date brick by brick.
 #[derive(Debug)]
 pub(crate) struct Demand {
     grid: Grid,

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-/// See the module's head. `None`: all.
+/// Numbers of the bricks of level 0 that are to be looked at again; `None`: all of them.
 #[derive(Clone, Debug)]
 pub(crate) struct DirtyBricks(Option<BTreeSet<usize>>);
 

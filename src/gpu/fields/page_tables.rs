@@ -38,7 +38,7 @@ struct Table {
     levels: [usize; 32],
 }
 
-/// See the module's head.
+/// The pages of all fields one after another, on the host as they are in the texture, and how many draw from each level.
 #[derive(Debug)]
 pub(crate) struct PageTables {
     pages: Vec<Page>,

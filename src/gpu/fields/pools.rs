@@ -40,7 +40,8 @@ pub(crate) struct OnDevice {
     map: DensityMap,
 }
 
-/// See the module's head.
+/// Everything of the volumes' fields that is on the device, within a budget of bytes: slots, pages, maps of empty space and the bind
+/// group that shaders read them by.
 #[derive(Debug)]
 pub struct FieldPools {
     budget: u64,

@@ -109,7 +109,7 @@ struct SkipMap {
     used: u64,
 }
 
-/// See the module's head.
+/// The maps that are made, each a box of one 3D texture of distances in cells (0 to [`CAP`]), and when each was last asked for.
 #[derive(Debug)]
 pub(crate) struct SkipMaps {
     maps: Vec<SkipMap>,

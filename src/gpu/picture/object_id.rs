@@ -11,7 +11,7 @@ const VOLUME: u32 = 18;
 const SELECTED: u64 = 1 << 62;
 const SOMETHING: u64 = 1 << 63;
 
-/// See the module's head. Nothing is an id too.
+/// The name of what a pixel shows, packed in 64 bits; that it shows nothing is a name too.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ObjectId(u64);
 

@@ -1,6 +1,6 @@
 //! What is exported, and to which format; the path is asked next.
 
-use crate::io::export_endings;
+use crate::io::{about_format, export_endings};
 use crate::ui::state::dialog::Dialog;
 use crate::ui::state::path_purpose::Export;
 use crate::ui::state::path_purpose::What;
@@ -10,17 +10,6 @@ use crate::ui::style::widgets::{choice, from_right_row, row};
 use crate::ui::window::app::App;
 use crate::volume::FieldKind;
 use egui::{RichText, Ui};
-
-/// What people know a format by: its name, and who reads it.
-fn about(endings: &'static [&'static str]) -> (&'static str, &'static str) {
-    match endings {
-        [".seg.nrrd", ..] => ("Segments (.seg.nrrd)", "With names and colours; 3D Slicer reads it"),
-        [".nrrd", ..] => ("NRRD", "One file with its place in space; 3D Slicer, ITK and Python read it"),
-        [".nii.gz", ..] => ("NIfTI (.nii.gz)", "FSL, FreeSurfer, ITK-SNAP, nibabel read it"),
-        [ending, ..] => (ending, "A file of this ending"),
-        [] => ("", ""),
-    }
-}
 
 impl App {
     /// Asks what is exported.
@@ -45,8 +34,8 @@ impl App {
             }
         });
         let formats = export_endings(export.field).into_iter().map(|endings| {
-            let (name, readers) = about(endings);
-            (endings, name, readers)
+            let (name, about, _) = about_format(endings).unwrap_or_default();
+            (endings, name, about)
         });
         let formats: Vec<_> = formats.collect();
         row(ui, "Format", |ui| {
@@ -56,7 +45,8 @@ impl App {
         });
         ui.add_space(4.0);
         let what = fields.iter().find(|f| f.0 == export.field).map_or("", |f| f.2);
-        ui.label(RichText::new(format!("{what}. {}.", about(export.endings).1)).color(theme::TEXT_WEAK));
+        let (_, about, _) = about_format(export.endings).unwrap_or_default();
+        ui.label(RichText::new(format!("{what}. {about}.")).color(theme::TEXT_WEAK));
         ui.add_space(14.0);
         let (yes, no) = from_right_row(ui, |ui| {
             let yes = ui.add(primary("Choose where…")).on_hover_text("Name and folder come next");

@@ -1,9 +1,11 @@
 //! What a path is asked for: its words, its endings, the name that is offered first.
 
 use crate::document::ViewName;
+use crate::io::{about_format, export_endings, readers};
 use crate::ui::state::path_purpose::Export;
 use crate::ui::state::path_purpose::What;
 use crate::ui::window::app::App;
+use crate::volume::FieldKind;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
@@ -15,8 +17,10 @@ fn stem(app: &App) -> OsString {
     // Endings are text, whatever the rest is.
     let Some(text) = name.to_str() else { return path.file_stem().unwrap_or(name).to_owned() };
     let lower = text.to_lowercase();
-    let endings = [".seg.nrrd", ".nii.gz", ".burin", ".nrrd", ".nhdr", ".nii", ".hdr"];
-    let cut = endings.iter().find(|e| lower.ends_with(**e)).map_or(0, |e| e.len());
+    let read = readers().iter().flat_map(|reader| reader.endings());
+    let written = export_endings(FieldKind::Labels).into_iter().flatten();
+    let endings = read.chain(written).copied().chain([".burin"]).filter(|ending| lower.ends_with(ending));
+    let cut = endings.map(str::len).max().unwrap_or(0);
     text[..text.len() - cut].into()
 }
 
@@ -29,8 +33,9 @@ impl App {
             What::SaveAs => name.push(".burin"),
             What::Export(Export { field, endings }) => {
                 let ending = endings.first().copied().unwrap_or_default();
-                // Segments are named by their ending already.
-                let what = if ending == ".seg.nrrd" { String::new() } else { format!("-{}", field.name()) };
+                // What holds labels only is named by its ending already.
+                let named = about_format(endings).is_some_and(|(_, _, labels_only)| labels_only);
+                let what = if named { String::new() } else { format!("-{}", field.name()) };
                 name.push(format!("{what}{ending}"));
             }
             What::Image(wish) => {

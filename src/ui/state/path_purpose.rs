@@ -2,12 +2,14 @@
 //!
 //! Knows neither dialogs nor the document that is open.
 
-use crate::io::export_endings;
+use crate::io::{export_endings, readers};
 use crate::ui::browse::Asks;
 use crate::ui::browse::Purpose;
 use crate::ui::state::picture_wish::Wish;
 use crate::volume::FieldKind;
+use std::borrow::Cow;
 use std::path::PathBuf;
+use std::sync::LazyLock;
 
 /// The question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,8 +26,14 @@ impl Export {
     }
 }
 
-/// Files that are opened, and those that are told what they are.
-pub(crate) const VOLUMES: &[&str] = &[".nii", ".nii.gz", ".nrrd", ".nhdr", ".hdr", ".dcm"];
+/// How the names of files end that are opened, and of those that are told what they are.
+static VOLUMES: LazyLock<Vec<&str>> =
+    LazyLock::new(|| readers().iter().flat_map(|reader| reader.endings()).copied().chain([".dcm"]).collect());
+
+/// What can be opened, in words.
+pub(crate) fn formats() -> String {
+    readers().iter().map(|reader| reader.title()).collect::<Vec<_>>().join(", ")
+}
 
 /// What a path is for.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,23 +78,26 @@ impl What {
         }
     }
 
-    pub(crate) const fn hint(&self) -> &'static str {
-        match self {
-            Self::Open => "A volume (.nii, .nii.gz, .nrrd) or a Burin project",
-            Self::Add => "A volume (.nii, .nii.gz, .nrrd) that comes beside what is open, on its own grid",
+    pub(crate) fn hint(&self) -> Cow<'static, str> {
+        let said = match self {
+            Self::Open => return format!("A volume, {}, or a Burin project", formats()).into(),
+            Self::Add => {
+                return format!("{}: a volume that comes beside what is open, on its own grid", formats()).into();
+            }
             Self::SaveAs => "A project is a folder; it is made if it is not there",
             Self::Export(_) => "Where the file is written",
             Self::Image(_) => "Where the picture is written",
             Self::Selection => "A volume of the same place; what is above 0 is selected",
             Self::Labels => "A label map of the same place; each value becomes a segment",
             Self::Source(_) => "The file that the project was saved with; it is known by its content",
-        }
+        };
+        said.into()
     }
 
-    pub(crate) const fn purpose(&self) -> Purpose {
+    pub(crate) fn purpose(&self) -> Purpose {
         match self {
             Self::Open | Self::Add | Self::Selection | Self::Labels | Self::Source(_) => {
-                Purpose { asks: Asks::Open, endings: VOLUMES }
+                Purpose { asks: Asks::Open, endings: &VOLUMES }
             }
             Self::SaveAs => Purpose { asks: Asks::SaveFolder, endings: &[] },
             Self::Export(export) => Purpose { asks: Asks::SaveFile, endings: export.endings },

@@ -2,7 +2,7 @@
 
 use crate::document::OpenAs;
 use crate::ui::browse::names::{date, shown};
-use crate::ui::state::path_purpose::What;
+use crate::ui::state::path_purpose::{What, formats};
 use crate::ui::state::recent::Seen;
 use crate::ui::state::sample::Sample;
 use crate::ui::state::saving::Coming;
@@ -77,7 +77,7 @@ impl App {
     fn ways_in(&mut self, ui: &mut Ui) {
         ui.label(RichText::new("Open a volume to begin").size(20.0).color(theme::TEXT));
         ui.add_space(4.0);
-        let formats = "NIfTI (.nii, .nii.gz), NRRD (.nrrd), or a Burin project. A file can also be dropped here.";
+        let formats = format!("{}, or a Burin project. A file can also be dropped here.", formats());
         ui.add(egui::Label::new(RichText::new(formats).color(theme::TEXT_WEAK)).wrap());
         ui.add_space(12.0);
         ui.horizontal(|ui| {

@@ -17,7 +17,7 @@ use crate::gpu::fields::volumes::Fields;
 use crate::volume::{BrickKey, Field, FieldKey, FieldKind, VolumeId};
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
-/// See the module's head.
+/// What one pool shows of all volumes that lie in it, and which bricks' pages may have to change.
 #[derive(Debug)]
 pub(crate) struct FieldResidency {
     /// Bricks of level 0 that take a slot each: the needed ones of more than one value, and those being painted.

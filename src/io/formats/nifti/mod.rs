@@ -3,13 +3,14 @@
 //! Reads what the header says of type, scaling, frames (`dim[4]`) and components (`dim[5]` and on, and the parts of RGB, RGBA and
 //! complex voxels); the place in the world is `place`'s.
 
-pub(crate) mod header;
-pub(crate) mod place;
-pub(crate) mod write;
+mod header;
+mod place;
+mod write;
 
 use crate::io::codec::decode::Encoding;
 use crate::io::codec::inflate::{GZIP_MAGIC, open_file};
 use crate::io::error::IoError;
+use crate::io::formats::FileFormat;
 use crate::io::formats::nifti::header::Header;
 use crate::io::head::head;
 use crate::io::layout::{Axis, DataFile, Layout, Role, Skip};
@@ -23,6 +24,9 @@ use std::path::{Path, PathBuf};
 /// Where voxels of a single file begin at the earliest: after the header and the extension flag.
 const SINGLE_OFFSETS: [u64; 2] = [352, 544];
 
+/// The format.
+pub(super) static FORMAT: FileFormat = FileFormat { reader: &Nifti, writers: &write::FORMATS, rank: 1 };
+
 /// The reader.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Nifti;
@@ -30,6 +34,14 @@ pub(crate) struct Nifti;
 impl Reader for Nifti {
     fn name(&self) -> &'static str {
         "NIfTI-1 and -2 (.nii, .nii.gz, .hdr with .img)"
+    }
+
+    fn title(&self) -> &'static str {
+        "NIfTI (.nii, .nii.gz)"
+    }
+
+    fn endings(&self) -> &'static [&'static str] {
+        &[".nii", ".nii.gz", ".hdr"]
     }
 
     fn recognises(&self, head: &[u8]) -> bool {

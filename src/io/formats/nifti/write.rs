@@ -10,6 +10,8 @@ use crate::volume::{FieldKind, Grid, VoxelType};
 
 /// What fields leave in.
 pub(crate) const FORMATS: [Format; 1] = [Format {
+    name: "NIfTI (.nii.gz)",
+    about: "FSL, FreeSurfer, ITK-SNAP, nibabel read it",
     endings: &[".nii.gz", ".nii"],
     compression: |ending| Some(if ending == ".nii" { Compression::Raw } else { Compression::Gzip }),
     labels_only: false,

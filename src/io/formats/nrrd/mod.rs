@@ -1,14 +1,15 @@
 //! NRRD: attached and detached headers, series of data files, every encoding, number type and space.
 
-pub(crate) mod files;
-pub(crate) mod header;
-pub(crate) mod place;
-pub(crate) mod segments;
-pub(crate) mod write;
+mod files;
+mod header;
+mod place;
+mod segments;
+mod write;
 
 use crate::io::codec::decode::Encoding;
 use crate::io::codec::inflate::open_file;
 use crate::io::error::IoError;
+use crate::io::formats::FileFormat;
 use crate::io::formats::nrrd::files::data_files;
 use crate::io::formats::nrrd::header::Header;
 use crate::io::layout::{Axis, DataFile, Layout, Role, Skip};
@@ -17,6 +18,9 @@ use crate::volume::VoxelType;
 use std::io::{BufRead, BufReader, Seek, SeekFrom};
 use std::path::Path;
 
+/// The format.
+pub(super) static FORMAT: FileFormat = FileFormat { reader: &Nrrd, writers: &write::FORMATS, rank: 0 };
+
 /// The reader.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Nrrd;
@@ -24,6 +28,14 @@ pub(crate) struct Nrrd;
 impl Reader for Nrrd {
     fn name(&self) -> &'static str {
         "NRRD (.nrrd, .nhdr)"
+    }
+
+    fn title(&self) -> &'static str {
+        "NRRD (.nrrd)"
+    }
+
+    fn endings(&self) -> &'static [&'static str] {
+        &[".nrrd", ".nhdr"]
     }
 
     fn recognises(&self, head: &[u8]) -> bool {

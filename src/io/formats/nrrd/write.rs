@@ -12,8 +12,24 @@ use std::fmt::Write as _;
 
 /// What fields leave in; the one for labels alone keeps most of them.
 pub(crate) const FORMATS: [Format; 2] = [
-    Format { endings: &[".seg.nrrd"], compression: |_| None, labels_only: true, keeps: |_| false, header },
-    Format { endings: &[".nrrd"], compression: |_| None, labels_only: false, keeps: |_| false, header },
+    Format {
+        name: "Segments (.seg.nrrd)",
+        about: "With names and colours; 3D Slicer reads it",
+        endings: &[".seg.nrrd"],
+        compression: |_| None,
+        labels_only: true,
+        keeps: |_| false,
+        header,
+    },
+    Format {
+        name: "NRRD",
+        about: "One file with its place in space; 3D Slicer, ITK and Python read it",
+        endings: &[".nrrd"],
+        compression: |_| None,
+        labels_only: false,
+        keeps: |_| false,
+        header,
+    },
 ];
 
 /// All lines before the voxels.
