@@ -5,7 +5,7 @@ use super::cube::document;
 use super::head::Failure;
 use super::measure::{Report, measure};
 use burin::document::{Command, Document, ViewCommand};
-use burin::ui::{App, Canvas, Far, Opened, Picture, Report as Told, Request, Session, Snapshot};
+use burin::ui::{App, Canvas, OpenDocument, Picture, Report as Told, Request, Session, Snapshot, WorkerEnd};
 use eframe::egui_wgpu::{RenderState, RendererOptions, ScreenDescriptor, WgpuConfiguration};
 use egui::epaint::{ClippedPrimitive, Mesh, Primitive};
 use egui::{Color32, Context, Event, Pos2, RawInput, Rect, ViewportId, pos2, vec2};
@@ -86,7 +86,7 @@ impl Stage {
 /// What the document tells first.
 fn snapshot(document: &Document) -> Result<Snapshot, Failure> {
     let volume = document.state().ok_or("nothing is open")?.at(None)?;
-    let open = Opened {
+    let open = OpenDocument {
         scene: Arc::new(volume.scene.clone()),
         poses: Arc::new(document.poses().clone()),
         grid: *volume.grid(),
@@ -99,7 +99,7 @@ fn snapshot(document: &Document) -> Result<Snapshot, Failure> {
 }
 
 /// Gives each view whose size the window has told a picture of that size; answers how many.
-fn pictures(far: &Far, snapshot: &Snapshot) -> Result<usize, Failure> {
+fn pictures(far: &WorkerEnd, snapshot: &Snapshot) -> Result<usize, Failure> {
     let camera = snapshot.open.as_ref().ok_or("nothing is open")?.scene.views.camera;
     let mut sent = 0;
     for (_, request) in far.requests.try_iter() {

@@ -23,7 +23,7 @@ pub struct Fill {
 
 /// A rectangle that shows a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shown {
+pub struct BackdropPicture {
     /// As of a [`Fill`].
     pub place: [f32; 4],
     /// The number that the picture was given.
@@ -34,7 +34,7 @@ const FILE: &str = shader!("backdrop.wgsl");
 
 /// Draws rectangles and pictures in pixels of a target, beneath whatever comes after.
 #[derive(Debug)]
-pub struct Underlay {
+pub struct Backdrop {
     gpu: Gpu,
     fill: wgpu::RenderPipeline,
     show: wgpu::RenderPipeline,
@@ -54,7 +54,7 @@ struct Held {
 
 /// One frame's fills and pictures, ready to be drawn.
 #[derive(Clone, Debug)]
-pub struct Sheet {
+pub struct BackdropDraw {
     fill: wgpu::RenderPipeline,
     show: wgpu::RenderPipeline,
     places: wgpu::Buffer,
@@ -70,7 +70,7 @@ struct Instance {
     colour: [f32; 4],
 }
 
-impl Underlay {
+impl Backdrop {
     /// For a window's device and the format of its surface.
     ///
     /// # Errors
@@ -129,13 +129,19 @@ impl Underlay {
     ///
     /// # Errors
     /// What the device refuses.
-    pub fn sheet(&self, size: [u32; 2], under: &[Fill], shown: &[Shown], over: &[Fill]) -> Result<Sheet, GpuError> {
+    pub fn prepare(
+        &self,
+        size: [u32; 2],
+        under: &[Fill],
+        shown: &[BackdropPicture],
+        over: &[Fill],
+    ) -> Result<BackdropDraw, GpuError> {
         let clip = |[l, t, r, b]: [f32; 4]| {
             let [w, h] = size.map(|s| s.max(1) as f32);
             [2.0 * l / w - 1.0, 1.0 - 2.0 * t / h, 2.0 * r / w - 1.0, 1.0 - 2.0 * b / h]
         };
         let held = shown.iter().filter_map(|s| Some((s, self.pictures.get(&s.picture)?)));
-        let group = |(s, held): (&Shown, &Held)| {
+        let group = |(s, held): (&BackdropPicture, &Held)| {
             let [l, t, r, b] = s.place;
             let same = [r - l, b - t] == held.size.map(|s| s as f32);
             held.groups[usize::from(!same)].clone()
@@ -152,11 +158,11 @@ impl Underlay {
         })?;
         let (fill, show) = (self.fill.clone(), self.show.clone());
         let (pictures, under, over) = (held.map(group).collect(), under.len() as u32, over.len() as u32);
-        Ok(Sheet { fill, show, places, under, pictures, over })
+        Ok(BackdropDraw { fill, show, places, under, pictures, over })
     }
 }
 
-impl Sheet {
+impl BackdropDraw {
     /// Draws it within a pass whose viewport is the whole target.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
         if self.places.size() == 0 {

@@ -12,7 +12,7 @@ mod layers;
 pub(crate) mod picture;
 mod slice;
 
-pub use backdrop::{Fill, Sheet, Shown, Underlay};
+pub use backdrop::{Backdrop, BackdropDraw, BackdropPicture, Fill};
 pub use brush::painter::Painter;
 pub use cast::caster::Caster;
 pub use cast::forms::Form;

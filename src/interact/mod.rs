@@ -31,5 +31,5 @@ pub use keys::{Action, SHORTCUTS, Shortcut, action_of};
 pub use machine::Interaction;
 pub use mark::{Ink, Mark, Pen};
 pub use projection::projected;
-pub use slices::{Cut, CutSlice};
+pub use slices::CutSlice;
 pub use tools::Tool;

@@ -4,9 +4,8 @@
 //! Planes, not lines: whoever draws knows which surface is seen, and shows them there. Knows no pixels of pictures.
 
 use crate::document::{Scene, SlicePlane};
-use crate::explode::{Axis, Part, Poses};
+use crate::explode::{Axis, Cut, Part, Poses};
 use crate::interact::aim::Aim;
-use crate::interact::slices::Cut;
 use crate::interact::tools::Tool;
 use crate::math::{DVec2, DVec3, Plane, Ray};
 

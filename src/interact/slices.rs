@@ -3,7 +3,7 @@
 use crate::document::{
     Command, HistoryCommand, PartCommand, Place, Scene, SlicePlane, Splitter, ViewCommand, ViewName, Window,
 };
-use crate::explode::{Axis, Part, PartId, Poses};
+use crate::explode::{Axis, Cut, Part, PartId, Poses};
 use crate::math::{DVec2, DVec3, Plane, Ray};
 use crate::volume::Grid;
 
@@ -44,15 +44,6 @@ impl CutSlice {
     pub fn flat(&self) -> Option<Plane> {
         Plane::through(self.plane.centre, self.plane.right.cross(self.plane.up))
     }
-}
-
-/// A cut of one part.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cut {
-    /// The part.
-    pub part: PartId,
-    /// Where, world mm at rest.
-    pub plane: Plane,
 }
 
 /// What a click on a slice cuts: the part under it, along a plane.

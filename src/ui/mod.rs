@@ -16,7 +16,9 @@ pub use browse::glance::{Glance, glance};
 pub use state::layout::Layout;
 pub use state::recent::{Recent, Seen};
 pub use state::sample::Sample;
-pub use thread::session::{Far, Gravity, Offer, Opened, Picture, Report, Request, Session, Snapshot, Then};
+pub use thread::session::{
+    Offer, OpenDocument, Picture, Report, Request, Session, Severity, Snapshot, Then, WorkerEnd,
+};
 pub use thread::stop::Stop;
 pub use thread::worker::spawn;
 pub use window::app::App;

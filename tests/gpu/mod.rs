@@ -1,5 +1,6 @@
 //! Kernels and the ray caster against plain references.
 
+mod backdrop;
 mod brush;
 mod cast_bodies;
 mod cast_forms;
@@ -25,5 +26,4 @@ mod reference_refined;
 mod residency;
 mod shader;
 mod slice;
-mod underlay;
 mod without;

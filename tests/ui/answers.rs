@@ -150,7 +150,12 @@ fn the_wheel_until_it_rests_is_one_change_of_view() {
 
 /// Whether the window asked what is under the pointer.
 fn asked(window: &mut Window) -> bool {
-    window.far.requests.try_iter().filter(|(_, r)| matches!(r, Request::Probe { view: ViewName::Axial, .. })).count()
+    window
+        .worker_end
+        .requests
+        .try_iter()
+        .filter(|(_, r)| matches!(r, Request::Probe { view: ViewName::Axial, .. }))
+        .count()
         > 0
 }
 

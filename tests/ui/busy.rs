@@ -3,7 +3,7 @@
 use super::driver::{SMALL, Window};
 use crate::document::maker::labelled;
 use burin::document::{Command, HistoryCommand, VolumeCommand, Watch};
-use burin::ui::{Gravity, Report, Request, spawn};
+use burin::ui::{Report, Request, Severity, spawn};
 use egui_kittest::kittest::{NodeT, Queryable};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -24,9 +24,9 @@ fn what_tells_how_far_it_is_can_be_stopped() {
     assert!(window.harness.query_by_label("Cancel").is_none(), "nobody would hear it");
     window.report(Report::Progress(42));
     assert!(window.harness.query_by_label_contains("Saving  42 %").is_some());
-    assert!(!window.far.stop.is_set());
+    assert!(!window.worker_end.stop.is_set());
     window.click("Cancel");
-    assert!(window.far.stop.is_set());
+    assert!(window.worker_end.stop.is_set());
     assert!(window.harness.get_by_label("Cancel").accesskit_node().is_disabled());
     window.report(Report::Finished);
     assert!(window.harness.query_by_label("Cancel").is_none());
@@ -51,7 +51,7 @@ fn a_stopped_opening_leaves_open_what_was() {
                     session.stop();
                     told.push(percent);
                 }
-                Report::Message(gravity, text) => notes.push((gravity, text)),
+                Report::Message(severity, text) => notes.push((severity, text)),
                 Report::Snapshot(s) => {
                     name = s.open.as_ref().unwrap().scene.origin().unwrap().path.display().to_string()
                 }
@@ -63,7 +63,7 @@ fn a_stopped_opening_leaves_open_what_was() {
         std::thread::sleep(Duration::from_millis(1));
     }
     assert!(told.is_sorted() && told.last() < Some(&100), "{told:?}");
-    assert!(matches!(&notes[..], [(Gravity::Note, text)] if text.contains("stopped on request")), "{notes:?}");
+    assert!(matches!(&notes[..], [(Severity::Note, text)] if text.contains("stopped on request")), "{notes:?}");
     assert_eq!(name, "ramp.nrrd");
     session.send(Request::Quit);
     thread.join().unwrap();
@@ -72,7 +72,7 @@ fn a_stopped_opening_leaves_open_what_was() {
 #[test]
 fn what_is_over_at_once_is_not_worth_a_word() {
     let mut window = Window::open(SMALL);
-    window.far.reports.send(Report::Started("Undoing".into())).unwrap();
+    window.worker_end.reports.send(Report::Started("Undoing".into())).unwrap();
     // A frame of the harness is a quarter of a second.
     window.harness.run_steps(1);
     assert!(window.harness.query_by_label_contains("Undoing").is_none());

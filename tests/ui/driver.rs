@@ -5,7 +5,7 @@ use crate::common::one::segments;
 use burin::document::{Command, Scene, ViewCommand};
 use burin::explode::{Explosion, PartId};
 use burin::math::{DVec3, Plane};
-use burin::ui::{App, Canvas, Far, Opened, Recent, Report, Request, Session, Snapshot};
+use burin::ui::{App, Canvas, OpenDocument, Recent, Report, Request, Session, Snapshot, WorkerEnd};
 use burin::volume::{Histogram, Statistics, VoxelType};
 use eframe::egui_wgpu::RenderState;
 use egui::{Modifiers, vec2};
@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// The window and the other end of its session.
 pub struct Window {
     pub harness: Harness<'static, App>,
-    pub far: Far,
+    pub worker_end: WorkerEnd,
     pub scene: Scene,
     serial: u64,
 }
@@ -49,22 +49,22 @@ impl Window {
     }
 
     fn made(size: [f32; 2], with: impl FnOnce(App) -> App) -> Self {
-        let (session, far) = Session::pair();
+        let (session, worker_end) = Session::pair();
         let app = with(App::new(session));
         let harness =
             Harness::builder().with_size(vec2(size[0], size[1])).build_ui_state(|ui, app: &mut App| app.show(ui), app);
-        Self { harness, far, scene: scene().1, serial: 0 }
+        Self { harness, worker_end, scene: scene().1, serial: 0 }
     }
 
     /// As [`open`](Self::open), on a device that paints it.
     pub fn painted(size: [f32; 2], state: RenderState, canvas: Canvas) -> Self {
-        let (session, far) = Session::pair();
+        let (session, worker_end) = Session::pair();
         let app = App::new(session).with_canvas(canvas);
         let harness = Harness::builder()
             .with_size(vec2(size[0], size[1]))
             .renderer(WgpuTestRenderer::from_render_state(state))
             .build_ui_state(|ui, app: &mut App| app.show(ui), app);
-        Self { harness, far, scene: scene().1, serial: 0 }.with_volume()
+        Self { harness, worker_end, scene: scene().1, serial: 0 }.with_volume()
     }
 
     /// A window with a volume, two segments, two parts and some steps.
@@ -93,7 +93,7 @@ impl Window {
         let (grid, _) = scene();
         let histogram =
             Histogram { min: 0.0, max: 100.0, bins: (0..50).map(|i| 1000 / (i + 1)).collect(), ..Histogram::default() };
-        let opened = Opened {
+        let opened = OpenDocument {
             scene: Arc::new(self.scene.clone()),
             poses: Arc::default(),
             grid,
@@ -112,20 +112,20 @@ impl Window {
             ..Snapshot::default()
         };
         change(&mut snapshot);
-        self.far.reports.send(Report::Snapshot(Arc::new(snapshot))).unwrap();
+        self.worker_end.reports.send(Report::Snapshot(Arc::new(snapshot))).unwrap();
         self.harness.run_steps(3);
     }
 
     /// Something comes from the document; what the window answers is thrown away.
     pub fn report(&mut self, report: Report) {
-        self.far.reports.send(report).unwrap();
+        self.worker_end.reports.send(report).unwrap();
         self.harness.run_steps(3);
         self.sent();
     }
 
     /// What the window asked for since the last time, without the sizes that it reports of itself.
     pub fn sent(&mut self) -> Vec<Command> {
-        self.far
+        self.worker_end
             .requests
             .try_iter()
             .filter_map(|(serial, request)| {

@@ -3,7 +3,7 @@
 use super::driver::{SMALL, Window};
 use super::replies::{done, saved};
 use burin::document::{Command, OpenAs, ProjectCommand, VolumeCommand};
-use burin::ui::{Gravity, Offer, Recent, Report, Then};
+use burin::ui::{Offer, Recent, Report, Severity, Then};
 use burin::volume::FieldKind;
 use egui::{Modifiers, OutputCommand};
 use egui_kittest::kittest::Queryable;
@@ -230,7 +230,7 @@ fn a_save_that_failed_on_the_way_out_still_closes_once_it_works() {
     assert!(window.harness.query_by_label("the disk is full").is_some());
     let again = window.key(Modifiers::NONE, egui::Key::Enter);
     assert_eq!(again, sent, "the same place once more");
-    window.far.reports.send(done(again[0].clone())).unwrap();
+    window.worker_end.reports.send(done(again[0].clone())).unwrap();
     window.harness.step();
     let output = &window.harness.output().viewport_output[&egui::ViewportId::ROOT];
     assert!(output.commands.contains(&egui::ViewportCommand::Close));
@@ -293,7 +293,7 @@ fn an_error_goes_with_its_cause() {
     let mut window = Window::open(SMALL);
     let image = image("/data/v.png");
     window.report(Report::Refused(Box::new(image), "/data/v.png: the disk is full (os error 28)".into()));
-    window.report(Report::Message(Gravity::Warning, "something else".into()));
+    window.report(Report::Message(Severity::Warning, "something else".into()));
     assert!(window.harness.query_by_label("/data/v.png: the disk is full").is_some());
     window.report(Report::Mended("project.save".into()));
     assert!(window.harness.query_by_label("/data/v.png: the disk is full").is_some());
@@ -305,12 +305,12 @@ fn an_error_goes_with_its_cause() {
 #[test]
 fn a_warning_is_shown_and_words_stand_above_each_other() {
     let mut window = Window::open(SMALL);
-    window.report(Report::Message(Gravity::Warning, "it covers a third of the volume (os error 1)".into()));
+    window.report(Report::Message(Severity::Warning, "it covers a third of the volume (os error 1)".into()));
     window.report(done(image("/data/a.png")));
     let warning = window.harness.get_by_label("it covers a third of the volume").rect();
     let word = window.harness.get_by_label("Saved picture a.png").rect();
     assert!(warning.bottom() < word.top(), "{warning:?} {word:?}");
-    window.report(Report::Message(Gravity::Warning, "it covers a third of the volume (os error 1)".into()));
+    window.report(Report::Message(Severity::Warning, "it covers a third of the volume (os error 1)".into()));
     assert_eq!(
         window.harness.query_all_by_label("it covers a third of the volume").count(),
         1,
@@ -328,7 +328,7 @@ fn names_break_no_line() {
     let mut window = Window::open(SMALL);
     window.snapshot(|s| s.project = Some("/data/two\nlines.burin".into()));
     assert!(window.harness.query_by_label("two\\nlines.burin").is_some());
-    window.report(Report::Message(Gravity::Error, "two\nlines: it is not there (os error 2)".into()));
+    window.report(Report::Message(Severity::Error, "two\nlines: it is not there (os error 2)".into()));
     assert!(window.harness.query_by_label("two\\nlines: it is not there").is_some());
     window.report(done(image("/data/a\tb.png")));
     assert!(window.harness.query_by_label("Saved picture a\\tb.png").is_some());
@@ -353,14 +353,14 @@ fn a_path_and_enter_within_one_slow_frame_are_taken_in_their_order() {
 fn a_list_that_was_emptied_stays_closed_until_something_goes_wrong() {
     for empty in ["Dismiss all", "Dismiss message 1"] {
         let mut window = Window::open(SMALL);
-        window.report(Report::Message(Gravity::Error, "one".into()));
+        window.report(Report::Message(Severity::Error, "one".into()));
         let open = |w: &Window| w.harness.query_by_label_contains("Messages (").is_some();
         assert!(open(&window));
         window.click(empty);
         assert!(!open(&window));
         window.report(done(image("/data/a.png")));
         assert!(!open(&window), "a word is enough for what went well");
-        window.report(Report::Message(Gravity::Error, "two".into()));
+        window.report(Report::Message(Severity::Error, "two".into()));
         assert!(open(&window));
     }
 }
@@ -381,7 +381,7 @@ fn a_warning_begins_as_a_sentence_does() {
 #[test]
 fn ways_to_a_file_stand_behind_what_is_said_of_it() {
     let mut window = Window::open(SMALL);
-    window.report(Report::Message(Gravity::Error, "one".into()));
+    window.report(Report::Message(Severity::Error, "one".into()));
     window.report(done(image("/data/a.png")));
     let (text, way) = (window.rect("Saved picture a.png"), window.rect("Show message 2 in its folder"));
     assert!(text.right() <= way.left() && (text.center().y - way.center().y).abs() < 2.0, "{text:?} {way:?}");

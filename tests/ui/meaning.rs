@@ -89,7 +89,7 @@ fn what_was_chosen_waits_for_a_question_that_comes_first() {
     window.harness.input_mut().dropped_files.push(Arc::new(Dropped(path)));
     window.harness.step();
     window.harness.input_mut().dropped_files.clear();
-    window.far.reports.send(lost(&[("1", "/data/a.nii")], Duration::ZERO)).unwrap();
+    window.worker_end.reports.send(lost(&[("1", "/data/a.nii")], Duration::ZERO)).unwrap();
     window.harness.step();
     std::thread::sleep(Duration::from_millis(300));
     window.harness.run_steps(3);
@@ -183,10 +183,10 @@ fn the_small_picture_is_of_the_same_command_and_shape() {
     window.click("Size: HD");
     window.click("Background: None");
     window.harness.run_steps(1);
-    window.far.requests.try_iter().for_each(drop);
+    window.worker_end.requests.try_iter().for_each(drop);
     window.harness.get_by_label("View: Coronal").click();
     window.harness.run_steps(2);
-    let asked: Vec<Request> = window.far.requests.try_iter().map(|(_, r)| r).collect();
+    let asked: Vec<Request> = window.worker_end.requests.try_iter().map(|(_, r)| r).collect();
     let Some(Request::Sketch(sketch)) = asked.iter().find(|r| matches!(r, Request::Sketch(_))) else {
         panic!("{asked:?}")
     };

@@ -7,7 +7,7 @@ use crate::common::one::segments;
 use burin::document::{Command, ProjectCommand};
 use burin::explode::{Part, PartId};
 use burin::paint::Target;
-use burin::ui::{Gravity, Report};
+use burin::ui::{Report, Severity};
 use burin::volume::{Mode, VolumeId};
 use egui::Modifiers;
 use egui::accesskit::Role as R;
@@ -82,8 +82,8 @@ pub(super) fn states() -> Vec<(&'static str, Window, &'static str)> {
         window.harness.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default().events.clear();
     };
     let say = |window: &mut Window| {
-        for (gravity, text) in [(Gravity::Error, "one"), (Gravity::Warning, "two"), (Gravity::Note, "three")] {
-            window.report(Report::Message(gravity, text.into()));
+        for (severity, text) in [(Severity::Error, "one"), (Severity::Warning, "two"), (Severity::Note, "three")] {
+            window.report(Report::Message(severity, text.into()));
         }
     };
     let many = |window: &mut Window| {

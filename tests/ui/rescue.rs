@@ -4,7 +4,7 @@ use crate::common::one::One;
 use crate::document::maker::{run, write_nrrd};
 use burin::document::{Command, Document, Origin, ProjectCommand, State};
 use burin::math::DVec3;
-use burin::ui::{Gravity, Offer, Report, Request, Session, Snapshot, Then, spawn};
+use burin::ui::{Offer, Report, Request, Session, Severity, Snapshot, Then, spawn};
 use burin::volume::*;
 use serde_json::json;
 use std::path::Path;
@@ -56,7 +56,7 @@ fn brittle(dir: &Path) -> (Document, Arc<AtomicBool>) {
 struct Desk {
     session: Session,
     now: Arc<Snapshot>,
-    said: Vec<(Gravity, String)>,
+    said: Vec<(Severity, String)>,
     offers: Vec<Offer>,
     done: u64,
 }
@@ -82,7 +82,7 @@ impl Desk {
             for report in self.session.reports() {
                 match report {
                     Report::Snapshot(snapshot) => self.now = snapshot,
-                    Report::Message(gravity, text) => self.said.push((gravity, text)),
+                    Report::Message(severity, text) => self.said.push((severity, text)),
                     Report::Offer(offer) => self.offers.push(*offer),
                     Report::Done(..) => self.done += 1,
                     _ => {}
@@ -106,8 +106,8 @@ fn a_failure_on_the_documents_thread_is_an_error_in_the_window_and_the_work_is_k
     broken.store(true, Ordering::Relaxed);
     desk.line(&json!({"volume":{"export":{"field":"density","path":dir.path().join("out.nrrd")}}}));
     desk.until("the failure is told", |d| !d.offers.is_empty());
-    let (gravity, text) = desk.said.last().unwrap();
-    assert_eq!(*gravity, Gravity::Error);
+    let (severity, text) = desk.said.last().unwrap();
+    assert_eq!(*severity, Severity::Error);
     assert!(text.contains("has failed: ") && text.contains("the source broke"), "{text}");
     assert!(text.contains("every finished step of it is on disk"), "{text}");
     assert!(desk.now.open.is_none());

@@ -4,7 +4,7 @@ use super::driver::{SMALL, Window};
 use super::replies;
 use super::replies::{recovered, saved};
 use burin::document::{Command, DensityKeeping, ProjectCommand, VolumeCommand};
-use burin::ui::{Gravity, Report};
+use burin::ui::{Report, Severity};
 use egui::{Modifiers, ViewportCommand, ViewportEvent, ViewportId};
 use egui_kittest::kittest::Queryable;
 use std::path::{Path, PathBuf};
@@ -40,7 +40,7 @@ fn save(path: Option<&str>) -> Command {
 
 /// The save is done; answers whether the window closes, and what it asks for next.
 fn done(window: &mut Window, command: Command) -> (bool, Vec<Command>) {
-    window.far.reports.send(saved(command, None)).unwrap();
+    window.worker_end.reports.send(saved(command, None)).unwrap();
     let mut closes = false;
     for _ in 0..3 {
         window.harness.step();
@@ -75,7 +75,7 @@ fn a_save_that_was_given_up_closes_nothing_later() {
 
     close(&mut window);
     window.key(Modifiers::NONE, egui::Key::Enter);
-    window.report(Report::Message(Gravity::Error, "the disk is full".into()));
+    window.report(Report::Message(Severity::Error, "the disk is full".into()));
     assert!(window.harness.query_by_label_contains("Saving head.burin").is_none(), "the window can be used again");
     assert_eq!(window.key(Modifiers::COMMAND, egui::Key::S), [save(None)]);
     assert_eq!(done(&mut window, save(None)), (false, vec![]));

@@ -7,7 +7,7 @@ use burin::document::{
 };
 use burin::explode::PartId;
 use burin::paint::{BrushChange, Target};
-use burin::ui::{Gravity, Report};
+use burin::ui::{Report, Severity};
 use burin::volume::FieldKind;
 use egui::accesskit::Toggled;
 use egui::{Modifiers, vec2};
@@ -265,7 +265,7 @@ fn the_window_follows_before_the_document_answers() {
 fn errors_stay_until_they_are_dismissed() {
     let mut window = Window::open(SMALL);
     let text = "/data/x.nii: dim[1]: -3 found, 1 to 32767 expected";
-    window.report(Report::Message(Gravity::Error, text.into()));
+    window.report(Report::Message(Severity::Error, text.into()));
     window.harness.run_steps(50);
     assert!(window.harness.query_by_label(text).is_some());
     window.click("Dismiss message 1");
@@ -425,7 +425,7 @@ fn the_list_of_parts_takes_what_height_there_is() {
             .collect();
         window.snapshot(|_| {});
         for i in 0..messages {
-            window.report(Report::Message(Gravity::Error, format!("message {i}")));
+            window.report(Report::Message(Severity::Error, format!("message {i}")));
         }
         window.harness.run_steps(3);
         let steps = window.harness.get_by_label("Section History").rect();

@@ -5,7 +5,7 @@ use crate::document::maker_gpu::{block, cut, select};
 use burin::document::answers_ask::VoxelSaid;
 use burin::document::{Command, Document, ViewName};
 use burin::math::{DVec3, Pose};
-use burin::ui::{Gravity, Report, Request, Session, Snapshot, spawn};
+use burin::ui::{Report, Request, Session, Severity, Snapshot, spawn};
 use burin::volume::Grid;
 use serde_json::json;
 use std::sync::Arc;
@@ -71,7 +71,7 @@ impl Desk {
                     }
                     Report::Refining(refining) => self.refining = refining,
                     Report::Probe(probe) => self.probe = probe,
-                    Report::Message(Gravity::Error, text) | Report::Refused(_, text) | Report::Complaint(_, text) => {
+                    Report::Message(Severity::Error, text) | Report::Refused(_, text) | Report::Complaint(_, text) => {
                         panic!("{text}")
                     }
                     _ => {}

@@ -1,13 +1,13 @@
 //! The axis splitter (Bruckner, Gröller 2006): a click cuts a part along the sight and the picture's width, with Shift its height.
 
 use crate::document::{Scene, Splitter, ViewName};
-use crate::explode::{Axis, Poses, axis_plane};
+use crate::explode::{Axis, Cut, Poses, axis_plane};
 use crate::interact::aim::Aim;
 use crate::interact::click::Click;
 use crate::interact::context::Context;
 use crate::interact::event::PointerEvent;
 use crate::interact::mark::Pen;
-use crate::interact::slices::{Cut, CutSlice, cuts_at, cuts_of};
+use crate::interact::slices::{CutSlice, cuts_at, cuts_of};
 use crate::interact::tools::{About, Does, Press};
 use crate::math::DVec2;
 

@@ -1,13 +1,13 @@
 //! The line splitter (Bruckner, Gröller 2006): a line that is dragged cuts all parts that it crosses.
 
 use crate::document::{Command, PartCommand, Scene, Splitter, ViewName};
-use crate::explode::{Axis, Poses, line_plane};
+use crate::explode::{Axis, Cut, Poses, line_plane};
 use crate::interact::aim::Aim;
 use crate::interact::context::Context;
 use crate::interact::event::PointerEvent;
 use crate::interact::gesture::{CLICK_PX, Gesture};
 use crate::interact::mark::Pen;
-use crate::interact::slices::{Cut, CutSlice, cuts_along, cuts_of, split};
+use crate::interact::slices::{CutSlice, cuts_along, cuts_of, split};
 use crate::interact::tools::{About, Does, Press};
 use crate::math::DVec2;
 

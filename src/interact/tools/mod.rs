@@ -4,13 +4,12 @@
 //! Knows no window: an icon is strokes, an outline is marks, both plain data.
 
 use crate::document::{Scene, ViewName};
-use crate::explode::{Axis, Poses};
+use crate::explode::{Axis, Cut, Poses};
 use crate::interact::aim::{Aim, Aimed};
 use crate::interact::context::Context;
 use crate::interact::event::PointerEvent;
 use crate::interact::gesture::Gesture;
 use crate::interact::mark::{Mark, Pen};
-use crate::interact::slices::Cut;
 use crate::math::DVec2;
 
 /// What a tool says of itself.

@@ -3,7 +3,7 @@
 use crate::io::{about_format, export_endings};
 use crate::ui::state::dialog::Dialog;
 use crate::ui::state::path_purpose::Export;
-use crate::ui::state::path_purpose::What;
+use crate::ui::state::path_purpose::PathPurpose;
 use crate::ui::style::theme;
 use crate::ui::style::widgets::{cancel, primary};
 use crate::ui::style::widgets::{choice, from_right_row, row};
@@ -54,7 +54,7 @@ impl App {
         });
         if yes {
             self.export_wish = export;
-            self.ask(What::Export(export));
+            self.ask(PathPurpose::Export(export));
             return None;
         }
         (!no).then_some(Dialog::Export(export))

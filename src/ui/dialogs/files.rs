@@ -10,8 +10,8 @@ use crate::ui::state::dialog::Chosen;
 use crate::ui::state::dialog::Parked;
 use crate::ui::state::dialog::{Browse, Dialog};
 use crate::ui::state::path_purpose::Export;
-use crate::ui::state::path_purpose::What;
-use crate::ui::thread::session::Gravity;
+use crate::ui::state::path_purpose::PathPurpose;
+use crate::ui::thread::session::Severity;
 use crate::ui::window::app::App;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -28,7 +28,7 @@ impl App {
     }
 
     /// Asks for a path.
-    pub(crate) fn ask(&mut self, what: What) {
+    pub(crate) fn ask(&mut self, what: PathPurpose) {
         self.parked = None;
         if !self.system_dialogs {
             self.browse(what);
@@ -53,20 +53,20 @@ impl App {
         }
     }
 
-    fn browse(&mut self, what: What) {
+    fn browse(&mut self, what: PathPurpose) {
         let folder = self.folder_for(&what);
         let name = self.offered_name(&what);
         let browser = Browser::new(what.purpose(), &folder, &name.to_string_lossy(), self.home.clone(), self.wake());
         self.show_browser(what, browser);
     }
 
-    fn show_browser(&mut self, what: What, browser: Browser) {
+    fn show_browser(&mut self, what: PathPurpose, browser: Browser) {
         let places = places(self.home.as_deref(), &self.recent.folders());
         self.dialog = Some(Dialog::Browse(Box::new(Browse { what, browser, places, held: Vec::new() })));
     }
 
     /// Takes the path of the system's dialog, which gives no endings.
-    fn given(&mut self, what: What, path: PathBuf) {
+    fn given(&mut self, what: PathPurpose, path: PathBuf) {
         if what.purpose().asks != Asks::SaveFile {
             return self.choose(what, path);
         }
@@ -106,29 +106,29 @@ impl App {
         self.choose(what, path);
     }
 
-    fn choose(&mut self, what: What, path: PathBuf) {
+    fn choose(&mut self, what: PathPurpose, path: PathBuf) {
         match what {
-            What::Open => self.look_at(path, false),
-            What::Add => self.look_at(path, true),
-            What::Source(project) => self.send(Command::Project(ProjectCommand::Open {
+            PathPurpose::Open => self.look_at(path, false),
+            PathPurpose::Add => self.look_at(path, true),
+            PathPurpose::Source(project) => self.send(Command::Project(ProjectCommand::Open {
                 path: project,
                 source: Some(path),
                 generation: None,
             })),
-            What::SaveAs => self.send_save(Some(path)),
-            What::Export(Export { field, .. }) => {
+            PathPurpose::SaveAs => self.send_save(Some(path)),
+            PathPurpose::Export(Export { field, .. }) => {
                 self.send(Command::Volume(VolumeCommand::Export { field, path, volume: None }))
             }
-            What::Image(wish) => {
+            PathPurpose::Image(wish) => {
                 if let Some(scene) = &self.scene {
                     let command = wish.command(scene, path);
                     self.send(Command::Render(command));
                 }
             }
-            What::Labels => {
+            PathPurpose::Labels => {
                 self.send(Command::Segment(SegmentCommand::Import { path, component: 0, frame: 0, volume: None }))
             }
-            What::Selection => {
+            PathPurpose::Selection => {
                 let import = SelectionCommand::Import { path, threshold: 0.0, soften_mm: 0.0, volume: None };
                 self.send(Command::Selection(import));
             }
@@ -142,7 +142,7 @@ impl App {
 
     /// Whether a project's volume is being named: the browser comes back if it is another one.
     pub(crate) fn names_source(&self) -> bool {
-        self.parked.as_ref().is_some_and(|parked| matches!(parked.browse.what, What::Source(_)))
+        self.parked.as_ref().is_some_and(|parked| matches!(parked.browse.what, PathPurpose::Source(_)))
     }
 
     /// It failed: the browser comes back as it was, with the reason. Answers whether it did.
@@ -171,7 +171,7 @@ impl App {
             let name = shown(path.file_name().unwrap_or(path.as_os_str()));
             let text =
                 format!("{} files were dropped; one document is open at a time, so {name} is opened.", dropped.len());
-            self.say(Gravity::Note, text);
+            self.say(Severity::Note, text);
         }
         self.open_asked(path.clone());
     }
@@ -185,35 +185,37 @@ impl App {
 }
 
 /// Whether a command is what a path was asked for.
-fn serves(what: &What, command: &Command) -> bool {
+fn serves(what: &PathPurpose, command: &Command) -> bool {
     match command {
-        Command::Volume(VolumeCommand::Open { .. }) => *what == What::Open,
-        Command::Volume(VolumeCommand::Add { .. }) => matches!(what, What::Add | What::Open),
-        Command::Project(ProjectCommand::Open { .. }) => matches!(what, What::Open | What::Source(_)),
-        Command::Project(ProjectCommand::Save { .. }) => *what == What::SaveAs,
-        Command::Volume(VolumeCommand::Export { .. }) => matches!(what, What::Export(_)),
-        Command::Render(_) => matches!(what, What::Image(_)),
-        Command::Selection(SelectionCommand::Import { .. }) => matches!(what, What::Selection | What::Open),
-        Command::Segment(SegmentCommand::Import { .. }) => matches!(what, What::Labels | What::Open),
+        Command::Volume(VolumeCommand::Open { .. }) => *what == PathPurpose::Open,
+        Command::Volume(VolumeCommand::Add { .. }) => matches!(what, PathPurpose::Add | PathPurpose::Open),
+        Command::Project(ProjectCommand::Open { .. }) => matches!(what, PathPurpose::Open | PathPurpose::Source(_)),
+        Command::Project(ProjectCommand::Save { .. }) => *what == PathPurpose::SaveAs,
+        Command::Volume(VolumeCommand::Export { .. }) => matches!(what, PathPurpose::Export(_)),
+        Command::Render(_) => matches!(what, PathPurpose::Image(_)),
+        Command::Selection(SelectionCommand::Import { .. }) => {
+            matches!(what, PathPurpose::Selection | PathPurpose::Open)
+        }
+        Command::Segment(SegmentCommand::Import { .. }) => matches!(what, PathPurpose::Labels | PathPurpose::Open),
         _ => false,
     }
 }
 
-fn by_system(what: &What, folder: &Path, name: &std::ffi::OsStr) -> Option<PathBuf> {
+fn by_system(what: &PathPurpose, folder: &Path, name: &std::ffi::OsStr) -> Option<PathBuf> {
     let mut ask = rfd::FileDialog::new().set_title(what.title()).set_directory(folder);
     if !name.is_empty() {
         ask = ask.set_file_name(name.to_string_lossy());
     }
     match what {
-        What::Open => {
+        PathPurpose::Open => {
             // A project is a folder, which cannot be picked here: its manifest stands for it.
             let extensions = ["nii", "gz", "nrrd", "nhdr", "hdr", "json"];
             ask.add_filter("Volumes and projects", &extensions).add_filter("All files", &["*"]).pick_file()
         }
-        What::Add | What::Selection | What::Labels | What::Source(_) => {
+        PathPurpose::Add | PathPurpose::Selection | PathPurpose::Labels | PathPurpose::Source(_) => {
             ask.add_filter("Volumes", &["nii", "gz", "nrrd", "nhdr", "hdr"]).pick_file()
         }
-        What::SaveAs | What::Export(_) | What::Image(_) => ask.save_file(),
+        PathPurpose::SaveAs | PathPurpose::Export(_) | PathPurpose::Image(_) => ask.save_file(),
     }
 }
 

@@ -7,7 +7,7 @@ use crate::ui::state::dialog::Chosen;
 use crate::ui::state::dialog::Dialog;
 use crate::ui::state::dialog::Glanced;
 use crate::ui::state::dialog::Meaning;
-use crate::ui::state::saving::Coming;
+use crate::ui::state::saving::OpenTarget;
 use crate::ui::style::theme;
 use crate::ui::style::widgets::cancel;
 use crate::ui::style::widgets::{from_right_row, tipped};
@@ -63,7 +63,7 @@ impl App {
         if beside {
             self.add_volume(path, OpenAs::Image);
         } else {
-            self.open_guarded(Coming::Path(path));
+            self.open_guarded(OpenTarget::Path(path));
         }
     }
 
@@ -150,7 +150,7 @@ impl App {
 
     fn open_meant(&mut self, path: &Path, means: Means) {
         match means {
-            Means::New(open_as) => self.open_guarded(Coming::Volume(path.into(), open_as)),
+            Means::New(open_as) => self.open_guarded(OpenTarget::Volume(path.into(), open_as)),
             Means::Beside(open_as) => self.add_volume(path.into(), open_as),
             Means::IntoLabels => {
                 self.send(Command::Segment(SegmentCommand::Import {

@@ -21,7 +21,7 @@ impl App {
     pub(super) fn dialogs(&mut self, ctx: &egui::Context) {
         let Some(dialog) = self.dialog.take() else { return };
         let frame = egui::Frame::popup(&ctx.style_of(egui::Theme::Dark)).inner_margin(20);
-        self.grounds.shade(ctx);
+        self.backdrop.shade(ctx);
         let modal = Modal::new(Id::unique("dialog")).frame(frame).backdrop_color(Color32::TRANSPARENT);
         let width = dialog.width().min(ctx.viewport_rect().width() - 72.0);
         let next = modal.show(ctx, |ui| {

@@ -2,7 +2,7 @@
 
 use crate::io::without_numbers;
 use crate::ui::state::dialog::Dialog;
-use crate::ui::state::path_purpose::What;
+use crate::ui::state::path_purpose::PathPurpose;
 use crate::ui::style::theme;
 use crate::ui::style::widgets::from_right_row;
 use crate::ui::style::widgets::{cancel, primary};
@@ -25,7 +25,7 @@ impl App {
         let (yes, no) = from_right_row(ui, |ui| (ui.add(primary(label)).clicked(), cancel(ui)));
         match offer.then {
             Then::Do(_, command) if yes => self.send(command),
-            Then::FindSource(project) if yes => self.ask(What::Source(project)),
+            Then::FindSource(project) if yes => self.ask(PathPurpose::Source(project)),
             then if !no => return Some(Dialog::Offer(Box::new(Offer { then, ..offer }))),
             _ => {}
         }

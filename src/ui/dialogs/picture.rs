@@ -4,7 +4,7 @@
 
 use crate::document::{RenderCommand, Scene, ViewName};
 use crate::ui::state::dialog::Dialog;
-use crate::ui::state::path_purpose::What;
+use crate::ui::state::path_purpose::PathPurpose;
 use crate::ui::state::picture_wish::Extent;
 use crate::ui::state::picture_wish::Ground;
 use crate::ui::state::picture_wish::Picturing;
@@ -87,7 +87,7 @@ impl App {
         });
         if yes {
             self.picture_wish = picturing.wish;
-            self.ask(What::Image(picturing.wish));
+            self.ask(PathPurpose::Image(picturing.wish));
             return None;
         }
         (!no).then_some(Dialog::Picture(picturing))

@@ -4,7 +4,7 @@ use crate::document::{Command, ProjectCommand, answers};
 use crate::interact::readout;
 use crate::ui::state::dialog::Dialog;
 use crate::ui::state::dialog::Lost;
-use crate::ui::state::saving::{AfterSave, Coming};
+use crate::ui::state::saving::{AfterSave, OpenTarget};
 use crate::ui::style::theme;
 use crate::ui::style::widgets::{from_right_row, tipped};
 use crate::ui::style::widgets::{plain, primary};
@@ -52,7 +52,7 @@ impl App {
         None
     }
 
-    pub(super) fn replace_dialog(&mut self, ui: &mut Ui, coming: Coming) -> Option<Dialog> {
+    pub(super) fn replace_dialog(&mut self, ui: &mut Ui, coming: OpenTarget) -> Option<Dialog> {
         self.unsaved_question(ui, &format!("Save before {} is opened?", coming.name()));
         match three_buttons(ui) {
             Some(Answer::Yes) => self.save_then(Some(AfterSave::Open(coming))),
@@ -75,7 +75,7 @@ impl App {
                 let name = format!("Recover {}", short_path(origin));
                 let recovered = ui.add(primary("Recover")).accessible_name(name);
                 if tipped(recovered, "Opens it as it was when the program ended").clicked() {
-                    recover = Some(Coming::Lost { id: id.clone(), origin: origin.clone() });
+                    recover = Some(OpenTarget::Lost { id: id.clone(), origin: origin.clone() });
                 }
                 ui.add_space(24.0);
                 let name = format!("Throw away {}", short_path(origin));

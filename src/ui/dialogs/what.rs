@@ -3,7 +3,7 @@
 use crate::document::ViewName;
 use crate::io::{about_format, export_endings, readers};
 use crate::ui::state::path_purpose::Export;
-use crate::ui::state::path_purpose::What;
+use crate::ui::state::path_purpose::PathPurpose;
 use crate::ui::window::app::App;
 use crate::volume::FieldKind;
 use std::ffi::OsString;
@@ -26,19 +26,23 @@ fn stem(app: &App) -> OsString {
 
 impl App {
     /// What is written is called this first: as the document, with an ending of its own.
-    pub(super) fn offered_name(&self, what: &What) -> OsString {
+    pub(super) fn offered_name(&self, what: &PathPurpose) -> OsString {
         let mut name = stem(self);
         match what {
-            What::Open | What::Add | What::Selection | What::Labels | What::Source(_) => return OsString::new(),
-            What::SaveAs => name.push(".burin"),
-            What::Export(Export { field, endings }) => {
+            PathPurpose::Open
+            | PathPurpose::Add
+            | PathPurpose::Selection
+            | PathPurpose::Labels
+            | PathPurpose::Source(_) => return OsString::new(),
+            PathPurpose::SaveAs => name.push(".burin"),
+            PathPurpose::Export(Export { field, endings }) => {
                 let ending = endings.first().copied().unwrap_or_default();
                 // What holds labels only is named by its ending already.
                 let named = about_format(endings).is_some_and(|(_, _, labels_only)| labels_only);
                 let what = if named { String::new() } else { format!("-{}", field.name()) };
                 name.push(format!("{what}{ending}"));
             }
-            What::Image(wish) => {
+            PathPurpose::Image(wish) => {
                 if wish.view != ViewName::ThreeD {
                     name.push(format!("-{}", wish.view.name()));
                 }
@@ -49,7 +53,7 @@ impl App {
     }
 
     /// The folder where a dialog begins: for what is written beside the document, else where something was opened last.
-    pub(super) fn folder_for(&self, what: &What) -> PathBuf {
+    pub(super) fn folder_for(&self, what: &PathPurpose) -> PathBuf {
         let beside = self.opened().map(|open| {
             let path = self.snapshot.place(open);
             path.parent().map(Path::to_path_buf).unwrap_or_default()
@@ -58,8 +62,12 @@ impl App {
         let beside = beside.filter(|folder| !self.recent.owns(folder) && folder.is_dir());
         let last = self.recent.folders().into_iter().next();
         let folder = match what {
-            What::Open | What::Add | What::Selection | What::Labels | What::Source(_) => last.or(beside),
-            What::SaveAs | What::Export(_) | What::Image(_) => beside.or(last),
+            PathPurpose::Open
+            | PathPurpose::Add
+            | PathPurpose::Selection
+            | PathPurpose::Labels
+            | PathPurpose::Source(_) => last.or(beside),
+            PathPurpose::SaveAs | PathPurpose::Export(_) | PathPurpose::Image(_) => beside.or(last),
         };
         folder
             .or_else(|| self.home.clone())

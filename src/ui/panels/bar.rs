@@ -2,11 +2,11 @@
 
 use crate::document::HistoryCommand;
 use crate::interact::{Action, Tool};
-use crate::ui::state::path_purpose::What;
+use crate::ui::state::path_purpose::PathPurpose;
 use crate::ui::style::icons::Icon;
 use crate::ui::style::theme;
 use crate::ui::style::widgets::{Face, from_right, icon_button, tipped};
-use crate::ui::thread::session::Gravity;
+use crate::ui::thread::session::Severity;
 use crate::ui::window::app::App;
 use egui::{Frame, Margin, Panel, RichText, Ui};
 
@@ -22,7 +22,7 @@ impl App {
                 from_right(ui, |ui| self.right_part(ui));
             });
         });
-        self.grounds.fill(bar.response.rect, theme::BAR);
+        self.backdrop.fill(bar.response.rect, theme::BAR);
     }
 
     fn file_part(&mut self, ui: &mut Ui) {
@@ -65,18 +65,18 @@ impl App {
         let add = ui.button("Add a volume…");
         let tip = "A second scan, a follow-up, a label map: beside what is open, on its own grid and with its own look";
         if add.on_hover_text(tip).clicked() {
-            self.ask(What::Add);
+            self.ask(PathPurpose::Add);
         }
         if ui
             .button("Import selection…")
             .on_hover_text("Another volume of the same place: what is above 0 is selected")
             .clicked()
         {
-            self.ask(What::Selection);
+            self.ask(PathPurpose::Selection);
         }
         let labels = ui.button("Import labels…");
         if labels.on_hover_text("A label map of the same place: each value becomes a segment").clicked() {
-            self.ask(What::Labels);
+            self.ask(PathPurpose::Labels);
         }
         ui.separator();
         let export = ui.button("Export…");
@@ -116,11 +116,11 @@ impl App {
         if let Some(gravest) = self.gravest() {
             let tip = format!("What was done and what went wrong ({})", self.messages.len());
             let tint = match gravest {
-                Gravity::Note => theme::TEXT_WEAK,
-                Gravity::Warning => theme::WARNING,
-                Gravity::Error => theme::ERROR,
+                Severity::Note => theme::TEXT_WEAK,
+                Severity::Warning => theme::WARNING,
+                Severity::Error => theme::ERROR,
             };
-            let icon = if gravest == Gravity::Note { Icon::Note } else { Icon::Warning };
+            let icon = if gravest == Severity::Note { Icon::Note } else { Icon::Warning };
             let face = Face::tool(icon, "Messages", &tip, false).on(self.messages_open).tint(tint);
             if icon_button(ui, face).clicked() {
                 self.messages_open = !self.messages_open;

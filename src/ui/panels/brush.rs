@@ -9,7 +9,7 @@ use crate::ui::style::colour::colour_button;
 use crate::ui::style::theme;
 use crate::ui::style::theme::{GAP, LABEL, ROW};
 use crate::ui::style::widgets::{Scale, choice, number, pick, row, slider, tick, tipped};
-use crate::ui::thread::session::Opened;
+use crate::ui::thread::session::OpenDocument;
 use crate::ui::window::app::App;
 use crate::volume::Number;
 use egui::{ComboBox, DragValue, Label, Response, RichText, Ui, vec2};
@@ -57,7 +57,7 @@ impl App {
         let mut new = old;
         let middle = scene.window().level;
         let voxel = self.opened().map_or(1.0, |o| o.grid.voxel_mm());
-        let ends = self.opened().map_or([0.0, 1.0], Opened::ends);
+        let ends = self.opened().map_or([0.0, 1.0], OpenDocument::ends);
         self.last_paint.insert(kind(old.target), old.target);
 
         let chosen = ui.horizontal(|ui| pick(ui, "Paint", Some(kind(old.target)), &TARGETS)).inner;

@@ -15,7 +15,7 @@ impl App {
         let done = snapshot.undo.len();
         let rows = done + 1 + snapshot.redo.len();
         let mut jump = None;
-        self.grounds.detail(ui, Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), height)), theme::DEEP);
+        self.backdrop.detail(ui, Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), height)), theme::DEEP);
         list(ui, "history", height, STEP, rows, true, |ui, range| {
             for i in range {
                 let name = match i {

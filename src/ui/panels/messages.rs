@@ -9,7 +9,7 @@ use crate::ui::state::message::Toast;
 use crate::ui::style::icons::Icon;
 use crate::ui::style::theme;
 use crate::ui::style::widgets::{Face, from_right, icon_button};
-use crate::ui::thread::session::Gravity;
+use crate::ui::thread::session::Severity;
 use crate::ui::window::app::App;
 use egui::{Align2, Area, Context, Frame, Id, Margin, Order, Panel, Rect, RichText, ScrollArea, Ui, pos2};
 use std::path::{Path, PathBuf};
@@ -24,19 +24,19 @@ const WORDS: usize = 3;
 /// Messages that are kept: a program that fails in a loop must not fill the memory with its complaints.
 const MOST: usize = 200;
 
-const fn colour(gravity: Gravity) -> egui::Color32 {
-    match gravity {
-        Gravity::Note => theme::TEXT_WEAK,
-        Gravity::Warning => theme::WARNING,
-        Gravity::Error => theme::ERROR,
+const fn colour(severity: Severity) -> egui::Color32 {
+    match severity {
+        Severity::Note => theme::TEXT_WEAK,
+        Severity::Warning => theme::WARNING,
+        Severity::Error => theme::ERROR,
     }
 }
 
 impl App {
     /// Adds to the list of messages; errors open it, warnings are shown over the views.
-    pub(crate) fn say(&mut self, gravity: Gravity, text: String) {
-        let message = Message { gravity, text: in_one_line(&text), path: None, topic: None };
-        if gravity == Gravity::Warning {
+    pub(crate) fn say(&mut self, severity: Severity, text: String) {
+        let message = Message { severity, text: in_one_line(&text), path: None, topic: None };
+        if severity == Severity::Warning {
             self.word(message.clone());
         }
         self.add_message(message);
@@ -51,23 +51,23 @@ impl App {
     }
 
     /// The gravest message of the list.
-    pub(crate) fn gravest(&self) -> Option<Gravity> {
-        self.messages.iter().map(|m| m.gravity).max_by_key(|gravity| *gravity as u8)
+    pub(crate) fn gravest(&self) -> Option<Severity> {
+        self.messages.iter().map(|m| m.severity).max_by_key(|severity| *severity as u8)
     }
 
     /// An error that goes when what failed has worked.
     pub(crate) fn complain(&mut self, topic: &str, text: String) {
-        self.add_message(Message { gravity: Gravity::Error, text, path: None, topic: Some(topic.into()) });
+        self.add_message(Message { severity: Severity::Error, text, path: None, topic: Some(topic.into()) });
     }
 
     /// A warning that goes when something is done.
     pub(crate) fn warn_until(&mut self, topic: &str, text: String) {
-        self.add_message(Message { gravity: Gravity::Warning, text, path: None, topic: Some(topic.into()) });
+        self.add_message(Message { severity: Severity::Warning, text, path: None, topic: Some(topic.into()) });
     }
 
     /// A short word about what was written, with a way to it.
     pub(crate) fn confirm(&mut self, text: String, path: Option<PathBuf>) {
-        let message = Message { gravity: Gravity::Note, text, path, topic: None };
+        let message = Message { severity: Severity::Note, text, path, topic: None };
         self.word(message.clone());
         self.add_message(message);
     }
@@ -76,7 +76,7 @@ impl App {
         let message = Message { text: in_one_line(&message.text), ..message };
         // The same again is no news, but it is the last one now.
         self.messages.retain(|m| m.text != message.text || m.path != message.path);
-        self.messages_open |= message.gravity == Gravity::Error;
+        self.messages_open |= message.severity == Severity::Error;
         self.messages.push(message);
         if self.messages.len() > MOST {
             self.messages.remove(0);
@@ -91,7 +91,7 @@ impl App {
 
     /// Another document is open: complaints about commands on the last one are gone.
     pub(crate) fn all_mended(&mut self) {
-        self.messages.retain(|m| m.topic.is_none() || m.gravity != Gravity::Error);
+        self.messages.retain(|m| m.topic.is_none() || m.severity != Severity::Error);
         self.messages_open &= !self.messages.is_empty();
     }
 
@@ -122,7 +122,7 @@ impl App {
                             dismissed = Some(Some(i));
                         }
                         let about = format!("message {}", i + 1);
-                        let text = RichText::new(&message.text).color(colour(message.gravity));
+                        let text = RichText::new(&message.text).color(colour(message.severity));
                         match message.path.as_deref() {
                             Some(path) => {
                                 let room = (ui.available_width() - WAYS).max(120.0);
@@ -138,7 +138,7 @@ impl App {
                 }
             });
         });
-        self.grounds.fill(list.response.rect, theme::BAR);
+        self.backdrop.fill(list.response.rect, theme::BAR);
         match dismissed {
             Some(Some(i)) => {
                 self.messages.remove(i);
@@ -170,7 +170,7 @@ impl App {
         let mut bottom = views.bottom() - 12.0;
         let mut toasts = std::mem::take(&mut self.toasts);
         for (i, toast) in toasts.iter_mut().rev().enumerate() {
-            let stays = if toast.message.gravity == Gravity::Warning { WARNING_STAYS } else { STAYS };
+            let stays = if toast.message.severity == Severity::Warning { WARNING_STAYS } else { STAYS };
             let until = *toast.until.get_or_insert(now + stays);
             let at = pos2(views.center().x, bottom);
             let area = Area::new(Id::unique(("word", &toast.message.text)))
@@ -210,7 +210,7 @@ impl App {
                 if show_in_folder(&path) {
                     return;
                 }
-                self.say(Gravity::Warning, "No file manager answered; the path was copied instead.".into());
+                self.say(Severity::Warning, "No file manager answered; the path was copied instead.".into());
                 path
             }
         };
@@ -221,7 +221,7 @@ impl App {
 /// One of them: what it says, the ways to what was written, and how to close it.
 fn word(ui: &mut Ui, message: &Message, number: usize) -> (Option<Way>, bool) {
     ui.horizontal(|ui| {
-        let text_colour = if message.gravity == Gravity::Note { theme::TEXT } else { colour(message.gravity) };
+        let text_colour = if message.severity == Severity::Note { theme::TEXT } else { colour(message.severity) };
         let room = ui.available_width() - if message.path.is_some() { WAYS + 30.0 } else { 40.0 };
         ui.scope(|ui| {
             ui.set_max_width(room.max(120.0));

@@ -43,7 +43,7 @@ impl App {
         let width = self.layout.sides(window)[0];
         side(Panel::left("tools"), width).show(ui, |ui| {
             let all = ui.max_rect();
-            self.grounds.fill(all, theme::PANEL);
+            self.backdrop.fill(all, theme::PANEL);
             let place = all.with_min_x(all.right() - BORDER);
             self.border(Edge { border: Border::Left, place, now: [width, 0.0], extent: [window, 1.0] });
             let column = all.with_max_x(all.right() - BORDER);
@@ -71,7 +71,7 @@ impl App {
         let width = self.layout.sides(window)[1];
         side(Panel::right("properties"), width).show(ui, |ui| {
             let all = ui.max_rect();
-            self.grounds.fill(all, theme::PANEL);
+            self.backdrop.fill(all, theme::PANEL);
             let place = all.with_max_x(all.left() + BORDER);
             self.border(Edge { border: Border::Right, place, now: [width, 0.0], extent: [window, 1.0] });
             let column = all.with_min_x(all.left() + BORDER);
@@ -104,7 +104,7 @@ impl App {
         if open > 0 {
             self.border(Edge { border, place, now: [0.0, height], extent: [1.0, all.height()] });
         } else {
-            self.grounds.fill(place, theme::DEEP);
+            self.backdrop.fill(place, theme::DEEP);
         }
         (all.with_max_y(top - BORDER), all.with_min_y(top))
     }
@@ -123,7 +123,7 @@ impl App {
         if open == [true, true] {
             self.border(Edge { border: Border::Steps, place, now: [0.0, steps / room], extent: [1.0, room] });
         } else {
-            self.grounds.fill(place, theme::DEEP);
+            self.backdrop.fill(place, theme::DEEP);
         }
         (lower.with_max_y(top - BORDER), lower.with_min_y(top))
     }

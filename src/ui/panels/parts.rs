@@ -16,7 +16,7 @@ impl App {
         let Some(scene) = &self.scene else { return };
         let parts = scene.explosion.parts.clone();
         self.pointed_part = None;
-        self.grounds.detail(ui, Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), height)), theme::DEEP);
+        self.backdrop.detail(ui, Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), height)), theme::DEEP);
         list(ui, "parts", height, ROW, parts.len(), false, |ui, range| {
             for part in &parts[range] {
                 self.part_row(ui, part);

@@ -21,7 +21,7 @@ impl App {
             _ => None,
         };
         let place = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), height));
-        self.grounds.detail(ui, place, theme::DEEP);
+        self.backdrop.detail(ui, place, theme::DEEP);
         // Hundreds of segments are normal: only the rows in sight are laid out.
         list(ui, "segments", height, ROW, segments.len(), false, |ui, range| {
             for segment in &segments[range] {

@@ -22,7 +22,7 @@ impl App {
                 from_right(ui, |ui| self.state_text(ui));
             });
         });
-        self.grounds.fill(bar.response.rect, theme::BAR);
+        self.backdrop.fill(bar.response.rect, theme::BAR);
     }
 
     /// World mm under the pointer: of the slice, or of the picked surface.

@@ -40,12 +40,12 @@ impl App {
         let (outer, ground) = ui.allocate_exact_size(vec2(width, height), Sense::click());
         ground.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Transfer function over the histogram"));
         let painter = ui.painter_at(outer);
-        self.grounds.detail(ui, outer, theme::DEEP);
+        self.backdrop.detail(ui, outer, theme::DEEP);
         let rect = outer.shrink2(vec2(HANDLE * 0.5 + 1.0, HANDLE * 0.5 + 1.0));
         let plot = Plot::new(rect, &histogram);
         let (lo, hi) = (plot.lo, plot.hi);
         for bar in self.transfer.bars(&plot, &histogram, ui.pixels_per_point()) {
-            self.grounds.detail(ui, bar, theme::CONTROL_HOVER);
+            self.backdrop.detail(ui, bar, theme::CONTROL_HOVER);
         }
         paint_curve(&painter, &plot, &old);
 

@@ -62,7 +62,7 @@ impl App {
             _ => format!("{name} ({id})"),
         };
         let height = ROWS * ROW + (ROWS - 1.0) * BETWEEN;
-        self.grounds.detail(ui, Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), height)), theme::DEEP);
+        self.backdrop.detail(ui, Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), height)), theme::DEEP);
         list(ui, "volumes", height, ROW, rows.len(), false, |ui, range| {
             for &(&id, settings) in &rows[range] {
                 let called = called(id, &settings.name);

@@ -6,10 +6,10 @@ use crate::ui::browse::Browser;
 use crate::ui::browse::glance::Glance;
 use crate::ui::browse::places::Place;
 use crate::ui::state::path_purpose::Export;
-use crate::ui::state::path_purpose::What;
+use crate::ui::state::path_purpose::PathPurpose;
 use crate::ui::state::picture_wish::Picturing;
 use crate::ui::state::saving::AfterSave;
-use crate::ui::state::saving::Coming;
+use crate::ui::state::saving::OpenTarget;
 use crate::ui::thread::session::Offer;
 use std::path::PathBuf;
 
@@ -20,7 +20,7 @@ pub(crate) enum Dialog {
     /// The window closes with unsaved changes.
     Close,
     /// Something else is opened over unsaved changes.
-    Replace(Coming),
+    Replace(OpenTarget),
     /// Documents that crashes left behind.
     Lost(Vec<Lost>),
     /// What the values of a file mean.
@@ -37,7 +37,7 @@ pub(crate) enum Dialog {
 
 /// The file browser, and what for.
 pub(crate) struct Browse {
-    pub(crate) what: What,
+    pub(crate) what: PathPurpose,
     pub(crate) browser: Browser,
     pub(crate) places: Vec<Place>,
     /// Keys that wait for the text before them.
@@ -81,9 +81,9 @@ pub(crate) struct Lost {
 /// What a dialog that runs beside the window came back with.
 pub(crate) enum Chosen {
     /// A path, and what for.
-    Path(What, PathBuf),
+    Path(PathPurpose, PathBuf),
     /// The system showed no dialog after all.
-    NoDialog(What),
+    NoDialog(PathPurpose),
     /// What a file looks like; which of the glances it was.
     Glanced(Glanced),
 }

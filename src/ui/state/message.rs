@@ -1,12 +1,12 @@
 //! What was said to the person: the list of messages, and the word over the views.
 
-use crate::ui::thread::session::Gravity;
+use crate::ui::thread::session::Severity;
 use std::path::PathBuf;
 
 /// A message of the list.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Message {
-    pub(crate) gravity: Gravity,
+    pub(crate) severity: Severity,
     pub(crate) text: String,
     /// What was written.
     pub(crate) path: Option<PathBuf>,

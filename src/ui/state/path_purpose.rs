@@ -37,7 +37,7 @@ pub(crate) fn formats() -> String {
 
 /// What a path is for.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum What {
+pub(crate) enum PathPurpose {
     Open,
     /// One more volume beside those that are open.
     Add,
@@ -50,7 +50,7 @@ pub(crate) enum What {
     Source(PathBuf),
 }
 
-impl What {
+impl PathPurpose {
     pub(crate) const fn title(&self) -> &'static str {
         match self {
             Self::Open => "Open",

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 /// What is opened in place of what is open.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Coming {
+pub(crate) enum OpenTarget {
     /// A volume or a project.
     Path(PathBuf),
     /// A volume whose values mean something else than grey.
@@ -15,7 +15,7 @@ pub(crate) enum Coming {
     Lost { id: String, origin: String },
 }
 
-impl Coming {
+impl OpenTarget {
     /// What the user knows it by.
     pub(crate) fn name(&self) -> String {
         let path = match self {
@@ -30,5 +30,5 @@ impl Coming {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum AfterSave {
     Close,
-    Open(Coming),
+    Open(OpenTarget),
 }

@@ -141,6 +141,7 @@ impl Trail {
 
 /// The point of the surface that is nearest to a place.
 pub(crate) fn nearest(seen: &[Option<Seen>], at: DVec3) -> Option<usize> {
-    let far = seen.iter().enumerate().filter_map(|(i, seen)| Some((seen.as_ref()?.world.distance_squared(at), i)));
-    far.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, i)| i)
+    let worker_end =
+        seen.iter().enumerate().filter_map(|(i, seen)| Some((seen.as_ref()?.world.distance_squared(at), i)));
+    worker_end.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, i)| i)
 }

@@ -11,13 +11,13 @@ use std::sync::mpsc::Sender;
 
 /// Tells each percent of a long command once, and hears the wish to stop.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Progress {
+pub(crate) struct PercentTold {
     stop: Stop,
     /// One more than the percent told last.
     told: Arc<AtomicU32>,
 }
 
-impl Progress {
+impl PercentTold {
     pub(crate) fn new(stop: Stop) -> Self {
         Self { stop, told: Arc::default() }
     }

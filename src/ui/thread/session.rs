@@ -46,7 +46,7 @@ pub struct Snapshot {
     /// Serial of the last request that this knows of.
     pub serial: u64,
     /// What is open.
-    pub open: Option<Opened>,
+    pub open: Option<OpenDocument>,
     /// Steps that undo takes back, the oldest first.
     pub undo: Vec<String>,
     /// Steps that redo does again, the next first.
@@ -69,7 +69,7 @@ pub struct Snapshot {
 
 impl Snapshot {
     /// Where what is open is kept: its project, or the file that it began with.
-    pub fn place<'a>(&'a self, open: &'a Opened) -> &'a Path {
+    pub fn place<'a>(&'a self, open: &'a OpenDocument) -> &'a Path {
         let file = || open.scene.origin().map_or(Path::new(""), |origin| &origin.path);
         self.project.as_deref().unwrap_or_else(file)
     }
@@ -77,7 +77,7 @@ impl Snapshot {
 
 /// The open volume.
 #[derive(Clone, Debug)]
-pub struct Opened {
+pub struct OpenDocument {
     /// Everything but voxels.
     pub scene: Arc<Scene>,
     /// Where its parts stand.
@@ -94,7 +94,7 @@ pub struct Opened {
     pub histogram: Arc<Histogram>,
 }
 
-impl Opened {
+impl OpenDocument {
     /// What reducers are given beside the scene.
     pub fn ground(&self) -> Ground<'_> {
         Ground { grid: &self.grid, bounds: self.grid.world_bounds(), histogram: &self.histogram, poses: &self.poses }
@@ -128,7 +128,7 @@ pub struct Picture {
 
 /// How grave a message is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Gravity {
+pub enum Severity {
     /// Something was done that took a while.
     Note,
     /// Done, but.
@@ -179,7 +179,7 @@ pub enum Report {
     /// It ended.
     Finished,
     /// For the user.
-    Message(Gravity, String),
+    Message(Severity, String),
     /// Something went wrong that the user can put right.
     Offer(Box<Offer>),
     /// A command was done; its answer.
@@ -203,7 +203,7 @@ pub struct Session {
 
 /// The other end.
 #[derive(Debug)]
-pub struct Far {
+pub struct WorkerEnd {
     /// Requests with their serials.
     pub requests: Receiver<(u64, Request)>,
     /// Back to the window.
@@ -214,12 +214,12 @@ pub struct Far {
 
 impl Session {
     /// Both ends.
-    pub fn pair() -> (Self, Far) {
-        let (to_far, requests) = channel();
-        let (reports, from_far) = channel();
+    pub fn pair() -> (Self, WorkerEnd) {
+        let (to_worker, requests) = channel();
+        let (reports, from_worker) = channel();
         let stop = Stop::default();
-        let near = Self { requests: to_far, reports: from_far, serial: 0, stop: stop.clone() };
-        (near, Far { requests, reports, stop })
+        let near = Self { requests: to_worker, reports: from_worker, serial: 0, stop: stop.clone() };
+        (near, WorkerEnd { requests, reports, stop })
     }
 
     /// Sends a request; `false` if nobody is there any more.

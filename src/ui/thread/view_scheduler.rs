@@ -30,7 +30,7 @@ struct Basis {
 }
 
 #[derive(Debug)]
-struct Drawn {
+struct DrawnView {
     basis: Basis,
     /// All pixels are there.
     fine: bool,
@@ -50,24 +50,24 @@ struct Refining {
 
 /// Which pictures were drawn of what, and how long a pixel takes.
 #[derive(Debug)]
-pub(crate) struct Studio {
+pub(crate) struct ViewScheduler {
     /// Changes of what the 3D view draws, and of what slices draw.
     three_d: u64,
     slices: u64,
     turn: u64,
-    drawn: BTreeMap<ViewName, Drawn>,
+    drawn: BTreeMap<ViewName, DrawnView>,
     refining: Option<Refining>,
     /// Of the 3D view, lately.
     micros_per_pixel: f64,
 }
 
-impl Default for Studio {
+impl Default for ViewScheduler {
     fn default() -> Self {
         Self { three_d: 0, slices: 0, turn: 0, drawn: BTreeMap::new(), refining: None, micros_per_pixel: 0.5 }
     }
 }
 
-impl Studio {
+impl ViewScheduler {
     /// Takes in which pictures a command that is about to be done may change.
     pub(crate) fn note(&mut self, redraws: Redraws) {
         self.three_d += u64::from(redraws.three_d);
@@ -132,12 +132,12 @@ impl Studio {
             if known { self.refine(document, basis) } else { self.preview(document, basis) }
         } else {
             let image = document.picture(view, basis.size, None);
-            self.drawn.insert(view, Drawn { basis, fine: true, turn: self.turn });
+            self.drawn.insert(view, DrawnView { basis, fine: true, turn: self.turn });
             image.map(|image| Some(picture(view, basis.camera, &image, [0.0; 3])))
         };
         if drawn.is_err() {
             self.refining = None;
-            self.drawn.insert(view, Drawn { basis, fine: true, turn: self.turn });
+            self.drawn.insert(view, DrawnView { basis, fine: true, turn: self.turn });
         }
         drawn
     }
@@ -154,7 +154,7 @@ impl Studio {
         self.learn(begun, size);
         self.drawn.insert(
             ViewName::ThreeD,
-            Drawn { basis, fine: size == basis.size && !document.is_pending(), turn: self.turn },
+            DrawnView { basis, fine: size == basis.size && !document.is_pending(), turn: self.turn },
         );
         Ok(Some(picture(ViewName::ThreeD, basis.camera, &image, background(document))))
     }
@@ -179,7 +179,7 @@ impl Studio {
             self.refining = Some(now);
             return Ok(None);
         }
-        self.drawn.insert(ViewName::ThreeD, Drawn { basis, fine: true, turn: self.turn });
+        self.drawn.insert(ViewName::ThreeD, DrawnView { basis, fine: true, turn: self.turn });
         let Refining { rgba, depth_mm, object, .. } = now;
         let camera = basis.camera;
         Ok(Some(Picture { view: ViewName::ThreeD, size: basis.size, rgba, depth_mm, object, camera, serial: 0 }))

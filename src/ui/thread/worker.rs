@@ -12,10 +12,10 @@ use crate::document::{
 use crate::interact::readout;
 use crate::io::in_words;
 use crate::math::DVec2;
-use crate::ui::thread::progress::Progress;
+use crate::ui::thread::progress::PercentTold;
 use crate::ui::thread::rescue::{after_failure, way_out};
-use crate::ui::thread::session::{Far, Gravity, Opened, Picture, Report, Request, Session, Snapshot};
-use crate::ui::thread::view_scheduler::Studio;
+use crate::ui::thread::session::{OpenDocument, Picture, Report, Request, Session, Severity, Snapshot, WorkerEnd};
+use crate::ui::thread::view_scheduler::ViewScheduler;
 use crate::volume::Histogram;
 use std::collections::BTreeSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -40,14 +40,14 @@ const SOON: Duration = Duration::from_millis(1);
 /// # Errors
 /// If the system gives no thread.
 pub fn spawn(mut document: Document, wake: egui::Context) -> std::io::Result<(Session, JoinHandle<()>)> {
-    let (session, far) = Session::pair();
+    let (session, worker_end) = Session::pair();
     let moving = document.must_move();
-    let progress = Progress::new(far.stop.clone());
-    document.set_watch(progress.watch(far.reports.clone(), wake.clone()));
+    let progress = PercentTold::new(worker_end.stop.clone());
+    document.set_watch(progress.watch(worker_end.reports.clone(), wake.clone()));
     let worker = Worker {
-        far,
+        worker_end,
         progress,
-        studio: Studio::default(),
+        scheduler: ViewScheduler::default(),
         document,
         wake,
         serial: 0,
@@ -73,9 +73,9 @@ enum Next {
 }
 
 struct Worker {
-    far: Far,
-    progress: Progress,
-    studio: Studio,
+    worker_end: WorkerEnd,
+    progress: PercentTold,
+    scheduler: ViewScheduler,
     document: Document,
     wake: egui::Context,
     serial: u64,
@@ -146,14 +146,14 @@ impl Worker {
         let document = std::mem::replace(&mut self.document, next);
         // What failed once may fail again.
         let _again = catch_unwind(AssertUnwindSafe(|| drop(document)));
-        self.studio = Studio::default();
+        self.scheduler = ViewScheduler::default();
         (self.moving, self.held, self.probe) = (false, None, None);
         (self.histogram, self.told, self.source_trouble) = (None, None, None);
         self.refused.clear();
         self.report(Report::Finished);
         self.tell_refining();
         self.tell();
-        self.report(Report::Message(Gravity::Error, text));
+        self.report(Report::Message(Severity::Error, text));
         if let Some(offer) = offer {
             self.report(Report::Offer(Box::new(offer)));
         }
@@ -165,24 +165,24 @@ impl Worker {
         if trouble != self.source_trouble {
             self.source_trouble.clone_from(&trouble);
             if let Some(text) = trouble {
-                self.report(Report::Message(Gravity::Error, text));
+                self.report(Report::Message(Severity::Error, text));
             }
         }
     }
 
     /// Does what waits; sleeps if there is nothing else to do.
     fn take_requests(&mut self) -> Next {
-        if !self.moving && self.probe.is_none() && !self.studio.has_work(&self.document, &self.shown, self.rough()) {
-            let next = match self.far.requests.try_recv() {
+        if !self.moving && self.probe.is_none() && !self.scheduler.has_work(&self.document, &self.shown, self.rough()) {
+            let next = match self.worker_end.requests.try_recv() {
                 Err(TryRecvError::Empty) => {
                     if let Err(error) = self.document.prepare_motion() {
                         tracing::warn!("{error}");
                     }
                     // While a hash is taken somebody has to look whether it is the right one.
                     if self.document.is_comparing() || self.document.source_trouble(false) != self.source_trouble {
-                        self.far.requests.recv_timeout(LOOK)
+                        self.worker_end.requests.recv_timeout(LOOK)
                     } else {
-                        self.far.requests.recv().map_err(|_| RecvTimeoutError::Disconnected)
+                        self.worker_end.requests.recv().map_err(|_| RecvTimeoutError::Disconnected)
                     }
                 }
                 next => next.map_err(|_| RecvTimeoutError::Disconnected),
@@ -198,7 +198,7 @@ impl Worker {
             }
         }
         loop {
-            match self.far.requests.try_recv() {
+            match self.worker_end.requests.try_recv() {
                 Ok((serial, request)) => {
                     if !self.take(serial, request) {
                         return Next::Quit;
@@ -231,7 +231,7 @@ impl Worker {
 
     fn draw(&mut self) {
         let rough = self.rough();
-        match self.studio.draw(&mut self.document, &self.shown, self.held, rough) {
+        match self.scheduler.draw(&mut self.document, &self.shown, self.held, rough) {
             Ok(Some(picture)) => {
                 self.worked(PICTURE);
                 self.report(Report::Picture(Box::new(Picture { serial: self.serial, ..picture })));
@@ -246,7 +246,7 @@ impl Worker {
 
     /// Says when the 3D view begins and ceases to show less than all there is.
     fn tell_refining(&mut self) {
-        let now = self.studio.is_refining(&self.document, &self.shown);
+        let now = self.scheduler.is_refining(&self.document, &self.shown);
         if std::mem::replace(&mut self.refining, now) != now {
             self.report(Report::Refining(now));
         }
@@ -287,10 +287,10 @@ impl Worker {
                 if matches!(command, Command::History(HistoryCommand::End {} | HistoryCommand::Cancel {})) => {}
             Err(DocumentError::Stopped) => {
                 let what = started.map_or_else(String::new, |what| format!("{what}: "));
-                self.report(Report::Message(Gravity::Note, format!("{what}{}", DocumentError::Stopped)));
+                self.report(Report::Message(Severity::Note, format!("{what}{}", DocumentError::Stopped)));
             }
             Err(error @ DocumentError::Keep(KeepError::Stopped)) => {
-                self.report(Report::Message(Gravity::Note, error.to_string()));
+                self.report(Report::Message(Severity::Note, error.to_string()));
             }
             Err(error) => {
                 if let Some(offer) = way_out(&command, &error) {
@@ -305,7 +305,7 @@ impl Worker {
     /// Takes in which pictures a command that is about to be done may change; one that ends a stroke lays its last dab.
     fn note(&mut self, effects: &Effects) {
         let ends = effects.ends_stroke && self.document.is_painting();
-        self.studio.note(if ends { Redraws::ALL } else { effects.redraws });
+        self.scheduler.note(if ends { Redraws::ALL } else { effects.redraws });
     }
 
     /// What was refused before has worked now.
@@ -317,7 +317,7 @@ impl Worker {
 
     fn say_warnings(&self, answer: &Answer) {
         for warning in answer.warnings() {
-            self.report(Report::Message(Gravity::Warning, readout::sentence(warning)));
+            self.report(Report::Message(Severity::Warning, readout::sentence(warning)));
         }
     }
 
@@ -381,7 +381,7 @@ impl Worker {
                 Some(known) if **known == subject.histogram => known.clone(),
                 _ => Arc::new(subject.histogram.clone()),
             };
-            Opened {
+            OpenDocument {
                 scene: Arc::new(subject.scene.clone()),
                 poses: Arc::new(self.document.poses().clone()),
                 grid: *subject.grid(),
@@ -414,7 +414,7 @@ impl Worker {
     fn report(&self, report: Report) {
         let changes_layout = !matches!(report, Report::Picture(_) | Report::Probe(_));
         // Nobody there: the next look at the requests ends the thread.
-        let _gone = self.far.reports.send(report);
+        let _gone = self.worker_end.reports.send(report);
         // What changes no layout is all there after one frame; egui makes two of a request without delay.
         self.wake.request_repaint_after(if changes_layout { Duration::ZERO } else { SOON });
     }

@@ -4,10 +4,10 @@
 //! pointer means now, and nothing stays when it goes.
 
 use crate::document::SlicePlane;
-use crate::explode::{Axis, Part};
+use crate::explode::{Axis, Cut, Part};
 use crate::interact::preview;
 use crate::interact::surface::Piece;
-use crate::interact::{Aim, Cut, CutSlice};
+use crate::interact::{Aim, CutSlice};
 use crate::math::{DVec2, Plane};
 use crate::ui::style::theme;
 use crate::ui::window::app::App;

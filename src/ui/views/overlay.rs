@@ -29,7 +29,7 @@ impl App {
         let plane = SlicePlane::new(&open.grid, &views, view);
         if let Some(plane) = &plane {
             for (line, colour) in crosshair(body, view, to_screen(plane.pixel(views.crosshair)), scale) {
-                self.grounds.mark(line, colour);
+                self.backdrop.mark(line, colour);
             }
             self.slice_outlines(painter, plane, &to_screen);
             letters(painter, body, plane.side_letters());

@@ -3,7 +3,7 @@
 use crate::document::{HistoryCommand, ViewCommand, ViewName};
 use crate::interact::{Action, Button, Event, Interaction, Key, Modifiers, PointerEvent, Wheel, action_of};
 use crate::paint::Target;
-use crate::ui::state::path_purpose::What;
+use crate::ui::state::path_purpose::PathPurpose;
 use crate::ui::state::pixels::pixel;
 use crate::ui::state::pixels::pixels;
 use crate::ui::thread::session::Request;
@@ -216,9 +216,9 @@ impl App {
             Action::Save => self.save(),
             Action::SaveAs => {
                 self.after_save = None;
-                self.ask(What::SaveAs);
+                self.ask(PathPurpose::SaveAs);
             }
-            Action::Open => self.ask(What::Open),
+            Action::Open => self.ask(PathPurpose::Open),
             Action::Fit => self.send_view(ViewCommand::Fit { view: self.viewports.meant() }),
             Action::Front => self.send_view(ViewCommand::Frame { from: [0.0, 1.0, 0.0], up: None, zoom: None }),
             Action::Back(of) => self.walk_past(ViewCommand::Back { of }),

@@ -41,7 +41,7 @@ impl App {
         egui::CentralPanel::no_frame().show(ui, |ui| {
             let all = ui.max_rect();
             if self.opened().is_none() {
-                self.grounds.fill(all, theme::DEEP);
+                self.backdrop.fill(all, theme::DEEP);
                 self.start_page(ui);
                 self.show_words(ui.ctx(), all);
                 return;
@@ -73,7 +73,7 @@ impl App {
 
     fn one_view(&mut self, ui: &mut Ui, view: ViewName, tile: Rect, body: Rect) {
         let header = Rect::from_min_max(tile.min, pos2(tile.max.x, body.min.y));
-        self.grounds.fill(header, theme::BAR);
+        self.backdrop.fill(header, theme::BAR);
         let inner = header.shrink2(vec2(6.0, 0.0));
         let mut head =
             ui.new_child(UiBuilder::new().max_rect(inner).layout(egui::Layout::left_to_right(egui::Align::Center)));
@@ -85,10 +85,10 @@ impl App {
         let background = scene.look.background;
         let painter = ui.painter_at(body);
         if self.pictures.has(view) {
-            self.grounds.picture(body, view);
+            self.backdrop.picture(body, view);
         } else {
             let ground = if view == ViewName::ThreeD { theme::rgb(background) } else { Color32::BLACK };
-            self.grounds.fill(body, ground);
+            self.backdrop.fill(body, ground);
             let text = match &self.snapshot.gpu {
                 Some(Err(_)) => "No GPU: no picture",
                 _ => "Drawing…",
@@ -257,12 +257,12 @@ impl App {
 fn quarters(all: Rect, [across, down]: [f32; 2]) -> [(ViewName, Rect); 4] {
     let room = all.size() - vec2(SEAM, SEAM);
     let mid = (all.min + vec2(room.x * across, room.y * down)).round();
-    let far = mid + vec2(SEAM, SEAM);
+    let worker_end = mid + vec2(SEAM, SEAM);
     [
         (ViewName::ThreeD, Rect::from_min_max(all.min, mid)),
-        (ViewName::Axial, Rect::from_min_max(pos2(far.x, all.min.y), pos2(all.max.x, mid.y))),
-        (ViewName::Coronal, Rect::from_min_max(pos2(all.min.x, far.y), pos2(mid.x, all.max.y))),
-        (ViewName::Sagittal, Rect::from_min_max(far, all.max)),
+        (ViewName::Axial, Rect::from_min_max(pos2(worker_end.x, all.min.y), pos2(all.max.x, mid.y))),
+        (ViewName::Coronal, Rect::from_min_max(pos2(all.min.x, worker_end.y), pos2(mid.x, all.max.y))),
+        (ViewName::Sagittal, Rect::from_min_max(worker_end, all.max)),
     ]
 }
 

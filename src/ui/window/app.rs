@@ -23,8 +23,8 @@ use crate::ui::state::transfer_editor::TransferEditor;
 use crate::ui::state::viewports::Viewports;
 use crate::ui::style::theme;
 use crate::ui::thread::prediction::predict;
-use crate::ui::thread::session::{Gravity, Opened, Request, Session, Snapshot};
-use crate::ui::window::canvas::{Canvas, Grounds};
+use crate::ui::thread::session::{OpenDocument, Request, Session, Severity, Snapshot};
+use crate::ui::window::canvas::{BackdropList, Canvas};
 use crate::volume::FieldKind;
 use egui::{Id, Ui};
 use std::collections::BTreeMap;
@@ -41,7 +41,7 @@ pub struct App {
     pub(crate) interaction: Interaction,
     pub(crate) viewports: Viewports,
     pub(crate) pictures: Pictures,
-    pub(crate) grounds: Grounds,
+    pub(crate) backdrop: BackdropList,
     /// How the window is divided; changed by borders and headings alone.
     pub(crate) layout: Layout,
     pub(crate) borders: Borders,
@@ -125,7 +125,7 @@ impl App {
             interaction: Interaction::default(),
             viewports: Viewports::default(),
             pictures: Pictures::default(),
-            grounds: Grounds::default(),
+            backdrop: BackdropList::default(),
             layout: Layout::default(),
             borders: Borders::default(),
             messages: Vec::new(),
@@ -168,7 +168,7 @@ impl App {
 
     /// The same with something to draw pictures on; without it the window has controls only.
     pub fn with_canvas(self, canvas: Canvas) -> Self {
-        Self { grounds: Grounds::on(canvas), ..self }
+        Self { backdrop: BackdropList::on(canvas), ..self }
     }
 
     /// The same with the layout that a file keeps, and keeps it there.
@@ -182,7 +182,7 @@ impl App {
     }
 
     /// The open volume, if any.
-    pub(crate) fn opened(&self) -> Option<&Opened> {
+    pub(crate) fn opened(&self) -> Option<&OpenDocument> {
         self.snapshot.open.as_ref()
     }
 
@@ -209,7 +209,7 @@ impl App {
     pub(crate) fn request(&mut self, request: Request) {
         if !self.session.send(request) && !self.closing {
             self.closing = true;
-            self.say(Gravity::Error, "The part of the program that keeps the volume has stopped. The journal on disk holds your work up to now: close the window and open the project again.".into());
+            self.say(Severity::Error, "The part of the program that keeps the volume has stopped. The journal on disk holds your work up to now: close the window and open the project again.".into());
         }
     }
 
@@ -348,7 +348,7 @@ impl App {
         self.take_files(&ctx);
         self.guard_close(&ctx);
         self.take_keys(&ctx);
-        self.grounds.begin(ui);
+        self.backdrop.begin(ui);
         self.top_bar(ui);
         self.status_bar(ui);
         self.lesson_strip(ui);
@@ -362,8 +362,8 @@ impl App {
         self.show_note(&ctx);
         self.dialogs(&ctx);
         self.drop_hint(&ctx);
-        if let Err(error) = self.grounds.end(ui) {
-            self.say(Gravity::Error, error.to_string());
+        if let Err(error) = self.backdrop.end(ui) {
+            self.say(Severity::Error, error.to_string());
         }
         self.rest_control(&ctx);
         // A window that loses the focus never hears the button go up.

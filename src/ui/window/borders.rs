@@ -12,7 +12,7 @@ use egui::{Id, Role, Sense, Ui, WidgetInfo};
 impl App {
     /// A border lies here; drawn now, asked for the pointer later.
     pub(crate) fn border(&mut self, edge: Edge) {
-        self.grounds.fill(edge.place, theme::DEEP);
+        self.backdrop.fill(edge.place, theme::DEEP);
         self.borders.edges.push(edge);
     }
 

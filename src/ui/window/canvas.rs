@@ -4,7 +4,7 @@
 //! line to its graphics device. In a window without one, as tests have, nothing lies there.
 
 use crate::document::ViewName;
-use crate::gpu::{Fill, Gpu, GpuError, Sheet, Shown, Underlay};
+use crate::gpu::{Backdrop, BackdropDraw, BackdropPicture, Fill, Gpu, GpuError};
 use crate::ui::state::pixels::pixels as pixels_of;
 use crate::ui::style::theme;
 use crate::ui::thread::session::Picture;
@@ -14,11 +14,11 @@ use egui::{Color32, LayerId, Order, PaintCallbackInfo, Rect, Shape, Ui};
 
 /// The window's graphics device, for what lies under the controls.
 #[derive(Debug)]
-pub struct Canvas(Underlay);
+pub struct Canvas(Backdrop);
 
 /// Where what lies.
 #[derive(Default)]
-pub(crate) struct Grounds {
+pub(crate) struct BackdropList {
     canvas: Option<Canvas>,
     fills: Vec<(Rect, Color32)>,
     details: Vec<(Rect, Color32)>,
@@ -35,11 +35,11 @@ impl Canvas {
     /// What the device refuses.
     pub fn new(state: &RenderState) -> Result<Self, GpuError> {
         let gpu = Gpu::from_wgpu(&state.adapter, state.device.clone(), state.queue.clone())?;
-        Ok(Self(Underlay::new(gpu, state.target_format)?))
+        Ok(Self(Backdrop::new(gpu, state.target_format)?))
     }
 }
 
-impl Grounds {
+impl BackdropList {
     pub(crate) fn on(canvas: Canvas) -> Self {
         Self { canvas: Some(canvas), ..Self::default() }
     }
@@ -49,14 +49,14 @@ impl Grounds {
     /// # Errors
     /// What the device refuses.
     pub(crate) fn take(&mut self, picture: &Picture) -> Result<(), GpuError> {
-        let Some(Canvas(underlay)) = &mut self.canvas else { return Ok(()) };
-        underlay.take(picture.view as u32, picture.size, &picture.rgba)
+        let Some(Canvas(backdrop)) = &mut self.canvas else { return Ok(()) };
+        backdrop.take(picture.view as u32, picture.size, &picture.rgba)
     }
 
     /// Forgets all pictures.
     pub(crate) fn forget(&mut self) {
-        if let Some(Canvas(underlay)) = &mut self.canvas {
-            underlay.forget();
+        if let Some(Canvas(backdrop)) = &mut self.canvas {
+            backdrop.forget();
         }
     }
 
@@ -97,29 +97,31 @@ impl Grounds {
     /// # Errors
     /// What the device refuses.
     pub(crate) fn end(&mut self, ui: &Ui) -> Result<(), GpuError> {
-        let (Some(Canvas(underlay)), Some(place)) = (&self.canvas, self.under.take()) else { return Ok(()) };
+        let (Some(Canvas(backdrop)), Some(place)) = (&self.canvas, self.under.take()) else { return Ok(()) };
         let (scale, window) = (ui.pixels_per_point(), ui.ctx().viewport_rect());
         let fill = |&(rect, colour): &(Rect, Color32)| Fill { place: pixels(rect, scale), colour: parts(colour) };
         let under: Vec<_> = self.fills.iter().chain(&self.details).map(fill).collect();
-        let shown =
-            self.pictures.iter().map(|&(rect, view)| Shown { place: pixels(rect, scale), picture: view as u32 });
+        let shown = self
+            .pictures
+            .iter()
+            .map(|&(rect, view)| BackdropPicture { place: pixels(rect, scale), picture: view as u32 });
         let shown: Vec<_> = shown.collect();
         let over: Vec<_> = self.marks.iter().map(fill).collect();
-        let sheet = underlay.sheet(pixels_of(window, scale), &under, &shown, &over)?;
-        ui.painter().set(place, Callback::new_paint_callback(window, Drawn(sheet)));
+        let draw = backdrop.prepare(pixels_of(window, scale), &under, &shown, &over)?;
+        ui.painter().set(place, Callback::new_paint_callback(window, BackdropPass(draw)));
         Ok(())
     }
 
     /// Darkens the whole window under a question.
     pub(crate) fn shade(&self, ctx: &egui::Context) {
-        let Some(Canvas(underlay)) = &self.canvas else { return };
+        let Some(Canvas(backdrop)) = &self.canvas else { return };
         let (scale, window) = (ctx.pixels_per_point(), ctx.viewport_rect());
         let fill = Fill { place: pixels(window, scale), colour: parts(theme::SHADE) };
         // A refusal is reported by what lies under all controls.
-        if let Ok(sheet) = underlay.sheet(pixels_of(window, scale), &[fill], &[], &[]) {
+        if let Ok(draw) = backdrop.prepare(pixels_of(window, scale), &[fill], &[], &[]) {
             // A layer that is no window's comes after all windows of its order.
             let layer = LayerId::new(Order::Middle, egui::Id::unique("shade"));
-            ctx.layer_painter(layer).add(Callback::new_paint_callback(window, Drawn(sheet)));
+            ctx.layer_painter(layer).add(Callback::new_paint_callback(window, BackdropPass(draw)));
         }
     }
 }
@@ -132,9 +134,9 @@ fn parts(colour: Color32) -> [f32; 4] {
     colour.to_array().map(|x| f32::from(x) / 255.0)
 }
 
-struct Drawn(Sheet);
+struct BackdropPass(BackdropDraw);
 
-impl CallbackTrait for Drawn {
+impl CallbackTrait for BackdropPass {
     fn paint(&self, _: PaintCallbackInfo, pass: &mut wgpu::RenderPass<'static>, _: &CallbackResources) {
         self.0.draw(pass);
     }

@@ -62,7 +62,7 @@ impl App {
                 });
             });
         });
-        self.grounds.fill(strip.response.rect, theme::BAR);
+        self.backdrop.fill(strip.response.rect, theme::BAR);
         if let Some(step) = clicked {
             // A step needs those before it: whoever begins with the last one sees what it is for all the same.
             (next.min(step)..=step).for_each(|step| self.do_step(step));

@@ -9,7 +9,7 @@ use crate::ui::browse::names::shown;
 use crate::ui::state::dialog::Dialog;
 use crate::ui::state::dialog::Lost;
 use crate::ui::state::transfer_editor::TransferEditor;
-use crate::ui::thread::session::{Gravity, Report};
+use crate::ui::thread::session::{Report, Severity};
 use crate::ui::window::app::{App, Busy};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -30,7 +30,7 @@ impl App {
                     if opened_anew {
                         self.all_mended();
                         self.pictures.clear();
-                        self.grounds.forget();
+                        self.backdrop.forget();
                         self.trail.clear();
                         self.viewports.forget_sizes();
                         self.transfer = TransferEditor::default();
@@ -45,7 +45,7 @@ impl App {
                     self.probe_again |= !snapshot.moving;
                     self.snapshot = snapshot;
                 }
-                Report::Picture(picture) => match self.grounds.take(&picture) {
+                Report::Picture(picture) => match self.backdrop.take(&picture) {
                     Ok(()) => {
                         if picture.view == ViewName::ThreeD {
                             self.trail.shown(picture.serial);
@@ -54,7 +54,7 @@ impl App {
                     }
                     Err(error) => {
                         self.pictures.lose(picture.view);
-                        self.say(Gravity::Error, error.to_string());
+                        self.say(Severity::Error, error.to_string());
                     }
                 },
                 Report::Sketch(command, sketch) => self.take_sketch(&command, sketch),
@@ -70,11 +70,11 @@ impl App {
                     }
                 }
                 Report::Finished => self.busy = None,
-                Report::Message(gravity, text) => {
-                    if gravity == Gravity::Error {
+                Report::Message(severity, text) => {
+                    if severity == Severity::Error {
                         self.wait_no_more();
                     }
-                    self.say(gravity, text);
+                    self.say(severity, text);
                 }
                 Report::Offer(_) if self.names_source() => {}
                 Report::Offer(offer) => self.dialog = Some(Dialog::Offer(offer)),

@@ -4,9 +4,9 @@
 
 use crate::document::{Command, ProjectCommand};
 use crate::ui::state::dialog::Dialog;
-use crate::ui::state::path_purpose::What;
+use crate::ui::state::path_purpose::PathPurpose;
 use crate::ui::state::saving::AfterSave;
-use crate::ui::state::saving::Coming;
+use crate::ui::state::saving::OpenTarget;
 use crate::ui::style::theme;
 use crate::ui::window::app::App;
 use egui::{Button, ProgressBar, Ui, ViewportCommand, vec2};
@@ -27,7 +27,7 @@ impl App {
         if self.snapshot.project.is_some() {
             self.send_save(None);
         } else {
-            self.ask(What::SaveAs);
+            self.ask(PathPurpose::SaveAs);
         }
     }
 
@@ -40,7 +40,7 @@ impl App {
     }
 
     /// Opens something, but asks first what becomes of unsaved work.
-    pub(crate) fn open_guarded(&mut self, coming: Coming) {
+    pub(crate) fn open_guarded(&mut self, coming: OpenTarget) {
         if self.snapshot.unsaved {
             self.dialog = Some(Dialog::Replace(coming));
         } else {
@@ -49,11 +49,11 @@ impl App {
     }
 
     /// What is open is replaced.
-    pub(crate) fn open_now(&mut self, coming: Coming) {
+    pub(crate) fn open_now(&mut self, coming: OpenTarget) {
         match coming {
-            Coming::Path(path) => self.open(&path),
-            Coming::Volume(path, open_as) => self.open_as(path, open_as),
-            Coming::Lost { id, .. } => self.send(Command::Project(ProjectCommand::Recover { id })),
+            OpenTarget::Path(path) => self.open(&path),
+            OpenTarget::Volume(path, open_as) => self.open_as(path, open_as),
+            OpenTarget::Lost { id, .. } => self.send(Command::Project(ProjectCommand::Recover { id })),
         }
     }
 

@@ -2,10 +2,10 @@
 
 use crate::document::OpenAs;
 use crate::ui::browse::names::{date, shown};
-use crate::ui::state::path_purpose::{What, formats};
+use crate::ui::state::path_purpose::{PathPurpose, formats};
 use crate::ui::state::recent::Seen;
 use crate::ui::state::sample::Sample;
-use crate::ui::state::saving::Coming;
+use crate::ui::state::saving::OpenTarget;
 use crate::ui::style::icons;
 use crate::ui::style::icons::Icon;
 use crate::ui::style::theme;
@@ -82,12 +82,12 @@ impl App {
         ui.add_space(12.0);
         ui.horizontal(|ui| {
             if ui.add(primary("Open…")).on_hover_text("A volume or a project (Ctrl + O)").clicked() {
-                self.ask(What::Open);
+                self.ask(PathPurpose::Open);
             }
             let add = egui::Button::new("Add a volume…").min_size(vec2(110.0, 30.0));
             let tip = "To the document from which all volumes were taken away; Ctrl + Z brings the last one back";
             if self.has_document() && ui.add(add).on_hover_text(tip).clicked() {
-                self.ask(What::Add);
+                self.ask(PathPurpose::Add);
             }
             let sample = egui::Button::new("Open the sample head").min_size(vec2(150.0, 30.0));
             let tip = "An MRI scan of a head that comes with the program, to try things on";
@@ -117,7 +117,7 @@ impl App {
     pub(crate) fn open_sample(&mut self) {
         let Some(sample) = self.recent.folder().map(Sample::below) else { return };
         match sample.lay() {
-            Ok(()) => self.open_guarded(Coming::Path(sample.head)),
+            Ok(()) => self.open_guarded(OpenTarget::Path(sample.head)),
             Err(error) => self.complain("volume.open", error),
         }
     }
@@ -163,7 +163,7 @@ impl App {
         match open {
             // What it means was said when it was opened first.
             Some(Seen { path, project: false, open_as: Some(open_as), .. }) => {
-                self.open_guarded(Coming::Volume(path, open_as));
+                self.open_guarded(OpenTarget::Volume(path, open_as));
             }
             Some(seen) => self.open_asked(seen.path),
             None => {}

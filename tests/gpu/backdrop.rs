@@ -1,14 +1,14 @@
 //! What lies under a window's controls, pixel by pixel.
 
 use crate::common::gpu::gpu;
-use burin::gpu::{Fill, Gpu, Sheet, Shown, Underlay};
+use burin::gpu::{Backdrop, BackdropDraw, BackdropPicture, Fill, Gpu};
 
 const SIZE: [u32; 2] = [64, 16];
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// What the target is before; no colour of a test.
 const BEFORE: [u8; 4] = [10, 200, 30, 255];
 
-fn drawn(gpu: &Gpu, sheet: &Sheet) -> impl Fn(u32, u32) -> [u8; 4] + use<> {
+fn drawn(gpu: &Gpu, backdrop: &BackdropDraw) -> impl Fn(u32, u32) -> [u8; 4] + use<> {
     let (device, queue) = gpu.raw();
     let target = device.create_texture(&wgpu::TextureDescriptor {
         label: None,
@@ -36,7 +36,7 @@ fn drawn(gpu: &Gpu, sheet: &Sheet) -> impl Fn(u32, u32) -> [u8; 4] + use<> {
             color_attachments: &[Some(attachment)],
             ..Default::default()
         });
-        sheet.draw(&mut pass);
+        backdrop.draw(&mut pass);
     }
     let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(SIZE[0] * 4), rows_per_image: None };
     let into = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
@@ -57,15 +57,17 @@ fn picture([width, height]: [u32; 2]) -> Vec<u8> {
 #[test]
 fn a_picture_of_its_places_size_is_shown_as_it_is_and_fills_lie_under_and_over_it() {
     let Some(gpu) = gpu() else { return };
-    let mut underlay = Underlay::new(gpu.clone(), FORMAT).unwrap();
-    underlay.take(2, [20, 6], &picture([20, 6])).unwrap();
+    let mut backdrop = Backdrop::new(gpu.clone(), FORMAT).unwrap();
+    backdrop.take(2, [20, 6], &picture([20, 6])).unwrap();
     let red = [1.0, 0.0, 0.0, 1.0];
     let under = [Fill { place: [3.0, 2.0, 40.0, 12.0], colour: red }];
     // Half of white over it: multiplied by alpha, as egui's colours are.
     let over = [Fill { place: [12.0, 5.0, 13.0, 6.0], colour: [0.5; 4] }];
-    let shown =
-        [Shown { place: [10.0, 4.0, 30.0, 10.0], picture: 2 }, Shown { place: [50.0, 0.0, 64.0, 16.0], picture: 3 }];
-    let at = drawn(&gpu, &underlay.sheet(SIZE, &under, &shown, &over).unwrap());
+    let shown = [
+        BackdropPicture { place: [10.0, 4.0, 30.0, 10.0], picture: 2 },
+        BackdropPicture { place: [50.0, 0.0, 64.0, 16.0], picture: 3 },
+    ];
+    let at = drawn(&gpu, &backdrop.prepare(SIZE, &under, &shown, &over).unwrap());
     for (x, y) in [(0, 0), (2, 2), (3, 1), (40, 5), (5, 12), (55, 8)] {
         assert_eq!(at(x, y), BEFORE, "nothing lies at {x} {y}, and picture 3 never came");
     }
@@ -86,34 +88,34 @@ fn a_picture_of_its_places_size_is_shown_as_it_is_and_fills_lie_under_and_over_i
 #[test]
 fn a_coarse_picture_is_enlarged_without_steps_and_a_new_one_replaces_it() {
     let Some(gpu) = gpu() else { return };
-    let mut underlay = Underlay::new(gpu.clone(), FORMAT).unwrap();
-    let whole = [Shown { place: [0.0, 0.0, 64.0, 16.0], picture: 0 }];
+    let mut backdrop = Backdrop::new(gpu.clone(), FORMAT).unwrap();
+    let whole = [BackdropPicture { place: [0.0, 0.0, 64.0, 16.0], picture: 0 }];
     let grey = |values: &[u8]| values.iter().flat_map(|&v| [v, v, v, 255]).collect::<Vec<u8>>();
-    underlay.take(0, [2, 1], &grey(&[0, 200])).unwrap();
-    let at = drawn(&gpu, &underlay.sheet(SIZE, &[], &whole, &[]).unwrap());
+    backdrop.take(0, [2, 1], &grey(&[0, 200])).unwrap();
+    let at = drawn(&gpu, &backdrop.prepare(SIZE, &[], &whole, &[]).unwrap());
     // Texel centres lie at a quarter and three quarters; between them it is linear.
     for x in [0, 8, 15, 20, 31, 40, 47, 48, 60, 63] {
         let share = ((f64::from(x) + 0.5) / 64.0 * 2.0 - 0.5).clamp(0.0, 1.0);
         let found = i32::from(at(x, 7)[0]);
         assert!((found - (share * 200.0).round() as i32).abs() <= 2, "{found} at {x}, {share} of the way");
     }
-    underlay.take(0, [1, 1], &grey(&[90])).unwrap();
-    let at = drawn(&gpu, &underlay.sheet(SIZE, &[], &whole, &[]).unwrap());
+    backdrop.take(0, [1, 1], &grey(&[90])).unwrap();
+    let at = drawn(&gpu, &backdrop.prepare(SIZE, &[], &whole, &[]).unwrap());
     assert_eq!((at(0, 0), at(63, 15)), ([90, 90, 90, 255], [90, 90, 90, 255]));
-    underlay.forget();
-    let at = drawn(&gpu, &underlay.sheet(SIZE, &[], &whole, &[]).unwrap());
+    backdrop.forget();
+    let at = drawn(&gpu, &backdrop.prepare(SIZE, &[], &whole, &[]).unwrap());
     assert_eq!(at(32, 8), BEFORE);
 }
 
 #[test]
 fn a_picture_that_does_not_fit_its_numbers_or_the_device_is_refused_in_words() {
     let Some(gpu) = gpu() else { return };
-    let mut underlay = Underlay::new(gpu.clone(), FORMAT).unwrap();
-    let short = underlay.take(0, [2, 2], &[0; 15]).unwrap_err().to_string();
+    let mut backdrop = Backdrop::new(gpu.clone(), FORMAT).unwrap();
+    let short = backdrop.take(0, [2, 2], &[0; 15]).unwrap_err().to_string();
     assert!(short.contains("15 bytes found") && short.contains("2 × 2"), "{short}");
-    assert!(underlay.take(0, [0, 2], &[]).is_err());
+    assert!(backdrop.take(0, [0, 2], &[]).is_err());
     let most = gpu.raw().0.limits().max_texture_dimension_2d;
-    let wide = underlay.take(0, [most + 1, 1], &vec![0; (most as usize + 1) * 4]).unwrap_err().to_string();
+    let wide = backdrop.take(0, [most + 1, 1], &vec![0; (most as usize + 1) * 4]).unwrap_err().to_string();
     assert!(wide.contains("a window's picture"), "{wide}");
     gpu.check().unwrap();
 }
