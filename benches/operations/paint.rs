@@ -48,8 +48,9 @@ impl Easel {
         self.painter.begin(VolumeId::FIRST, &volume.fields(), brush, &Segments::default(), Reach([0.0; 2]))?;
         let mut path = StrokePath::new(brush, &volume.grid)?;
         let dabs = path.extend(&[Sample { position: at, normal: DVec3::Z, pressure: 1.0, breaks: false }])?;
-        self.painter.extend(&mut self.pools, &volume.fields(), &dabs)?;
-        let changed = self.painter.finish(&mut self.pools, &volume.fields())?;
+        self.painter.extend(&mut self.pools, &volume.fields(), &[(VolumeId::FIRST, &dabs)])?;
+        let painted = self.painter.finish(&mut self.pools, &volume.fields())?;
+        let changed: Vec<_> = painted.into_iter().flat_map(|(_, bricks)| bricks).collect();
         let bricks = changed.len();
         let kind = brush.target.field();
         let field = match kind {

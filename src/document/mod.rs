@@ -55,7 +55,7 @@ pub use state::State;
 pub use subject::Subject;
 pub use watch::Watch;
 
-use crate::document::apply::stroke::Running;
+use crate::document::apply::painting::Running;
 use crate::document::command::answers::{Answer, Said, StepSaid};
 use crate::document::command::effects::{Noted, Remembered};
 use crate::document::history::edit::Edit;

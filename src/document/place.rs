@@ -59,7 +59,7 @@ impl Document {
         if !px.is_finite() {
             return Err(DocumentError::invalid("px", px, "two finite numbers"));
         }
-        let frame = state.looking(None, self.motion.poses(), &state.scene.views.camera, size);
+        let frame = state.looking(&[state.scene.volumes.active], self.motion.poses(), &state.scene.views.camera, size);
         self.graphics.pick(state, &frame, px)
     }
 }

@@ -73,7 +73,7 @@ impl State {
 
     fn no_volume(&self, named: Option<VolumeId>) -> DocumentError {
         match named {
-            Some(id) if !self.volumes.is_empty() => self.scene.volumes.none_of(id),
+            Some(id) if !self.volumes.is_empty() => self.scene.volumes.none_of("volume", id),
             _ => DocumentError::NothingOpen,
         }
     }

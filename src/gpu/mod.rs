@@ -13,7 +13,7 @@ pub(crate) mod picture;
 mod slice;
 
 pub use backdrop::{Backdrop, BackdropDraw, BackdropPicture, Fill};
-pub use brush::painter::Painter;
+pub use brush::painter::{PaintedBricks, Painter};
 pub use cast::caster::Caster;
 pub use cast::forms::Form;
 pub use cast::probe::Hit;

@@ -20,7 +20,7 @@ pub use build_up::BuildUpBound;
 pub use dab::{Dab, EDGE, Footprint, IndexBox, half_diagonal_mm};
 pub use error::PaintError;
 pub use gate::{GATE_WORDS, Gate};
-pub use path::{MAX_DABS, StrokePath};
+pub use path::{MAX_DABS, StrokePath, step_mm};
 pub use reach::Reach;
 pub use surface::{CLOSE_VOXELS, Seen, SurfaceRule};
 pub use voxel_set::VoxelSet;

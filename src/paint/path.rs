@@ -51,6 +51,15 @@ impl StrokePath {
     /// # Errors
     /// If the brush is not valid, or its radius is more than 65,536 voxels of this grid.
     pub fn new(brush: &Brush, grid: &Grid) -> Result<Self, PaintError> {
+        Self::apart_by(step_mm(brush, [grid]), brush, grid)
+    }
+
+    /// The way of a stroke on one of several volumes that it paints at once: its dabs are `step_mm` apart, the [`step_mm`] of all of
+    /// them. So the same dabs lie on each, but for those that a thin brush gives to single voxels.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn apart_by(step_mm: f64, brush: &Brush, grid: &Grid) -> Result<Self, PaintError> {
         brush.check()?;
         if brush.radius_mm > MAX_RADIUS_VOXELS * grid.voxel_mm() {
             return Err(PaintError::Brush {
@@ -59,15 +68,7 @@ impl StrokePath {
                 expected: "at most 65,536 voxels of the volume",
             });
         }
-        let inverse = grid.index_from_world();
-        let rows = inverse.matrix3.transpose();
-        let thinnest = 1.0 / rows.x_axis.length().max(rows.y_axis.length()).max(rows.z_axis.length());
-        let step_mm = if brush.radius_mm > 0.0 {
-            (brush.spacing * brush.radius_mm).max(thinnest * LEAST_STEP)
-        } else {
-            thinnest * 0.25
-        };
-        let thin = (brush.radius_mm < half_diagonal_mm(grid)).then_some([inverse, grid.world_from_index]);
+        let thin = (brush.radius_mm < half_diagonal_mm(grid)).then(|| [grid.index_from_world(), grid.world_from_index]);
         Ok(Self {
             radius_mm: brush.radius_mm,
             step_mm,
@@ -190,6 +191,20 @@ impl StrokePath {
 
     fn dab(&self, centre: DVec3, pressure: f32, normal: DVec3) -> Dab {
         Dab { centre, radius_mm: self.radius_mm, pressure, normal }
+    }
+}
+
+/// Distance between dabs along the way, mm, of a stroke that paints volumes of these lattices at once: decided once, by the thinnest
+/// layer of voxels in any of them, so that what a place of the world gets does not depend on which volume it is asked of.
+pub fn step_mm<'a>(brush: &Brush, grids: impl IntoIterator<Item = &'a Grid>) -> f64 {
+    let thinnest = |grid: &Grid| {
+        let rows = grid.index_from_world().matrix3.transpose();
+        1.0 / rows.x_axis.length().max(rows.y_axis.length()).max(rows.z_axis.length())
+    };
+    let thinnest = grids.into_iter().map(thinnest).fold(f64::INFINITY, f64::min);
+    match brush.radius_mm > 0.0 {
+        true => (brush.spacing * brush.radius_mm).max(thinnest * LEAST_STEP),
+        false => thinnest * 0.25,
     }
 }
 

@@ -1,7 +1,7 @@
 //! The volume of documents that have one.
 
 use burin::document::{KeptDocument, KeptVolume, Scene, State};
-use burin::volume::{Segments, Volume, VolumeId};
+use burin::volume::{FieldKey, Segments, Volume, VolumeId};
 
 /// A document of one volume.
 pub trait One {
@@ -37,4 +37,10 @@ impl One for KeptDocument {
 /// What its labels mean.
 pub fn segments(scene: &mut Scene) -> &mut Segments {
     scene.segments_mut(VolumeId::FIRST).unwrap()
+}
+
+/// What is said of the only field that was painted.
+pub fn of_one<T>(mut said: Vec<(FieldKey, T)>) -> T {
+    assert_eq!(said.len(), 1);
+    said.remove(0).1
 }

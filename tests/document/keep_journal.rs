@@ -298,8 +298,8 @@ fn samples_of_a_stroke_that_was_running_come_back_until_it_ends() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
     let (mut keeper, project) = project(dir.path(), &state);
-    keeper.samples(burin::volume::VolumeId::FIRST, &[sample(1.0)]).unwrap();
-    keeper.samples(burin::volume::VolumeId::FIRST, &[sample(2.0), sample(3.0)]).unwrap();
+    keeper.samples(&[burin::volume::VolumeId::FIRST], &[sample(1.0)]).unwrap();
+    keeper.samples(&[burin::volume::VolumeId::FIRST], &[sample(2.0), sample(3.0)]).unwrap();
     // What goes on beside the stroke does not end it.
     keeper.record(&other_command(), &state, &[], false).unwrap();
     drop(keeper);
@@ -309,7 +309,7 @@ fn samples_of_a_stroke_that_was_running_come_back_until_it_ends() {
     drop(keeper);
     assert_eq!(reopened(&project).1.stroke, []);
     let (mut keeper, _) = Keeper::open(&project).unwrap();
-    keeper.samples(burin::volume::VolumeId::FIRST, &[sample(4.0)]).unwrap();
+    keeper.samples(&[burin::volume::VolumeId::FIRST], &[sample(4.0)]).unwrap();
     let touched = step(&mut state, 1);
     keeper.record(&command(), &state, &touched, true).unwrap();
     drop(keeper);
@@ -436,7 +436,7 @@ fn a_stroke_that_ran_or_a_journal_that_is_damaged_may_be_work() {
     let state = state(SMALL, dir.path());
     let begun = |folder: &Path, taken_back: bool| {
         let mut keeper = Keeper::unsaved(folder, &state).unwrap();
-        keeper.samples(burin::volume::VolumeId::FIRST, &[sample(1.0)]).unwrap();
+        keeper.samples(&[burin::volume::VolumeId::FIRST], &[sample(1.0)]).unwrap();
         if taken_back {
             keeper.no_stroke().unwrap();
         }
@@ -501,7 +501,7 @@ fn a_journal_that_is_long_while_a_stroke_runs_keeps_its_samples() {
     let mut state = state(SMALL, dir.path());
     let (mut keeper, project) = project(dir.path(), &state);
     let samples: Vec<Sample> = (0..5).map(|i| sample(f64::from(i))).collect();
-    keeper.samples(burin::volume::VolumeId::FIRST, &samples).unwrap();
+    keeper.samples(&[burin::volume::VolumeId::FIRST], &samples).unwrap();
     for n in 0..60 {
         let (kind, index, _) = paint(&mut state, FieldKind::Colour, [n % 2, 0, 0], u64::from(5 * n + 1));
         keeper.record(&other_command(), &state, &[(kind, index)], false).unwrap();

@@ -75,7 +75,7 @@ fn paints_and_saves_until_it_is_killed() {
             let position = DVec3::new(f64::from(i), n as f64, 0.0);
             keeper
                 .samples(
-                    burin::volume::VolumeId::FIRST,
+                    &[burin::volume::VolumeId::FIRST],
                     &[Sample { position, normal: DVec3::Z, pressure: 1.0, breaks: false }],
                 )
                 .unwrap();

@@ -48,6 +48,7 @@ mod script;
 mod sculpt;
 mod selection;
 mod strokes;
+mod strokes_across;
 mod surface;
 mod unharmed;
 mod values;

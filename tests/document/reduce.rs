@@ -102,7 +102,7 @@ fn a_command_copies_the_component_that_it_changes_and_shares_the_others() {
         let document = labelled();
         let before = document.state().unwrap().scene.clone();
         let Some(after) = foretold(&document, &line) else { continue };
-        let Scene { volumes, shown, transfer, look, views, layers, brush, explosion } = &before;
+        let Scene { volumes, shown, transfer, look, views, layers, brush, also, explosion } = &before;
         let shared = [
             volumes.is_same(&after.volumes),
             shown.is_same(&after.shown),
@@ -111,6 +111,7 @@ fn a_command_copies_the_component_that_it_changes_and_shares_the_others() {
             views.is_same(&after.views),
             layers.is_same(&after.layers),
             brush.is_same(&after.brush),
+            also.is_same(&after.also),
             explosion.is_same(&after.explosion),
         ];
         // How a volume is shown is asked to be changed before the document's own look is.

@@ -7,6 +7,7 @@ mod slots;
 mod strokes;
 
 use crate::common::gpu::gpu;
+use crate::common::one::of_one;
 use crate::common::volumes::*;
 use burin::gpu::{FieldPools, Gpu, Painter};
 use burin::math::{DAffine3, DMat3, DVec3};
@@ -32,6 +33,11 @@ fn grid_of(dims: [u32; 3], kind: usize) -> Grid {
     let slabs = DMat3::from_diagonal(DVec3::new(0.7, 0.9, 2.5));
     let matrix3 = [slabs, turned, sheared][kind];
     Grid { dims, world_from_index: DAffine3 { matrix3, translation: DVec3::new(-31.5, 12.25, 100.0) } }
+}
+
+/// The bricks that the only volume's stroke shows in.
+fn touched(painter: &Painter) -> Vec<BrickIndex> {
+    painter.touched().into_iter().map(|(_, brick)| brick).collect()
 }
 
 /// Four fields with something in every voxel, on the GPU.
@@ -150,13 +156,14 @@ impl Canvas {
     fn extend(&mut self, dabs: &[Dab]) -> Vec<BrickIndex> {
         let Self { grid, density, colour, selection, labels, painter, pools, .. } = self;
         let fields = one_volume(grid, density, colour, selection, labels);
-        painter.extend(pools, &fields, dabs).unwrap()
+        let met = painter.extend(pools, &fields, &[(VolumeId::FIRST, dabs)]).unwrap();
+        met.into_iter().map(|(_, brick)| brick).collect()
     }
 
     fn finish(&mut self) -> Vec<(BrickIndex, Brick)> {
         let Self { grid, density, colour, selection, labels, painter, pools, .. } = self;
         let fields = one_volume(grid, density, colour, selection, labels);
-        painter.finish(pools, &fields).unwrap()
+        of_one(painter.finish(pools, &fields).unwrap())
     }
 
     /// A whole stroke in three frames; answers the texels that the field then has. The field itself stays as it was.

@@ -3,6 +3,7 @@
 
 use super::pools::{NOISE, blanks, budget_of, check_density, fields, noisy};
 use crate::common::gpu::{gpu, sample};
+use crate::common::one::of_one;
 use crate::common::volumes::*;
 use burin::gpu::{Body, FieldPools, Frame, Gpu, Mask, Painter};
 use burin::math::{DVec3, Plane};
@@ -109,18 +110,18 @@ fn what_a_stroke_painted_is_not_uploaded_again_and_what_it_did_not_keep_is() {
     let before = values(&pools);
     let stroke = |painter: &mut Painter, pools: &mut FieldPools, density: &Field| {
         painter.begin(VolumeId::FIRST, &fields(density, &none), &brush, &Segments::default(), Reach([0.0; 2])).unwrap();
-        painter.extend(pools, &fields(density, &none), &[dab]).unwrap();
+        painter.extend(pools, &fields(density, &none), &[(VolumeId::FIRST, &[dab])]).unwrap();
     };
     // Taken back: the slots are right again without an upload.
     stroke(&mut painter, &mut pools, &density);
     let uploaded = pools.work().1;
-    let refresh = painter.cancel(&mut pools).unwrap();
+    let refresh = of_one(painter.cancel(&mut pools).unwrap());
     pools.refresh_painted(&gpu, FieldKind::Density, &density, &refresh).unwrap();
     pools.make_resident(&gpu, &fields(&density, &none), &frame).unwrap();
     assert_eq!((pools.work().1, values(&pools)), (uploaded, before.clone()), "cancelled");
     // Lost on the way to the field: the slots are made as the field is.
     stroke(&mut painter, &mut pools, &density);
-    let bricks = painter.finish(&mut pools, &fields(&density, &none)).unwrap();
+    let bricks = of_one(painter.finish(&mut pools, &fields(&density, &none)).unwrap());
     assert_eq!(values(&pools), [3900.0; 2]);
     pools.make_resident(&gpu, &fields(&density, &none), &frame).unwrap();
     assert_eq!(values(&pools), before, "not kept");
@@ -135,7 +136,7 @@ fn what_a_stroke_painted_is_not_uploaded_again_and_what_it_did_not_keep_is() {
     pools.refresh(&gpu, FieldKind::Density, &density, &refresh).unwrap();
     // Kept: nothing of level 0 is uploaded.
     stroke(&mut painter, &mut pools, &density);
-    assert_eq!(painter.finish(&mut pools, &fields(&density, &none)).unwrap(), bricks);
+    assert_eq!(of_one(painter.finish(&mut pools, &fields(&density, &none)).unwrap()), bricks);
     let (_, refresh) = density.swap(bricks.into_iter().map(|(i, b)| (i, Some(b))).collect()).unwrap();
     let uploaded = pools.work().1;
     pools.refresh_painted(&gpu, FieldKind::Density, &density, &refresh).unwrap();

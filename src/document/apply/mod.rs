@@ -10,6 +10,7 @@ pub(crate) mod explosion;
 pub(crate) mod labels;
 pub(crate) mod open;
 pub(crate) mod overlap;
+pub(crate) mod painting;
 pub(crate) mod part;
 pub(crate) mod project;
 pub(crate) mod render;

@@ -279,8 +279,8 @@ impl Document {
         }
         self.no_stroke();
         let keeper = self.keeper.take();
-        let volume = recovered.stroke_volume;
-        let begun = self.begin_stroke(volume, Resolved { samples: recovered.stroke.clone(), ..Resolved::default() });
+        let resolved = Resolved { samples: recovered.stroke.clone(), ..Resolved::default() };
+        let begun = self.begin_stroke(&recovered.stroke_volumes, resolved);
         self.keeper = keeper;
         match begun.and_then(|_| self.finish_stroke()) {
             Ok(_) => StrokeFate::Painted,

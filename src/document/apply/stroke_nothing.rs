@@ -10,13 +10,12 @@ use std::collections::HashMap;
 /// Voxels that are looked at; of a larger stroke only what needs no look is told.
 const MOST_VOXELS: u64 = 1 << 22;
 
-/// The sentence; `missed` points met nothing.
+/// The sentence; `missed` points met nothing, `seen` is the visible surface that it kept to, its dabs lie `step_mm` apart.
 pub(super) fn why_nothing(
     subject: &Subject<'_>,
     brush: &Brush,
-    samples: &[Sample],
-    missed: u64,
-    seen: &VoxelSet,
+    (samples, missed): (&[Sample], u64),
+    (seen, step_mm): (&VoxelSet, f64),
 ) -> Result<String, SourceError> {
     if samples.is_empty() {
         return Ok(match missed {
@@ -32,7 +31,7 @@ pub(super) fn why_nothing(
         return Ok("The pressure was 0 all along.".into());
     }
     let footprints: Vec<_> =
-        dabs(brush, samples, subject).iter().filter_map(|d| d.footprint(brush, subject.grid())).collect();
+        dabs(brush, samples, subject, step_mm).iter().filter_map(|d| d.footprint(brush, subject.grid())).collect();
     let Some(bounds) = footprints.iter().map(|f| f.bounds).reduce(|a, b| a.union(&b)) else {
         return Ok("The stroke lay outside the volume.".into());
     };
@@ -70,8 +69,8 @@ pub(super) fn why_nothing(
     .into())
 }
 
-fn dabs(brush: &Brush, samples: &[Sample], subject: &Subject<'_>) -> Vec<Dab> {
-    let Ok(mut path) = StrokePath::new(brush, subject.grid()) else { return Vec::new() };
+fn dabs(brush: &Brush, samples: &[Sample], subject: &Subject<'_>, step_mm: f64) -> Vec<Dab> {
+    let Ok(mut path) = StrokePath::apart_by(step_mm, brush, subject.grid()) else { return Vec::new() };
     let mut dabs = path.extend(samples).unwrap_or_default();
     dabs.extend(path.end());
     dabs

@@ -63,23 +63,30 @@ pub(crate) struct Resolved {
 
 impl State {
     /// What a look into the 3D view is marched by: the picture on its plain lattice, with samples dense enough to tell where a surface
-    /// of a volume is, the active one if none is named.
-    pub(crate) fn looking(&self, volume: Option<VolumeId>, poses: &Poses, camera: &Camera, size: [u32; 2]) -> Frame {
+    /// of these volumes is.
+    pub(crate) fn looking(&self, volumes: &[VolumeId], poses: &Poses, camera: &Camera, size: [u32; 2]) -> Frame {
         let frame = self.frame(poses, camera, size);
-        let dense = self.at(volume).map_or(f64::INFINITY, |subject| STEP_VOXELS * subject.grid().voxel_mm());
-        let step_mm = frame.step_mm.min(dense);
+        let step_mm = frame.step_mm.min(STEP_VOXELS * self.finest_mm(volumes));
         Frame { step_mm, refine: false, ..frame }
+    }
+
+    /// The smallest spacing of these volumes, mm.
+    fn finest_mm(&self, volumes: &[VolumeId]) -> f64 {
+        let subjects = volumes.iter().filter_map(|id| self.subject(*id));
+        subjects.map(|subject| subject.grid().voxel_mm()).fold(f64::INFINITY, f64::min)
     }
 }
 
 impl Document {
-    /// Resolves a stroke's points, the first after `trail`.
+    /// Resolves the points of a stroke on these volumes, the first after `trail`. Places in index and on slices are those of the first
+    /// volume; pixels of the 3D view are what the picture shows there, of whatever volume, looked at as finely as the finest of
+    /// them needs.
     ///
     /// # Errors
     /// As [`resolve`](Self::resolve).
     pub(crate) fn follow(
         &mut self,
-        volume: VolumeId,
+        volumes: &[VolumeId],
         points: &[StrokePoint],
         trail: Option<Trail>,
     ) -> Result<Resolved, DocumentError> {
@@ -88,15 +95,16 @@ impl Document {
         for point in points {
             match point.at {
                 Place::Pixel { view: ViewName::ThreeD, px, size } => {
-                    self.follow_pixel(volume, point, DVec2::from_array(px), size, &mut resolved)?;
+                    self.follow_pixel(volumes, point, DVec2::from_array(px), size, &mut resolved)?;
                 }
                 at => {
                     let given = match (point.normal, at) {
                         (Some(normal), Place::Mm(_) | Place::Index(_)) => Some(unit(normal)?),
                         _ => None,
                     };
-                    let sample =
-                        self.resolve(at, Some(volume))?.map(|s| Sample { normal: given.unwrap_or(s.normal), ..s });
+                    let sample = self
+                        .resolve(at, volumes.first().copied())?
+                        .map(|s| Sample { normal: given.unwrap_or(s.normal), ..s });
                     let StrokePoint { pressure, breaks, .. } = *point;
                     resolved.samples.extend(resolved.trail.take().into_iter().flat_map(|trail| trail.end()));
                     resolved.samples.extend(sample.map(|s| Sample { pressure, breaks, ..s }));
@@ -108,21 +116,22 @@ impl Document {
 
     fn follow_pixel(
         &mut self,
-        volume: VolumeId,
+        volumes: &[VolumeId],
         point: &StrokePoint,
         px: DVec2,
         size: Option<[u32; 2]>,
         resolved: &mut Resolved,
     ) -> Result<(), DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
-        let subject = state.at(Some(volume))?;
+        let subject = state.at(volumes.first().copied())?;
         let size = crate::document::scene::check::check_size(size.unwrap_or(state.scene.views.size))?;
         if !px.is_finite() {
             return Err(DocumentError::invalid("px", px, "two finite numbers"));
         }
         let camera = state.scene.views.camera;
-        let frame = state.looking(Some(volume), self.motion.poses(), &camera, size);
-        let (pixel_mm, voxel_mm) = (pixel_mm(&frame, &subject), subject.grid().voxel_mm());
+        let frame = state.looking(volumes, self.motion.poses(), &camera, size);
+        let sizes = volumes.iter().filter_map(|id| Some(pixel_mm(&frame, &state.subject(*id)?)));
+        let (pixel_mm, voxel_mm) = (sizes.fold(0.0, f64::max), state.finest_mm(volumes));
         let radius_mm = state.scene.brush.radius_mm;
         let rule = SurfaceRule {
             radius_mm,

@@ -29,7 +29,7 @@ impl Document {
     pub(crate) fn see(&mut self, volume: VolumeId, dabs: &[Dab], seen: &mut VoxelSet) -> Result<(), DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
         let (views, subject) = (&state.scene.views, state.at(Some(volume))?);
-        let frame = state.looking(Some(volume), self.motion.poses(), &views.camera, views.size);
+        let frame = state.looking(&[volume], self.motion.poses(), &views.camera, views.size);
         let mut areas: Vec<Area> = Vec::new();
         for body in frame.bodies.iter().filter(|body| body.volume == volume) {
             // Consecutive dabs that lie close together are one look; each body has its own.

@@ -118,6 +118,7 @@ pub enum Said {
     Layers(LayersSaid),
     Past(Box<PastSaid>),
     Brush(Box<BrushSaid>),
+    Also(AlsoSaid),
     Painted(PaintedSaid),
     Extended(ExtendedSaid),
     Cancelled(CancelledSaid),
@@ -171,7 +172,7 @@ macro_rules! said {
 said! {
     Opened(OpenedSaid), Saved(SavedSaid), Lost(LostSaid), Forgotten(ForgottenSaid), Exported(ExportedSaid),
     Transfer(TransferSaid), Camera(CameraSaid), View(ViewSaid), Slice(SliceSaid), Crosshair(CrosshairSaid),
-    Look(LookSaid), Window(WindowSaid), Layers(LayersSaid), Past(PastSaid), Brush(BrushSaid), Painted(PaintedSaid),
+    Look(LookSaid), Window(WindowSaid), Layers(LayersSaid), Past(PastSaid), Brush(BrushSaid), Also(AlsoSaid), Painted(PaintedSaid),
     Extended(ExtendedSaid), Cancelled(CancelledSaid), Selected(SelectedSaid), Segment(SegmentSaid),
     SegmentRemoved(SegmentRemovedSaid), ImportedSegments(ImportedSegmentsSaid), Split(SplitSaid), Part(PartSaid),
     Whole(WholeSaid), Degree(DegreeSaid), Forces(ForcesSaid), Seed(SeedSaid), Settled(SettledSaid), Moved(MovedSaid),
@@ -356,6 +357,13 @@ pub struct BrushSaid {
     pub brush: Brush,
 }
 
+/// `brush.also`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AlsoSaid {
+    /// What strokes paint besides the active volume.
+    pub also: Vec<VolumeId>,
+}
+
 /// A stroke that is done.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PaintedSaid {
@@ -367,6 +375,21 @@ pub struct PaintedSaid {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bricks_touched: Option<usize>,
     /// Why it changed nothing, in a sentence.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nothing: Option<String>,
+    /// Of each volume, where several were painted; the numbers above are their sums.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub volumes: Vec<PaintedOnSaid>,
+}
+
+/// What a stroke on several volumes did to one of them.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PaintedOnSaid {
+    pub volume: VolumeId,
+    pub dabs: u64,
+    pub voxels_changed: u64,
+    pub bricks_touched: usize,
+    /// Why nothing of it changed, in a sentence.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nothing: Option<String>,
 }

@@ -35,25 +35,39 @@ fn one() -> f32 {
 pub enum BrushCommand {
     /// Changes what is given and leaves the rest.
     Set(BrushChange),
+    /// Lets strokes that name no volume paint these besides the active one, while they are visible; an empty list: none. As the rest
+    /// of the brush it is saved, and undo leaves it alone. Answers `also`, the volumes in order.
+    Also {
+        /// Their numbers.
+        volumes: Vec<VolumeId>,
+    },
 }
 
 /// See [`Command::Stroke`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum StrokeCommand {
-    /// A whole stroke at once.
+    /// A whole stroke at once. On several volumes it is one path, one coverage in mm and one step of history; each is painted where it
+    /// lies, by its own values, segments and locks. The answer is of all of them together, and in `volumes` of each.
     Paint {
         points: Vec<StrokePoint>,
-        /// The active one if left out.
+        /// What is painted, if it is one. Without `volume` and `volumes` the active one, and those that `brush.also` names.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         volume: Option<VolumeId>,
+        /// What is painted, if it is several. Places in index or on slices are those of the first; pixels of the 3D view are what it
+        /// shows there, of whatever volume.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        volumes: Option<Vec<VolumeId>>,
     },
     /// Starts a stroke.
     Begin {
         points: Vec<StrokePoint>,
-        /// The active one if left out.
+        /// As of `stroke.paint`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         volume: Option<VolumeId>,
+        /// As of `stroke.paint`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        volumes: Option<Vec<VolumeId>>,
     },
     /// Continues it.
     Extend { points: Vec<StrokePoint> },
@@ -64,10 +78,17 @@ pub enum StrokeCommand {
 }
 
 impl StrokeCommand {
-    /// The volume that it names, where it begins a stroke.
+    /// Starts a stroke on what the brush paints.
+    pub(crate) fn begin(points: Vec<StrokePoint>) -> Self {
+        Self::Begin { points, volume: None, volumes: None }
+    }
+
+    /// The volume that it names, or the first of them, where it begins a stroke.
     pub(crate) fn volume(&self) -> Option<VolumeId> {
         match self {
-            Self::Paint { volume, .. } | Self::Begin { volume, .. } => *volume,
+            Self::Paint { volume, volumes, .. } | Self::Begin { volume, volumes, .. } => {
+                volume.or_else(|| volumes.as_ref()?.first().copied())
+            }
             Self::Extend { .. } | Self::End {} | Self::Cancel {} => None,
         }
     }

@@ -217,6 +217,7 @@ impl BrushCommand {
     fn effects(&self) -> Effects {
         match self {
             Self::Set(_) => Effects { redraws: Redraws::NONE, ..Effects::change("brush.set") },
+            Self::Also { .. } => Effects { redraws: Redraws::NONE, ..Effects::change("brush.also") },
         }
     }
 }

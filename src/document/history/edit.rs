@@ -118,6 +118,35 @@ impl Edit {
         Ok(())
     }
 
+    /// Takes back what was done so far to the voxels, the map and the segments of one volume; what others got stays.
+    ///
+    /// # Errors
+    /// If the source fails; the volume is then as it is.
+    pub(crate) fn spare(&mut self, state: &mut State, id: VolumeId) -> Result<(), SourceError> {
+        let bricks = std::mem::take(&mut self.step.bricks);
+        let (bricks, others) = bricks.into_iter().partition(|((key, _), _)| key.volume == id);
+        self.step.bricks = others;
+        let maps = self.step.maps.remove_entry(&id).into_iter().collect();
+        let mut own = Step { name: self.step.name.clone(), bricks, maps, ..Step::default() };
+        if !own.is_empty() {
+            match own.exchange(state) {
+                Ok(refreshed) => self.refreshed.join(refreshed),
+                Err(error) => {
+                    self.step.absorb(own);
+                    return Err(error);
+                }
+            }
+        }
+        let before = self.scene.as_ref().and_then(|scene| scene.volumes.all.get(&id)).map(|v| &v.segments);
+        let now = state.scene.volumes.all.get(&id).map(|v| &v.segments);
+        if let (Some(before), true) = (before, before != now)
+            && let Some(segments) = state.scene.segments_mut(id)
+        {
+            segments.clone_from(before);
+        }
+        Ok(())
+    }
+
     /// How volumes are shown changes with this step, and is taken back with it.
     pub(crate) fn takes_looks(&mut self) {
         self.with_looks = true;

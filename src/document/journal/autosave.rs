@@ -228,12 +228,12 @@ impl Keeper {
         }
     }
 
-    /// Notes samples of the stroke that runs on a volume, without waiting for the disk.
+    /// Notes samples of the stroke that runs on these volumes, without waiting for the disk.
     ///
     /// # Errors
     /// If the disk refuses.
-    pub fn samples(&mut self, volume: VolumeId, samples: &[Sample]) -> Result<(), KeepError> {
-        self.journal.samples(volume, samples)
+    pub fn samples(&mut self, volumes: &[VolumeId], samples: &[Sample]) -> Result<(), KeepError> {
+        self.journal.samples(volumes, samples)
     }
 
     /// Notes that the running stroke was taken back, or ended and changed nothing.

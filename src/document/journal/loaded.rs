@@ -67,8 +67,8 @@ pub struct Recovered {
     /// Samples of the stroke that was running; painting them with the scene's brush finishes it. Say `no_stroke` to the keeper if
     /// that is not wanted.
     pub stroke: Vec<Sample>,
-    /// What it painted.
-    pub stroke_volume: VolumeId,
+    /// What it painted; empty if none was running.
+    pub stroke_volumes: Vec<VolumeId>,
     /// Bytes at the journal's end that were no whole step: the one that was being written.
     pub torn_bytes: u64,
     /// Where a damaged journal was put, and what is wrong with it.
@@ -193,8 +193,8 @@ impl KeptDocument {
             recovered: Recovered {
                 steps: replay.steps,
                 last: replay.last,
+                stroke_volumes: if replay.stroke.samples.is_empty() { Vec::new() } else { replay.stroke.volumes() },
                 stroke: replay.stroke.samples,
-                stroke_volume: replay.stroke.volume,
                 torn_bytes: replay.torn_bytes,
                 set_aside: replay.set_aside,
                 told,

@@ -287,10 +287,10 @@ impl Journal {
         Ok(())
     }
 
-    /// Writes samples of a stroke that runs on a volume; does not wait for the disk.
-    pub(crate) fn samples(&mut self, volume: VolumeId, samples: &[Sample]) -> Result<(), KeepError> {
+    /// Writes samples of a stroke that runs on these volumes; does not wait for the disk.
+    pub(crate) fn samples(&mut self, volumes: &[VolumeId], samples: &[Sample]) -> Result<(), KeepError> {
         self.stroke_runs = true;
-        let head = head_bytes(&SamplesHead { samples: samples.to_vec(), volume })?;
+        let head = head_bytes(&SamplesHead::new(samples.to_vec(), volumes))?;
         self.push(Kind::Samples, &head, &[]);
         self.flush(false)
     }

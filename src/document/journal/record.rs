@@ -67,6 +67,22 @@ pub(crate) struct SamplesHead {
     /// What is painted; a journal of one volume does not say it.
     #[serde(default)]
     pub volume: VolumeId,
+    /// What is painted besides, by a stroke on several volumes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub also: Vec<VolumeId>,
+}
+
+impl SamplesHead {
+    /// Samples of a stroke on these volumes.
+    pub(crate) fn new(samples: Vec<Sample>, volumes: &[VolumeId]) -> Self {
+        let (volume, also) = volumes.split_first().map_or_else(Default::default, |(v, also)| (*v, also.to_vec()));
+        Self { samples, volume, also }
+    }
+
+    /// What is painted, in the order in which it was named.
+    pub(crate) fn volumes(&self) -> Vec<VolumeId> {
+        std::iter::once(self.volume).chain(self.also.iter().copied()).collect()
+    }
 }
 
 /// A brick as a record has it: where its bytes are in the body.

@@ -82,7 +82,7 @@ impl Journal {
         if journal.old {
             journal.gather()?;
             if !replay.stroke.samples.is_empty() {
-                journal.samples(replay.stroke.volume, &replay.stroke.samples)?;
+                journal.samples(&replay.stroke.volumes(), &replay.stroke.samples)?;
             }
         }
         Ok(Some((journal, replay)))
@@ -355,7 +355,7 @@ fn read_head(record: &Record<'_>, old: bool, known: &Map<String, Value>, stroke:
         Kind::Samples => {
             let head: SamplesHead = serde_json::from_slice(record.head).ok()?;
             stroke.samples.extend(head.samples);
-            stroke.volume = head.volume;
+            (stroke.volume, stroke.also) = (head.volume, head.also);
             Some(StepHead::default())
         }
         Kind::NoStroke => {

@@ -9,12 +9,13 @@ use crate::document::live::area::Area;
 use crate::document::state::State;
 use crate::gpu::cast::tiles::Window;
 use crate::gpu::{
-    Caster, FieldPools, Fields, Frame, Gpu, GpuError, Hit, Image, Painter, SliceCaster, SliceFrame, Visibility,
-    VolumeFields,
+    Caster, FieldPools, Fields, Frame, Gpu, GpuError, Hit, Image, PaintedBricks, Painter, SliceCaster, SliceFrame,
+    Visibility, VolumeFields,
 };
 use crate::math::DVec2;
 use crate::paint::{Brush, Dab, Reach, VoxelSet};
-use crate::volume::{Brick, BrickIndex, FieldKey, LiveCells, Refresh, VolumeId};
+use crate::volume::{BrickIndex, FieldKey, LiveCells, VolumeId};
+use std::collections::BTreeSet;
 
 /// Memory for pools of bricks on the GPU, all fields together.
 const BUDGET_BYTES: u64 = 512 << 20;
@@ -36,15 +37,15 @@ pub(crate) struct Graphics {
     gpu: Option<Gpu>,
     tools: Option<Tools>,
     painter: Option<Painter>,
-    /// The volume that a stroke runs on: it stays on the device, seen or not.
-    painted: Option<VolumeId>,
+    /// The volumes that a stroke runs on: they stay on the device, seen or not.
+    painted: BTreeSet<VolumeId>,
     moving: bool,
 }
 
 /// The fields of what pictures show and of what is painted. What is in neither the device may forget.
-fn fields(state: &State, painted: Option<VolumeId>) -> Fields<'_> {
+fn fields<'a>(state: &'a State, painted: &BTreeSet<VolumeId>) -> Fields<'a> {
     let mut fields = Fields::default();
-    let painted = painted.and_then(|id| state.subject(id));
+    let painted = painted.iter().filter_map(|id| state.subject(*id));
     for subject in state.visible().chain(painted) {
         let volume = subject.volume;
         fields.put(
@@ -86,7 +87,7 @@ impl Graphics {
     pub(crate) fn forget(&mut self) {
         self.tools = None;
         self.painter = None;
-        self.painted = None;
+        self.painted.clear();
     }
 
     /// Hands changed voxels on. What fails here is made again when it is next needed.
@@ -223,7 +224,7 @@ impl Graphics {
         })
     }
 
-    /// Begins a stroke on a volume; it stays on the device until the stroke ends.
+    /// Begins a stroke on a volume, or lets the one that has begun paint it too; it stays on the device until the stroke ends.
     pub(crate) fn begin(
         &mut self,
         state: &State,
@@ -232,47 +233,52 @@ impl Graphics {
         reach: Reach,
     ) -> Result<(), DocumentError> {
         let subject = state.at(Some(volume))?;
-        self.painted = Some(volume);
+        self.painted.insert(volume);
         self.with(state, "painting", |_, painter, fields| {
             painter.begin(volume, fields, brush, subject.segments(), reach)
         })
     }
 
-    /// Lets the running stroke, which keeps to the visible surface, paint these voxels.
-    pub(crate) fn open(&mut self, voxels: &VoxelSet) {
+    /// Lets the running stroke, which keeps to the visible surface, paint these voxels of a volume.
+    pub(crate) fn open(&mut self, volume: VolumeId, voxels: &VoxelSet) {
         if let Some(painter) = &mut self.painter {
-            painter.open(voxels);
+            painter.open(volume, voxels);
         }
     }
 
-    pub(crate) fn extend(&mut self, state: &State, dabs: &[Dab]) -> Result<Vec<BrickIndex>, DocumentError> {
+    /// Paints further dabs, on each volume its own; answers the bricks that they show in.
+    pub(crate) fn extend(
+        &mut self,
+        state: &State,
+        dabs: &[(VolumeId, &[Dab])],
+    ) -> Result<Vec<(FieldKey, BrickIndex)>, DocumentError> {
         self.with(state, "painting", |t, painter, fields| painter.extend(&mut t.pools, fields, dabs))
     }
 
-    pub(crate) fn finish(&mut self, state: &State) -> Result<Vec<(BrickIndex, Brick)>, DocumentError> {
+    pub(crate) fn finish(&mut self, state: &State) -> Result<PaintedBricks, DocumentError> {
         let finished = self.with(state, "painting", |t, painter, fields| painter.finish(&mut t.pools, fields))?;
-        self.painted = None;
+        self.painted.clear();
         Ok(finished)
     }
 
-    /// The running stroke's dabs so far.
-    pub(crate) fn dabs(&self) -> Vec<Dab> {
-        self.painter.as_ref().map_or_else(Vec::new, |painter| painter.dabs().to_vec())
+    /// The running stroke's dabs so far on a volume.
+    pub(crate) fn dabs(&self, volume: VolumeId) -> Vec<Dab> {
+        self.painter.as_ref().map_or_else(Vec::new, |painter| painter.dabs(volume).to_vec())
     }
 
     /// Takes the running stroke back; nothing of it is left even if the device fails meanwhile.
-    pub(crate) fn cancel(&mut self, state: &State, key: FieldKey) {
-        self.painted = None;
+    pub(crate) fn cancel(&mut self, state: &State) {
+        self.painted.clear();
         let (Some(tools), Some(painter)) = (&mut self.tools, &mut self.painter) else {
             // It waits for a device to be painted again on.
             self.painter = None;
             return;
         };
-        let done = painter.cancel(&mut tools.pools).map(|slots: Refresh| Refreshed {
-            slots: vec![(key, slots)],
-            painted: true,
-            ..Refreshed::default()
-        });
+        if !painter.is_painting() {
+            return;
+        }
+        let done = painter.cancel(&mut tools.pools);
+        let done = done.map(|slots| Refreshed { slots, painted: true, ..Refreshed::default() });
         match done {
             Ok(refreshed) => self.mirror(state, &refreshed),
             Err(error) => {
@@ -283,7 +289,7 @@ impl Graphics {
     }
 
     /// Cells of the running stroke's bricks of which something is new, if it has come already.
-    pub(crate) fn live(&mut self, state: &State) -> Result<Vec<(BrickIndex, LiveCells)>, DocumentError> {
+    pub(crate) fn live(&mut self, state: &State) -> Result<Vec<(FieldKey, BrickIndex, LiveCells)>, DocumentError> {
         self.with(state, "painting", |t, painter, fields| {
             painter.follow(&mut t.pools, fields)?;
             Ok(painter.take_live())
@@ -313,7 +319,7 @@ impl Graphics {
         what: &'static str,
         mut work: impl FnMut(&mut Tools, &mut Painter, &Fields<'_>) -> Result<T, GpuError>,
     ) -> Result<T, DocumentError> {
-        let fields = fields(state, self.painted);
+        let fields = fields(state, &self.painted);
         let mut again = true;
         loop {
             let done = self.ready(&fields).map_err(|error| match error {

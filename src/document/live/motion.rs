@@ -117,17 +117,14 @@ impl Motion {
     pub(crate) fn follow(
         &mut self,
         state: &State,
-        key: FieldKey,
-        live: &[(BrickIndex, LiveCells)],
+        live: &[(FieldKey, BrickIndex, LiveCells)],
     ) -> Result<(), DocumentError> {
-        if live.is_empty() {
-            return Ok(());
-        }
-        let Some(subject) = state.exploded().filter(|s| s.id == key.volume) else {
+        let of_it = |s: &Subject<'_>| live.iter().any(|(key, ..)| key.volume == s.id);
+        let Some(subject) = state.exploded().filter(of_it) else {
             return Ok(());
         };
         let octrees = self.octrees(&subject)?;
-        for (index, cells) in live {
+        for (key, index, cells) in live.iter().filter(|(key, ..)| key.volume == subject.id) {
             match key.kind {
                 FieldKind::Selection => octrees.paint(&subject.volume.density, *index, &cells.selected),
                 _ => octrees.paint_density(&subject.volume.density, *index, &cells.ranges),

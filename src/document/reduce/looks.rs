@@ -1,6 +1,6 @@
 //! What commands on colour and opacity, look, window, layers and the brush do to the scene; see `reduce`.
 
-use crate::document::command::answers::{BrushSaid, LayersSaid, LookSaid, TransferSaid, WindowSaid};
+use crate::document::command::answers::{AlsoSaid, BrushSaid, LayersSaid, LookSaid, TransferSaid, WindowSaid};
 use crate::document::command::brush::BrushCommand;
 use crate::document::command::views::TransferCommand;
 use crate::document::error::DocumentError;
@@ -8,6 +8,7 @@ use crate::document::reduce::{Changed, Ground};
 use crate::document::scene::check::check_transfer;
 use crate::document::scene::{Layer, Look, Scene, Window, first_look};
 use crate::volume::{Lighting, Mode, VolumeId};
+use std::collections::BTreeSet;
 
 /// What of a look is given: mode, shaded, lighting, step, background.
 type Given = (Option<Mode>, Option<bool>, Option<Lighting>, (Option<f64>, Option<bool>), Option<[f32; 3]>);
@@ -95,7 +96,15 @@ impl Scene {
     }
 
     pub(crate) fn apply_brush(&mut self, command: &BrushCommand) -> Result<Changed, DocumentError> {
-        let BrushCommand::Set(change) = command;
+        let change = match command {
+            BrushCommand::Set(change) => change,
+            BrushCommand::Also { volumes } => {
+                self.told_apart(volumes)?;
+                self.also = volumes.iter().copied().collect::<BTreeSet<_>>().into();
+                let also = self.also.iter().copied().collect();
+                return Ok(Changed::new("Brush", AlsoSaid { also }));
+            }
+        };
         if change.any_value && change.range.is_some() {
             return Err(DocumentError::invalid("any_value", "true beside a range", "either one or the other"));
         }

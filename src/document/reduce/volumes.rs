@@ -16,7 +16,7 @@ impl Scene {
         };
         let volume = *volume;
         let Some(mut settings) = self.volumes.all.get(&volume).cloned() else {
-            return Err(self.volumes.none_of(volume));
+            return Err(self.volumes.none_of("volume", volume));
         };
         if look.is_some() && *shared_look {
             return Err(DocumentError::invalid("shared_look", "true beside a look", "one of the two"));

@@ -8,6 +8,7 @@ pub(crate) mod first_look;
 pub(crate) mod histogram;
 pub(crate) mod kept_poses;
 pub(crate) mod outliers;
+pub(crate) mod painted;
 pub(crate) mod past;
 pub(crate) mod shared;
 pub(crate) mod slice_plane;
@@ -22,7 +23,7 @@ use crate::math::{Camera, DVec3};
 use crate::paint::Brush;
 use crate::volume::{FieldKind, Lighting, Mode, TransferFunction, VolumeId};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 /// The 3D view's appearance.
@@ -164,6 +165,9 @@ components! {
     layers: Vec<Layer>, Looks, FieldKind::ALL.map(Layer::new).to_vec();
     /// The brush.
     brush: Brush, Tool, brush_for(grid);
+    /// What strokes that name no volume paint besides the active one.
+    #[serde(default)]
+    also: BTreeSet<VolumeId>, Tool, BTreeSet::new();
     /// Parts and forces.
     explosion: Explosion, Undo, Explosion::whole(grid);
 }

@@ -78,10 +78,10 @@ impl Volumes {
         Self { active, next: 1, all: BTreeMap::from([(active, settings)]) }
     }
 
-    /// What is said to whoever names a volume that is none of them.
-    pub(crate) fn none_of(&self, named: VolumeId) -> DocumentError {
+    /// What is said to whoever names, in a field of a command, a volume that is none of them.
+    pub(crate) fn none_of(&self, field: &str, named: VolumeId) -> DocumentError {
         let known: Vec<String> = self.all.iter().map(|(id, volume)| format!("{id} ({})", volume.name)).collect();
-        DocumentError::invalid("volume", named, format!("one of the volumes: {}", known.join(", ")))
+        DocumentError::invalid(field, named, format!("one of the volumes: {}", known.join(", ")))
     }
 }
 
@@ -134,7 +134,7 @@ impl Scene {
     /// If there is none of that name.
     pub(crate) fn meant(&self, named: Option<VolumeId>) -> Result<VolumeId, DocumentError> {
         match named {
-            Some(id) if !self.volumes.all.contains_key(&id) => Err(self.volumes.none_of(id)),
+            Some(id) if !self.volumes.all.contains_key(&id) => Err(self.volumes.none_of("volume", id)),
             named => Ok(named.unwrap_or(self.volumes.active)),
         }
     }
@@ -188,6 +188,9 @@ impl Scene {
         if self.volumes.all.len() == 1 && self.volumes.active == VolumeId::FIRST && plain {
             parts.remove("volumes");
             parts.remove("shown");
+        }
+        if self.also.is_empty() {
+            parts.remove("also");
         }
         let path = active.origin.path.to_string_lossy();
         parts.insert(

@@ -10,3 +10,4 @@ pub(crate) mod plan;
 pub(crate) mod readback;
 pub(crate) mod stroke;
 pub(crate) mod submit;
+pub(crate) mod tools;

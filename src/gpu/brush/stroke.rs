@@ -1,4 +1,4 @@
-//! A stroke while it runs: its constants, its dabs, and where each brick it touched is kept.
+//! A stroke while it runs on a volume: its constants, its dabs, and where each brick it touched is kept.
 
 use crate::gpu::brush::buffers::{Extras, StrokeBuffers, StrokeSlot, WHOLE_SLOT, next_capacity, slot_bytes};
 use crate::gpu::brush::kernel::{BrushStroke, Variant};
@@ -7,7 +7,7 @@ use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::fields::pools::FieldPools;
 use crate::gpu::fields::volumes::VolumeFields;
-use crate::paint::{Brush, Dab, Footprint, Gate, Operation, Target, VoxelSet};
+use crate::paint::{Brush, Dab, Footprint, Gate, Operation, Reach, Target, VoxelSet};
 use crate::volume::{BrickIndex, Field, FieldKey, FieldKind, Grid, Region, Segments, SourceError, VolumeId};
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap};
@@ -36,6 +36,8 @@ pub(crate) struct Stroke {
     pub(crate) seen: VoxelSet,
     /// Bricks whose slots show some of it that their gates do not have yet.
     pub(crate) stale: BTreeSet<BrickIndex>,
+    /// Whether its slots show dabs that were taken from it.
+    pub(crate) torn: bool,
 }
 
 /// A slot that a stroke touches for the first time.
@@ -49,6 +51,55 @@ pub(crate) struct NewSlot {
 }
 
 impl Stroke {
+    /// One that has no dabs yet; the brush may be painted with.
+    pub(crate) fn new(
+        volume: VolumeId,
+        fields: &VolumeFields<'_>,
+        brush: &Brush,
+        segments: &Segments,
+        reach: Reach,
+    ) -> Self {
+        Self {
+            brush: *brush,
+            volume,
+            grid: fields.grid,
+            constants: BrushStroke::new(brush, &fields.grid, fields.get(brush.target.field()), reach),
+            locked: locked_bits(segments),
+            dabs: Vec::new(),
+            buffers: Vec::new(),
+            ungathered: None,
+            slots: HashMap::new(),
+            live: LiveBricks::default(),
+            seen: VoxelSet::default(),
+            stale: BTreeSet::new(),
+            torn: false,
+        }
+    }
+
+    /// The same stroke before its first dab, with nothing on the device, and its dabs.
+    pub(crate) fn anew(self) -> (Self, Vec<Dab>) {
+        let fresh = Self {
+            dabs: Vec::new(),
+            buffers: Vec::new(),
+            ungathered: None,
+            slots: HashMap::new(),
+            live: LiveBricks::default(),
+            torn: false,
+            ..self
+        };
+        (fresh, self.dabs)
+    }
+
+    /// Dabs laid on its volume; those that do not meet it are left out.
+    pub(crate) fn footprints(&self, dabs: &[Dab]) -> Vec<Footprint> {
+        dabs.iter().filter_map(|dab| dab.footprint(&self.brush, &self.grid)).collect()
+    }
+
+    /// Memory that it takes on the GPU.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.buffers.iter().map(StrokeBuffers::bytes).sum()
+    }
+
     pub(crate) fn kind(&self) -> FieldKind {
         self.brush.target.field()
     }
@@ -58,7 +109,7 @@ impl Stroke {
         FieldKey::new(self.volume, self.kind())
     }
 
-    /// Room for further slots, in spare buffers or new ones.
+    /// Room for further slots, in spare buffers or new ones; of the budget so much is taken elsewhere.
     pub(crate) fn reserve(
         &mut self,
         gpu: &Gpu,
@@ -66,7 +117,7 @@ impl Stroke {
         density: &Field,
         count: usize,
         spare: &mut Vec<StrokeBuffers>,
-        budget_bytes: u64,
+        (elsewhere, budget): (u64, u64),
     ) -> Result<(), GpuError> {
         let on_density = matches!(self.brush.target, Target::Density(_));
         let extras = Extras {
@@ -85,10 +136,9 @@ impl Stroke {
             // What does not serve makes room for what does.
             spare.clear();
             let capacity = next_capacity(count - room, self.slots.len());
-            let held: u64 = self.buffers.iter().map(StrokeBuffers::bytes).sum();
-            let needed = held + u64::from(capacity) * slot_bytes(variant, extras);
-            if needed > budget_bytes {
-                return Err(GpuError::StrokeTooLarge { needed, budget: budget_bytes });
+            let needed = elsewhere + self.bytes() + u64::from(capacity) * slot_bytes(variant, extras);
+            if needed > budget {
+                return Err(GpuError::StrokeTooLarge { needed, budget });
             }
             self.buffers.push(StrokeBuffers::new(gpu, variant, extras, capacity)?);
         }
@@ -256,7 +306,7 @@ impl Stroke {
 }
 
 /// A bit for every label, set for those of locked segments.
-pub(crate) fn locked_bits(segments: &Segments) -> Vec<u32> {
+fn locked_bits(segments: &Segments) -> Vec<u32> {
     let mut locked = vec![0_u32; 65_536 / 32];
     for segment in segments.0.iter().filter(|s| s.locked) {
         locked[usize::from(segment.id) / 32] |= 1 << (segment.id % 32);

@@ -111,7 +111,7 @@ impl Stroke {
 }
 
 fn begin(e: &PointerEvent) -> Command {
-    Command::Stroke(StrokeCommand::Begin { points: vec![point(e)], volume: None })
+    Command::Stroke(StrokeCommand::begin(vec![point(e)]))
 }
 
 fn point(e: &PointerEvent) -> StrokePoint {

@@ -85,7 +85,7 @@ fn what_a_click_leaves_is_taken_back_and_looked_behind_as_a_strokes() {
                 assert!(behind == before, "{kind:?}");
             }
             let fields = one_volume(grid, density, colour, selection, labels);
-            let refresh = painter.cancel(pools).unwrap();
+            let refresh = of_one(painter.cancel(pools).unwrap());
             pools.refresh_painted(&gpu, kind, fields.field(kind.into()).unwrap(), &refresh).unwrap();
             assert!(seen(&mut canvas) == before, "{kind:?} after {frames}");
         }

@@ -11,15 +11,15 @@ fn follow(gpu: &Gpu, canvas: &mut Canvas) -> Vec<(BrickIndex, LiveCells)> {
     painter.follow(pools, &fields).unwrap();
     gpu.wait().unwrap();
     painter.follow(pools, &fields).unwrap();
-    painter.take_live()
+    painter.take_live().into_iter().map(|(_, brick, cells)| (brick, cells)).collect()
 }
 
 /// The field as the running stroke shows it, from read-back texels.
 fn shown(canvas: &Canvas, kind: FieldKind) -> Field {
     let Canvas { density, colour, selection, labels, painter, pools, grid, .. } = canvas;
     let fields = one_volume(grid, density, colour, selection, labels);
-    let live = |b: BrickIndex| Some((b, Some(painter.live(pools, &fields, b).unwrap()?)));
-    let bricks = painter.touched().into_iter().filter_map(live).collect();
+    let live = |b: BrickIndex| Some((b, Some(painter.live(pools, &fields, VolumeId::FIRST, b).unwrap()?)));
+    let bricks = touched(painter).into_iter().filter_map(live).collect();
     let mut field = canvas.field(kind).clone();
     field.swap(bricks).unwrap();
     field
@@ -50,7 +50,7 @@ fn the_cells_of_a_running_stroke_are_those_of_its_texels() {
                 }
                 assert!(!canvas.painter.is_due(), "all has come");
                 assert!(follow(device, &mut canvas).is_empty(), "nothing is told twice");
-                assert_eq!(known.keys().copied().collect::<Vec<_>>(), canvas.painter.touched());
+                assert_eq!(known.keys().copied().collect::<Vec<_>>(), touched(&canvas.painter));
                 let after = shown(&canvas, kind);
                 let before = |index| LiveCells::of(canvas.field(kind), index).unwrap();
                 // Where nothing was painted, taking density's paint away changes nothing.
@@ -176,7 +176,7 @@ fn a_stroke_over_many_bricks_is_followed_and_taken_back_as_a_whole() {
     }
     let Canvas { density, colour, selection, labels, painter, pools, grid, .. } = &mut canvas;
     let (fields, uploaded) = (one_volume(grid, density, colour, selection, labels), pools.work().1);
-    let refresh = painter.cancel(pools).unwrap();
+    let refresh = of_one(painter.cancel(pools).unwrap());
     pools.refresh_painted(&gpu, FieldKind::Selection, selection, &refresh).unwrap();
     assert_eq!(pools.work().1, uploaded, "what was put back is not uploaded");
     let frame = frame(grid, ramp(-1.0, 10.0), DVec3::NEG_Y, [16, 16]);

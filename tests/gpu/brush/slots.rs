@@ -240,9 +240,9 @@ fn cancel_leaves_no_trace() {
         canvas.extend(&dabs[..10]);
         canvas.extend(&dabs[10..]);
         assert!(pool(&gpu, &canvas, kind).0 != before);
-        let touched = canvas.painter.touched();
+        let touched = touched(&canvas.painter);
         let Canvas { painter, pools, .. } = &mut canvas;
-        let refresh = painter.cancel(pools).unwrap();
+        let refresh = of_one(painter.cancel(pools).unwrap());
         assert_eq!(refresh.finest().collect::<Vec<_>>(), touched);
         assert!(!painter.is_painting());
         assert!(pool(&gpu, &canvas, kind).0 == before, "{kind:?}");
@@ -304,12 +304,12 @@ fn a_lost_device_replays_the_stroke() {
     let _ = doomed.wait();
     let Canvas { density, colour, selection, labels, painter, pools, grid, .. } = &mut canvas;
     let fields = one_volume(grid, density, colour, selection, labels);
-    assert!(painter.extend(pools, &fields, rest).is_err());
+    assert!(painter.extend(pools, &fields, &[(VolumeId::FIRST, rest)]).is_err());
     assert!(painter.finish(pools, &fields).is_err());
     *pools = FieldPools::new(&gpu, grid, density, 64 << 20).unwrap();
     painter.replay(&gpu, pools, &fields).unwrap();
-    painter.extend(pools, &fields, rest).unwrap();
-    assert_eq!(painter.finish(pools, &fields).unwrap(), expected);
+    painter.extend(pools, &fields, &[(VolumeId::FIRST, rest)]).unwrap();
+    assert_eq!(of_one(painter.finish(pools, &fields).unwrap()), expected);
 }
 
 #[test]
@@ -326,11 +326,11 @@ fn a_stroke_beyond_its_budget_keeps_what_it_has() {
         .collect();
     let Canvas { density, colour, selection, labels, painter, pools, grid, .. } = &mut canvas;
     let fields = one_volume(grid, density, colour, selection, labels);
-    let error = painter.extend(pools, &fields, &many).unwrap_err().to_string();
+    let error = painter.extend(pools, &fields, &[(VolumeId::FIRST, &many)]).unwrap_err().to_string();
     assert!(error.contains("stroke needs") && error.contains("4800000"), "{error}");
-    let live = painter.live(pools, &fields, BrickIndex([0; 3])).unwrap().unwrap();
-    assert_eq!(painter.live(pools, &fields, BrickIndex([5, 5, 0])).unwrap(), None);
-    let bricks = painter.finish(pools, &fields).unwrap();
+    let live = painter.live(pools, &fields, VolumeId::FIRST, BrickIndex([0; 3])).unwrap().unwrap();
+    assert_eq!(painter.live(pools, &fields, VolumeId::FIRST, BrickIndex([5, 5, 0])).unwrap(), None);
+    let bricks = of_one(painter.finish(pools, &fields).unwrap());
     assert_eq!(bricks, [(BrickIndex([0; 3]), live)]);
     // Nothing of it is kept on the host, so the slots go back too.
     let slots = vec![BrickKey { level: 0, index: BrickIndex([0; 3]) }];
@@ -341,7 +341,7 @@ fn a_stroke_beyond_its_budget_keeps_what_it_has() {
     for dabs in many.chunks(9) {
         canvas.extend(dabs);
     }
-    assert!(canvas.painter.touched().len() > 48);
+    assert!(touched(&canvas.painter).len() > 48);
     let found = canvas.finish();
     let mut once = Canvas::blank(&gpu, canvas.grid);
     once.begin(&brush);
@@ -457,19 +457,19 @@ fn a_stroke_whose_source_fails_goes_on_once_it_answers_again() {
     for fails in [false, true] {
         let mut canvas = Canvas::new(&gpu, grid, density.clone());
         canvas.begin(&brush);
-        canvas.painter.open(&column(0, 16));
+        canvas.painter.open(VolumeId::FIRST, &column(0, 16));
         canvas.extend(&[dab(14.0)]);
-        let before = canvas.painter.touched();
+        let before = touched(&canvas.painter);
         // What was seen since lies in a brick whose gate is made already, and in one that is new.
-        canvas.painter.open(&column(16, 20));
-        canvas.painter.open(&column(128, 150));
+        canvas.painter.open(VolumeId::FIRST, &column(16, 20));
+        canvas.painter.open(VolumeId::FIRST, &column(128, 150));
         source.1.store(fails, Ordering::Relaxed);
         if fails {
             let Canvas { density, colour, selection, labels, painter, pools, grid, .. } = &mut canvas;
             let fields = one_volume(grid, density, colour, selection, labels);
-            let error = painter.extend(pools, &fields, &[dab(140.0)]).unwrap_err().to_string();
+            let error = painter.extend(pools, &fields, &[(VolumeId::FIRST, &[dab(140.0)])]).unwrap_err().to_string();
             assert!(error.contains("made to fail"), "{error}");
-            assert_eq!(painter.touched(), before, "as it was");
+            assert_eq!(touched(painter), before, "as it was");
             source.1.store(false, Ordering::Relaxed);
         }
         canvas.extend(&[dab(140.0)]);
