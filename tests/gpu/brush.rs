@@ -3,6 +3,7 @@
 mod clicks;
 mod live;
 mod reference;
+mod several;
 mod slots;
 mod strokes;
 
