@@ -9,9 +9,14 @@ use crate::volume::{Segments, SourceError};
 /// Why a command was refused: each says what was found, what was expected and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum DocumentError {
-    /// The command needs a volume.
+    /// The command needs an open document.
     #[error("nothing is open; open a volume (volume.open) or a project (project.open) first")]
     NothingOpen,
+    /// The command needs a volume, and the document holds none.
+    #[error(
+        "this document holds no volume; add one (volume.add), or undo what took the last one away (history.undo) first"
+    )]
+    NoVolume,
     /// The command needs a GPU.
     #[error("{what} needs a GPU, and there is none: {reason}")]
     NoGpu {

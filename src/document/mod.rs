@@ -64,6 +64,7 @@ use crate::document::live::graphics::Graphics;
 use crate::document::live::motion::Motion;
 use crate::document::scene::past::PastGroup;
 use crate::explode::Poses;
+use crate::volume::{Grid, Histogram};
 use std::path::PathBuf;
 
 /// What is open, with its history, its keeper and all that can be made again from it.
@@ -175,15 +176,22 @@ impl Document {
         let mut edit = Edit::new(Some(state));
         let (views, looks) = ((*state.scene.views).clone(), state.scene.looks());
         let bounds = state.bounds();
-        let ground = state.at(command.volume()).map(|subject| (*subject.grid(), subject.histogram.clone()));
-        let changed = match (&ground, command) {
-            (Ok((grid, histogram)), _) => {
-                let ground = Ground { grid, bounds, histogram, poses: self.motion.poses() };
+        let ground = match state.at(command.volume()) {
+            Ok(subject) => Ok((*subject.grid(), subject.histogram.clone())),
+            // Cameras and tools need nothing that is in a volume.
+            Err(DocumentError::NoVolume) if !command.needs_volume() => {
+                Ok((Grid::of_nothing(&bounds), Histogram::default()))
+            }
+            Err(error) => Err(error),
+        };
+        let changed = match ground {
+            Ok((grid, histogram)) => {
+                let ground = Ground { grid: &grid, bounds, histogram: &histogram, poses: self.motion.poses() };
                 state.scene.apply(command, &ground)
             }
             // Volumes come to a document that has none.
-            (Err(_), Command::Volume(_)) => Ok(Changed::default()),
-            (Err(_), _) => Err(state.at(command.volume()).err().unwrap_or(DocumentError::NothingOpen)),
+            Err(_) if matches!(command, Command::Volume(_)) => Ok(Changed::default()),
+            Err(error) => Err(error),
         };
         let said = changed.and_then(|changed| {
             edit.name(changed.name);

@@ -37,7 +37,7 @@ impl Document {
     /// If nothing shows at such a pixel, or there is no GPU to look with.
     pub(crate) fn in_numbers(&mut self, command: Command) -> Result<Command, DocumentError> {
         match command {
-            Command::View(ViewCommand::Crosshair { at }) => {
+            Command::View(ViewCommand::Crosshair { at }) if !matches!(at, Place::Mm(_)) => {
                 let world = self.resolve(at, None)?.ok_or_else(|| nothing_there("at", at))?.position;
                 Ok(Command::View(ViewCommand::Crosshair { at: Place::Mm(world.to_array()) }))
             }

@@ -68,13 +68,13 @@ impl State {
         if !self.volumes.contains_key(&id) {
             return Err(self.no_volume(Some(id)));
         }
-        self.volumes.get_mut(&id).ok_or(DocumentError::NothingOpen)
+        self.volumes.get_mut(&id).ok_or(DocumentError::NoVolume)
     }
 
     fn no_volume(&self, named: Option<VolumeId>) -> DocumentError {
         match named {
             Some(id) if !self.volumes.is_empty() => self.scene.volumes.none_of("volume", id),
-            _ => DocumentError::NothingOpen,
+            _ => DocumentError::NoVolume,
         }
     }
 }

@@ -13,6 +13,12 @@ pub struct Grid {
 }
 
 impl Grid {
+    /// A box where there is no volume: voxels of 1 mm, at least one.
+    pub fn of_nothing(bounds: &Aabb) -> Self {
+        let dims = (bounds.max - bounds.min).ceil().max(DVec3::ONE).min(DVec3::splat(1024.0));
+        Self::aligned(dims.to_array().map(|n| n as u32), DVec3::ONE, bounds.min + 0.5)
+    }
+
     /// An axis-aligned grid with the given spacing in mm and voxel (0,0,0) at `origin`.
     pub fn aligned(dims: [u32; 3], spacing_mm: DVec3, origin: DVec3) -> Self {
         Self { dims, world_from_index: DAffine3 { matrix3: DMat3::from_diagonal(spacing_mm), translation: origin } }

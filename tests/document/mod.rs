@@ -28,6 +28,7 @@ mod many_volumes;
 mod masks;
 mod memory;
 mod motion;
+mod no_volume;
 mod nouns;
 mod opening;
 mod painted;

@@ -271,3 +271,14 @@ fn a_file_that_is_added_by_its_path_is_asked_about_only_if_it_looks_like_regions
         assert_eq!(volume(&sent)["add"]["path"], json!(path));
     }
 }
+
+#[test]
+fn a_single_volume_is_removed_from_the_menu() {
+    for size in [SMALL, LARGE] {
+        let mut window = opened(size);
+        window.click("More…");
+        window.harness.run_steps(2);
+        let remove = json!({ "volume": { "remove": { "volume": 0 } } });
+        assert_eq!(serde_json::to_value(window.click("Remove the volume")).unwrap(), json!([remove]));
+    }
+}

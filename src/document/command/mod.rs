@@ -79,6 +79,17 @@ impl Command {
     }
 }
 
+impl Command {
+    /// Whether there is nothing that it could do in a document without volumes: cameras turn there too, and a brush is a tool.
+    pub(crate) fn needs_volume(&self) -> bool {
+        match self {
+            Self::Brush(_) => false,
+            Self::View(command) => matches!(command, ViewCommand::Window { .. } | ViewCommand::Layer(_)),
+            _ => true,
+        }
+    }
+}
+
 impl SelectionCommand {
     /// The volume that it names.
     pub(crate) fn volume(&self) -> Option<VolumeId> {

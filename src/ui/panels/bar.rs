@@ -1,6 +1,6 @@
 //! The bar at the top: file, undo and redo, tools, arrangement.
 
-use crate::document::HistoryCommand;
+use crate::document::{Command, HistoryCommand, VolumeCommand};
 use crate::interact::{Action, Tool};
 use crate::ui::state::path_purpose::PathPurpose;
 use crate::ui::style::icons::Icon;
@@ -67,6 +67,7 @@ impl App {
         if add.on_hover_text(tip).clicked() {
             self.ask(PathPurpose::Add);
         }
+        self.remove_button(ui);
         if ui
             .button("Import selection…")
             .on_hover_text("Another volume of the same place: what is above 0 is selected")
@@ -86,6 +87,17 @@ impl App {
         let picture = ui.button("Save picture…");
         if picture.on_hover_text("A view in any size, on any ground, as PNG or EXR").clicked() {
             self.ask_picture();
+        }
+    }
+
+    /// The list has a button a volume; a single one has no list.
+    fn remove_button(&mut self, ui: &mut Ui) {
+        let Some(scene) = &self.scene else { return };
+        let volume = scene.volumes.active;
+        let Some(name) = scene.volumes.all.get(&volume).map(|settings| settings.name.clone()) else { return };
+        let tip = format!("Take {name} away, with all that was painted on it; undo brings it back");
+        if ui.button("Remove the volume").on_hover_text(tip).clicked() {
+            self.send(Command::Volume(VolumeCommand::Remove { volume }));
         }
     }
 
