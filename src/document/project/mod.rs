@@ -3,6 +3,7 @@
 //! Knows the state that it keeps; knows no commands and no windows.
 
 pub(crate) mod arrays;
+pub(crate) mod density;
 pub(crate) mod fields;
 pub(crate) mod first_format;
 pub(crate) mod link;

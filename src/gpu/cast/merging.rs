@@ -7,8 +7,8 @@
 use crate::gpu::cast::solid::Solid;
 use crate::gpu::cast::tiles::Window;
 use crate::gpu::device::error::GpuError;
+use crate::gpu::fields::matter::{LabelValues, Matter, Showing};
 use crate::gpu::fields::pools::FieldPools;
-use crate::gpu::fields::skip_maps::{LabelValues, Matter, Showing};
 use crate::gpu::fields::visible_values::VisibleValues;
 use crate::gpu::fields::volumes::Fields;
 use crate::gpu::layers::MESH_CODE;

@@ -6,6 +6,7 @@ pub(crate) mod bindings;
 pub(crate) mod demand;
 pub(crate) mod dirty_bricks;
 pub(crate) mod importance;
+pub(crate) mod matter;
 pub(crate) mod page_tables;
 pub(crate) mod pool;
 pub(crate) mod pools;

@@ -4,6 +4,7 @@ pub(crate) mod prediction;
 pub(crate) mod progress;
 pub(crate) mod rescue;
 pub(crate) mod session;
+pub(crate) mod snapshot;
 pub(crate) mod stop;
 pub(crate) mod view_scheduler;
 pub(crate) mod worker;

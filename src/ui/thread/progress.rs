@@ -1,8 +1,9 @@
 //! How far a long command has got, told from whichever thread works, and whether it shall stop.
 //!
-//! The window sets the wish to stop, the worker takes it back before the next command. Knows of commands only that they are watched.
+//! The window sets the wish to stop, the worker takes it back before the next command. Knows of commands only that they are watched, and what is said meanwhile.
 
-use crate::document::Watch;
+use crate::document::effects::Lasts;
+use crate::document::{Command, Watch};
 use crate::ui::thread::session::Report;
 use crate::ui::thread::stop::Stop;
 use std::sync::Arc;
@@ -40,5 +41,17 @@ impl PercentTold {
             }
             !stop.is_set()
         })
+    }
+}
+
+/// What is said while a command runs that may take over a tenth of a second.
+pub(super) fn doing(command: &Command, lasts: Lasts) -> Option<String> {
+    match lasts {
+        Lasts::AtOnce => None,
+        Lasts::AWhile(doing) => Some(doing.into()),
+        Lasts::AWhileWith(doing) => {
+            let path = command.path().unwrap_or_default();
+            Some(format!("{doing} {}", path.file_name().unwrap_or_default().to_string_lossy()))
+        }
     }
 }

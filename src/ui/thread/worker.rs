@@ -4,17 +4,17 @@
 //! picture for longer than one takes. Knows egui only to wake the window.
 
 use crate::document::answers::{Answer, Said};
-use crate::document::effects::{Effects, Lasts, Redraws};
+use crate::document::effects::{Effects, Redraws};
 use crate::document::{
     Command, Document, DocumentError, ExplosionCommand, HistoryCommand, KeepError, Place, Question, RenderCommand,
     ViewName,
 };
 use crate::interact::readout;
-use crate::io::in_words;
 use crate::math::DVec2;
-use crate::ui::thread::progress::PercentTold;
+use crate::ui::thread::progress::{PercentTold, doing};
 use crate::ui::thread::rescue::{after_failure, way_out};
-use crate::ui::thread::session::{OpenDocument, Picture, Report, Request, Session, Severity, Snapshot, WorkerEnd};
+use crate::ui::thread::session::{Picture, Report, Request, Session, Severity, Snapshot, WorkerEnd};
+use crate::ui::thread::snapshot::{open_document, sketch};
 use crate::ui::thread::view_scheduler::ViewScheduler;
 use crate::volume::Histogram;
 use std::collections::BTreeSet;
@@ -321,19 +321,8 @@ impl Worker {
         }
     }
 
-    /// Does the command that writes a picture, to a place of its own, and shows what was written.
     fn sketch(&mut self, asked: RenderCommand) {
-        let mut drawn = || -> Result<([u32; 2], Vec<u8>), String> {
-            let place = tempfile::tempdir().map_err(|error| in_words(&error))?;
-            let file = place.path().join("sketch.png");
-            let RenderCommand::Image { view, size, camera, transparent, background, supersample, .. } = asked.clone();
-            let path = file.clone();
-            let command = RenderCommand::Image { path, view, size, camera, transparent, background, supersample };
-            self.document.apply(Command::Render(command)).map_err(|error| error.to_string())?;
-            let image = image::open(&file).map_err(|error| error.to_string())?.into_rgba8();
-            Ok((image.dimensions().into(), image.into_raw()))
-        };
-        let drawn = drawn();
+        let drawn = sketch(&mut self.document, &asked);
         self.report(Report::Sketch(asked, drawn));
     }
 
@@ -375,22 +364,7 @@ impl Worker {
         if self.told == Some(now) {
             return;
         }
-        let state = self.document.state();
-        let open = state.and_then(|state| Some((state, state.at(None).ok()?))).map(|(state, subject)| {
-            let histogram = match &self.histogram {
-                Some(known) if **known == subject.histogram => known.clone(),
-                _ => Arc::new(subject.histogram.clone()),
-            };
-            OpenDocument {
-                scene: Arc::new(subject.scene.clone()),
-                poses: Arc::new(self.document.poses().clone()),
-                grid: *subject.grid(),
-                centres: state.subjects().map(|s| (s.id, s.volume.grid().world_bounds().centre())).collect(),
-                voxel_type: subject.source.voxel_type(),
-                statistics: subject.statistics,
-                histogram,
-            }
-        });
+        let open = open_document(&self.document, self.histogram.as_ref());
         self.histogram = open.as_ref().map(|o| o.histogram.clone());
         let history = self.document.history();
         let past = |back| self.document.state()?.past.next(None, back).map(str::to_owned);
@@ -417,17 +391,5 @@ impl Worker {
         let _gone = self.worker_end.reports.send(report);
         // What changes no layout is all there after one frame; egui makes two of a request without delay.
         self.wake.request_repaint_after(if changes_layout { Duration::ZERO } else { SOON });
-    }
-}
-
-/// What is said while a command runs that may take over a tenth of a second.
-fn doing(command: &Command, lasts: Lasts) -> Option<String> {
-    match lasts {
-        Lasts::AtOnce => None,
-        Lasts::AWhile(doing) => Some(doing.into()),
-        Lasts::AWhileWith(doing) => {
-            let path = command.path().unwrap_or_default();
-            Some(format!("{doing} {}", path.file_name().unwrap_or_default().to_string_lossy()))
-        }
     }
 }

@@ -1,7 +1,7 @@
 //! The window's state, and how commands leave it and reports reach it.
 
 use crate::document::answers_ask::VoxelSaid;
-use crate::document::{Command, OpenAs, ProjectCommand, Scene, ViewCommand, ViewName, VolumeCommand};
+use crate::document::{Command, Scene, ViewCommand, ViewName};
 use crate::explode::PartId;
 use crate::interact::{Context, Event, Hit, Interaction};
 use crate::math::DVec2;
@@ -245,52 +245,6 @@ impl App {
         if was && !is {
             self.request(Request::Held(None));
         }
-    }
-
-    /// Opens whatever a path is: a project folder or a volume. What is open is replaced.
-    pub fn open(&mut self, path: &Path) {
-        // A dialog of the system may show a project's files and not let the folder be chosen.
-        let manifest = path.file_name().is_some_and(|name| name == "project.json");
-        let path = if manifest { path.parent().unwrap_or(path) } else { path };
-        if path.is_dir() {
-            self.send(Command::Project(ProjectCommand::Open { path: path.into(), source: None, generation: None }));
-        } else {
-            self.open_as(path.into(), OpenAs::Image);
-        }
-    }
-
-    /// Opens a volume.
-    pub(crate) fn open_as(&mut self, path: PathBuf, open_as: OpenAs) {
-        self.send(Command::Volume(VolumeCommand::Open {
-            path,
-            component: crate::document::USUAL_COMPONENT,
-            frame: 0,
-            range: None,
-            open_as,
-        }));
-    }
-
-    /// Opens a volume beside what is open.
-    pub(crate) fn add_volume(&mut self, path: PathBuf, open_as: OpenAs) {
-        self.send(Command::Volume(VolumeCommand::Add {
-            path,
-            component: crate::document::USUAL_COMPONENT,
-            frame: 0,
-            range: None,
-            open_as,
-            name: None,
-        }));
-    }
-
-    /// First thing: opens what was named, and asks for what a crash left behind.
-    pub(crate) fn start(&mut self, open: Option<&Path>, warning: Option<String>) {
-        if let Some(warning) = warning {
-            self.warn_until("project.save", warning);
-        }
-        if let Some(path) = open {
-            self.open_asked(path.into());
-        }
-        self.send(Command::Project(ProjectCommand::Lost {}));
     }
 
     /// Asks what takes its time to stop.

@@ -7,6 +7,7 @@ pub(crate) mod changes;
 pub(crate) mod folds;
 pub(crate) mod lesson;
 pub(crate) mod notes;
+pub(crate) mod opening;
 pub(crate) mod reports;
 pub(crate) mod saving;
 pub(crate) mod start;

@@ -2,8 +2,8 @@
 
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
+use crate::gpu::fields::matter::{Matter, Showing};
 use crate::gpu::fields::pools::FieldPools;
-use crate::gpu::fields::skip_maps::{Matter, Showing};
 use crate::gpu::fields::slot_key::brick_of;
 use crate::gpu::fields::volumes::Fields;
 use crate::gpu::picture::frame::Mask;
