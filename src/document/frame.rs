@@ -4,12 +4,13 @@
 //! what of a volume is selected. A slice lies on the voxels of the active volume; the others are laid under and over it in their order.
 
 use crate::document::error::DocumentError;
+use crate::document::look_rows::LookRows;
 use crate::document::scene::ViewName;
 use crate::document::scene::slice_plane::SlicePlane;
 use crate::document::state::State;
 use crate::document::subject::Subject;
 use crate::explode::{PartId, Poses};
-use crate::gpu::{Body, Frame, Look, Mask, Overlay, SliceFrame, SliceLayer};
+use crate::gpu::{Body, Frame, Mask, Overlay, SliceFrame, SliceLayer};
 use crate::math::{Camera, DVec3};
 use crate::volume::FieldKind;
 use std::collections::BTreeMap;
@@ -32,7 +33,9 @@ impl State {
     /// What the 3D view shows with the parts in these poses.
     pub(super) fn frame(&self, poses: &Poses, camera: &Camera, size: [u32; 2]) -> Frame {
         let parts = &self.scene.explosion.parts;
-        let plain = poses.at_rest(parts) && parts.iter().all(|p| p.visible && p.colour.is_none());
+        let plain = poses.at_rest(parts)
+            && parts.iter().all(|p| p.visible && p.colour.is_none())
+            && !self.visible().any(|subject| subject.is_dressed_in_parts());
         self.frame_of(camera, size, |subject| if plain { vec![whole_of(subject)] } else { bodies_of(subject, poses) })
     }
 
@@ -50,43 +53,29 @@ impl State {
 
     fn frame_of(&self, camera: &Camera, size: [u32; 2], bodies: impl Fn(&Subject<'_>) -> Vec<Body>) -> Frame {
         let scene = &self.scene;
-        let volumes: Vec<_> = self.visible().collect();
-        // What is alone and whole is the picture's own look.
-        let alone = match &volumes[..] {
-            [only] if only.settings.opacity >= 1.0 => Some(only.id),
-            _ => None,
-        };
-        let first = volumes.first().map_or(scene.volumes.active, |subject| subject.id);
+        let mut rows = LookRows::new(scene);
+        let mut dressed = Vec::new();
+        let mut overlays = BTreeMap::new();
+        for subject in self.visible() {
+            let bodies = bodies(&subject).into_iter();
+            dressed.extend(bodies.flat_map(|body| rows.dress(&subject, body)));
+            overlays.insert(subject.id, self.overlay(&subject));
+        }
         let mut frame = Frame {
             camera: *camera,
             size,
             step_mm: scene.look.step_voxels * self.voxel_mm(),
             refine: scene.look.refine,
-            mode: scene.mode_of(first),
-            lighting: scene.lighting_of(first),
-            transfer: scene.transfer_of(first).clone(),
+            mode: scene.look.mode,
+            lighting: scene.look.lighting,
+            transfer: (*scene.transfer).clone(),
             bodies: Vec::new(),
             overlay: Overlay::default(),
             layers: Default::default(),
             looks: Vec::new(),
-            overlays: BTreeMap::new(),
+            overlays,
         };
-        for subject in &volumes {
-            let look = (alone != Some(subject.id)).then(|| {
-                frame.looks.push(Look {
-                    transfer: subject.transfer().clone(),
-                    mode: subject.mode(),
-                    lighting: scene.lighting_of(subject.id),
-                    opacity: subject.settings.opacity,
-                });
-                frame.looks.len() - 1
-            });
-            frame.bodies.extend(bodies(subject).into_iter().map(|body| Body { look, ..body }));
-            frame.overlays.insert(subject.id, self.overlay(subject));
-        }
-        if let Some(overlay) = alone.and_then(|id| frame.overlays.remove(&id)) {
-            frame.overlay = overlay;
-        }
+        rows.put(dressed, &mut frame);
         frame
     }
 

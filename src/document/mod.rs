@@ -14,6 +14,7 @@ mod frame;
 mod history;
 pub(crate) mod journal;
 pub(crate) mod live;
+pub(crate) mod look_rows;
 pub(crate) mod paths;
 mod place;
 pub mod project;
@@ -155,7 +156,7 @@ impl Document {
                 self.record(&command, |document, said, edit| document.segment(segment, said, edit))?
             }
             Command::Selection(selection) => {
-                self.record(&command, |document, _, edit| document.selection(selection, edit))?
+                self.record(&command, |document, said, edit| document.selection(selection, said, edit))?
             }
             Command::Explosion(explosion) => {
                 self.record(&command, |document, said, _| document.explosion(explosion, said))?

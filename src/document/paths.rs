@@ -31,8 +31,12 @@ impl Command {
             | Self::Selection(SelectionCommand::Import { path, .. })
             | Self::Segment(SegmentCommand::Import { path, .. })
             | Self::Render(RenderCommand::Image { path, .. }) => vec![path],
-            Self::Selection(SelectionCommand::FromLabel { .. } | SelectionCommand::Clear { .. })
-            | Self::Segment(SegmentCommand::Set { .. } | SegmentCommand::Remove { .. })
+            Self::Selection(
+                SelectionCommand::FromLabel { .. } | SelectionCommand::Clear { .. } | SelectionCommand::Set { .. },
+            )
+            | Self::Segment(
+                SegmentCommand::Set { .. } | SegmentCommand::Remove { .. } | SegmentCommand::ShowOnly { .. },
+            )
             | Self::Volume(VolumeCommand::Remove { .. } | VolumeCommand::Set { .. })
             | Self::Transfer(_)
             | Self::View(_)

@@ -49,6 +49,8 @@ pub fn one_of_each() -> Vec<Value> {
         json!({"stroke":{"end":{}}}),
         json!({"stroke":{"cancel":{}}}),
         json!({"selection":{"import":{"path":"s.nrrd"}}}),
+        json!({"selection":{"set":{"look":{"opacity":0.5}}}}),
+        json!({"segment":{"show_only":{"ids":[0,1]}}}),
         json!({"selection":{"from_label":{"label":1}}}),
         json!({"selection":{"clear":{}}}),
         json!({"segment":{"set":{"id":1,"name":"jaw"}}}),

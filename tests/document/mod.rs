@@ -22,6 +22,8 @@ mod keep_support;
 mod keep_values;
 mod keep_zarr;
 mod labels;
+mod looks;
+mod looks_drawn;
 pub mod maker;
 pub mod maker_gpu;
 mod many_volumes;

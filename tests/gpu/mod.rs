@@ -20,7 +20,7 @@ mod occupancy;
 mod pools;
 mod pools_work;
 mod probe;
-mod reference;
+pub(crate) mod reference;
 mod reference_boxes;
 mod reference_refined;
 mod residency;

@@ -85,8 +85,15 @@ fn a_jump_over_many_steps_tells_how_far_it_is_and_stops_between_two() {
     let mut document = labelled();
     for id in 1..=6 {
         let name = Some(format!("Part {id}"));
-        let set =
-            burin::document::SegmentCommand::Set { id, name, colour: None, visible: None, locked: None, volume: None };
+        let set = burin::document::SegmentCommand::Set {
+            id,
+            name,
+            colour: None,
+            visible: None,
+            locked: None,
+            look: None,
+            volume: None,
+        };
         document.apply(Command::Segment(set)).unwrap();
     }
     let told = Arc::new(Mutex::new(Vec::new()));

@@ -23,7 +23,7 @@ impl Document {
         let subject = state.at(command.volume())?;
         let labels = FieldKey::new(subject.id, FieldKind::Labels);
         match command {
-            SegmentCommand::Set { .. } => Ok(said),
+            SegmentCommand::Set { .. } | SegmentCommand::ShowOnly { .. } => Ok(said),
             SegmentCommand::Remove { id, .. } => {
                 let changes = without_label(&subject, *id)?;
                 edit.swap(state, labels, changes)?;

@@ -17,7 +17,12 @@ use rayon::prelude::*;
 const MAX_SOFTEN_VOXELS: f64 = 128.0;
 
 impl Document {
-    pub(crate) fn selection(&mut self, command: &SelectionCommand, edit: &mut Edit) -> Result<Said, DocumentError> {
+    pub(crate) fn selection(
+        &mut self,
+        command: &SelectionCommand,
+        said: Said,
+        edit: &mut Edit,
+    ) -> Result<Said, DocumentError> {
         let watch = self.watch.clone();
         let state = self.open_mut()?;
         let subject = state.at(command.volume())?;
@@ -26,6 +31,7 @@ impl Document {
         let changes = match command {
             SelectionCommand::FromLabel { label, .. } => from_label(&subject, *label)?,
             SelectionCommand::Clear { .. } => Changes::new(),
+            SelectionCommand::Set { .. } => return Ok(said),
             SelectionCommand::Import { path, threshold, soften_mm, .. } => {
                 let (threshold, soften_mm) = (finite("threshold", *threshold)?, *soften_mm);
                 let most = (subject.grid().spacing() * MAX_SOFTEN_VOXELS).min_element();

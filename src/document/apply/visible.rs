@@ -12,7 +12,7 @@ use crate::document::subject::Subject;
 use crate::gpu::Frame;
 use crate::math::{DVec2, DVec3};
 use crate::paint::{Dab, VoxelSet};
-use crate::volume::{Mode, VolumeId};
+use crate::volume::VolumeId;
 
 /// Rays lie this share of a voxel apart, across the line of sight.
 const RAYS_VOXELS: f64 = 1.0 / 3.0;
@@ -111,12 +111,8 @@ impl Document {
     }
 }
 
-/// Whether the 3D view's look shows a voxel of this value at all.
+/// Whether the 3D view's looks show a voxel at all.
 fn shows(subject: &Subject<'_>, voxel: [u32; 3]) -> Result<bool, DocumentError> {
-    let value = f64::from(subject.density.value(voxel)?);
-    Ok(match subject.mode() {
-        _ if value.is_nan() => false,
-        Mode::Iso(level) => value >= level,
-        Mode::Dvr | Mode::Mip => subject.transfer().opacity_at(value) > 0.0,
-    })
+    let (value, label) = (subject.density.value(voxel)?, subject.labels.value(voxel)?);
+    Ok(subject.shows(f64::from(value), label as u16))
 }

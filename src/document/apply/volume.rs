@@ -71,6 +71,7 @@ impl Document {
                 }
                 let active = next.map(|_| volumes.active);
                 state.scene.shown.remove(&volume);
+                state.scene.keep_own_looks();
                 Ok(VolumeRemovedSaid { removed: volume, active }.into())
             }
             VolumeCommand::Set { volume, .. } => {

@@ -8,6 +8,7 @@
 use crate::document::command::answers_ask::{
     FieldSaid, HistorySaid, PartsSaid, PickSaid, VisibilitySaid, VolumeSaid, VoxelSaid,
 };
+use crate::document::scene::own_looks::LookChange;
 use crate::document::scene::past::PastOf;
 use crate::document::scene::volumes::{OwnLook, VolumeSettings};
 use crate::document::scene::{Layer, Look, Scene, SliceView, ViewName, Window};
@@ -20,6 +21,7 @@ use crate::volume::VolumeId;
 use serde::ser::{Error, SerializeStruct};
 use serde::{Serialize, Serializer};
 use serde_json::Value;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::time::SystemTime;
 
@@ -123,7 +125,9 @@ pub enum Said {
     Extended(ExtendedSaid),
     Cancelled(CancelledSaid),
     Selected(SelectedSaid),
+    SelectionLook(SelectionLookSaid),
     Segment(SegmentSaid),
+    ShownOnly(ShownOnlySaid),
     SegmentRemoved(SegmentRemovedSaid),
     ImportedSegments(ImportedSegmentsSaid),
     Split(SplitSaid),
@@ -172,8 +176,9 @@ macro_rules! said {
 said! {
     Opened(OpenedSaid), Saved(SavedSaid), Lost(LostSaid), Forgotten(ForgottenSaid), Exported(ExportedSaid),
     Transfer(TransferSaid), Camera(CameraSaid), View(ViewSaid), Slice(SliceSaid), Crosshair(CrosshairSaid),
-    Look(LookSaid), Window(WindowSaid), Layers(LayersSaid), Past(PastSaid), Brush(BrushSaid), Also(AlsoSaid), Painted(PaintedSaid),
-    Extended(ExtendedSaid), Cancelled(CancelledSaid), Selected(SelectedSaid), Segment(SegmentSaid),
+    Look(LookSaid), Window(WindowSaid), Layers(LayersSaid), Past(PastSaid), Brush(BrushSaid), Also(AlsoSaid),
+    Painted(PaintedSaid), Extended(ExtendedSaid), Cancelled(CancelledSaid), Selected(SelectedSaid),
+    SelectionLook(SelectionLookSaid), Segment(SegmentSaid), ShownOnly(ShownOnlySaid),
     SegmentRemoved(SegmentRemovedSaid), ImportedSegments(ImportedSegmentsSaid), Split(SplitSaid), Part(PartSaid),
     Whole(WholeSaid), Degree(DegreeSaid), Forces(ForcesSaid), Seed(SeedSaid), Settled(SettledSaid), Moved(MovedSaid),
     Travelled(TravelledSaid), Budget(BudgetSaid), Group(GroupSaid), Volume(VolumeSaid), Added(AddedSaid),
@@ -424,6 +429,21 @@ pub struct SelectedSaid {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SegmentSaid {
     pub segment: Segment,
+    /// What is other about its look.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub look: Option<LookChange>,
+}
+
+/// `selection.set`: what is other about the look of what is selected.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SelectionLookSaid {
+    pub look: Option<LookChange>,
+}
+
+/// `segment.show_only`: the labels that are shown; `null`: all.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ShownOnlySaid {
+    pub only: Option<BTreeSet<u16>>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -467,6 +487,9 @@ pub struct SplitSaid {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PartSaid {
     pub part: PartRecord,
+    /// What is other about its look.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub look: Option<LookChange>,
 }
 
 /// `part.reset`: how many parts there are.

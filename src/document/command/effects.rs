@@ -248,6 +248,7 @@ impl SelectionCommand {
             Self::Import { .. } => "selection.import",
             Self::FromLabel { .. } => "selection.from_label",
             Self::Clear { .. } => "selection.clear",
+            Self::Set { .. } => return Effects { redraws: Redraws::THREE_D, ..Effects::change("selection.set") },
         })
         .lasting(Lasts::AWhile("Selecting"))
     }
@@ -257,6 +258,7 @@ impl SegmentCommand {
     fn effects(&self) -> Effects {
         match self {
             Self::Set { .. } => Effects::change("segment.set"),
+            Self::ShowOnly { .. } => Effects { redraws: Redraws::THREE_D, ..Effects::change("segment.show_only") },
             Self::Remove { .. } => Effects::change("segment.remove").lasting(Lasts::AWhile("Removing a segment")),
             Self::Import { .. } => Effects::change("segment.import").lasting(Lasts::AWhile("Importing segments")),
         }

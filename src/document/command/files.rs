@@ -2,8 +2,8 @@
 
 #![allow(missing_docs)] // fields: the command's own text says what they are
 
+use crate::document::command::looks::LookSetting;
 use crate::document::scene::ViewName;
-use crate::document::scene::volumes::OwnLook;
 use crate::math::Camera;
 use crate::math::Pose;
 use crate::volume::{FieldKind, VolumeId};
@@ -101,10 +101,10 @@ pub enum VolumeCommand {
         /// 0 to 1.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         opacity: Option<f32>,
-        /// A look of its own in 3D.
+        /// A look of its own in 3D, or `"inherit"`: what is left out is as it is shown now. Its opacity is the volume's.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        look: Option<Box<OwnLook>>,
-        /// Takes its own look away: it is shown as the document is.
+        look: Option<LookSetting>,
+        /// The same as `"look": "inherit"`: it is shown as the document is.
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]
         shared_look: bool,
         /// From where its file puts it to where it lies.

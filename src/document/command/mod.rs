@@ -10,12 +10,14 @@ pub mod answers_ask;
 pub(crate) mod brush;
 pub mod effects;
 pub(crate) mod files;
+pub mod looks;
 pub(crate) mod parts;
 pub(crate) mod resolved;
 pub(crate) mod views;
 
 use crate::document::command::brush::{BrushCommand, StrokeCommand};
 use crate::document::command::files::{ProjectCommand, RenderCommand, VolumeCommand};
+use crate::document::command::looks::LookSetting;
 use crate::document::command::parts::{ExplosionCommand, PartCommand};
 use crate::document::command::views::{TransferCommand, ViewCommand};
 use crate::document::scene::ViewName;
@@ -94,7 +96,10 @@ impl SelectionCommand {
     /// The volume that it names.
     pub(crate) fn volume(&self) -> Option<VolumeId> {
         match self {
-            Self::Import { volume, .. } | Self::FromLabel { volume, .. } | Self::Clear { volume } => *volume,
+            Self::Import { volume, .. }
+            | Self::FromLabel { volume, .. }
+            | Self::Clear { volume }
+            | Self::Set { volume, .. } => *volume,
         }
     }
 }
@@ -103,7 +108,10 @@ impl SegmentCommand {
     /// The volume that it names.
     pub(crate) fn volume(&self) -> Option<VolumeId> {
         match self {
-            Self::Set { volume, .. } | Self::Remove { volume, .. } | Self::Import { volume, .. } => *volume,
+            Self::Set { volume, .. }
+            | Self::Remove { volume, .. }
+            | Self::Import { volume, .. }
+            | Self::ShowOnly { volume, .. } => *volume,
         }
     }
 }
@@ -158,6 +166,14 @@ pub enum SelectionCommand {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         volume: Option<VolumeId>,
     },
+    /// How selected matter is shown in 3D.
+    Set {
+        /// A look for itself, or `"inherit"`: what is left out stays as it is.
+        look: LookSetting,
+        /// The active one if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        volume: Option<VolumeId>,
+    },
 }
 
 /// See [`Command::Segment`].
@@ -175,6 +191,9 @@ pub enum SegmentCommand {
         visible: Option<bool>,
         #[serde(default)]
         locked: Option<bool>,
+        /// A look for its matter in 3D, or `"inherit"`: what is left out stays as it is.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        look: Option<LookSetting>,
         /// The active one if left out.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         volume: Option<VolumeId>,
@@ -182,6 +201,14 @@ pub enum SegmentCommand {
     /// Takes a segment out of the table and its label out of the voxels.
     Remove {
         id: u16,
+        /// The active one if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        volume: Option<VolumeId>,
+    },
+    /// Shows matter of these labels alone in 3D, 0 among them for what has none; all of it if they are left out.
+    ShowOnly {
+        #[serde(default)]
+        ids: Option<Vec<u16>>,
         /// The active one if left out.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         volume: Option<VolumeId>,

@@ -2,6 +2,7 @@
 
 #![allow(missing_docs)] // fields: the command's own text says what they are
 
+use crate::document::command::looks::LookSetting;
 use crate::explode::{Axis, Cut, Forces, PartId};
 use crate::math::Pose;
 use schemars::JsonSchema;
@@ -72,6 +73,9 @@ pub enum PartCommand {
         pinned: Option<bool>,
         #[serde(default)]
         importance: Option<f64>,
+        /// A look for itself in all volumes, or `"inherit"`: what is left out stays as it is.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        look: Option<LookSetting>,
     },
     /// Moves a part by hand and pins it there.
     Move { id: PartId, pose: Pose },

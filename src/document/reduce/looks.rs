@@ -1,7 +1,10 @@
 //! What commands on colour and opacity, look, window, layers and the brush do to the scene; see `reduce`.
 
-use crate::document::command::answers::{AlsoSaid, BrushSaid, LayersSaid, LookSaid, TransferSaid, WindowSaid};
+use crate::document::command::answers::{
+    AlsoSaid, BrushSaid, LayersSaid, LookSaid, SelectionLookSaid, TransferSaid, WindowSaid,
+};
 use crate::document::command::brush::BrushCommand;
+use crate::document::command::looks::LookSetting;
 use crate::document::command::views::TransferCommand;
 use crate::document::error::DocumentError;
 use crate::document::reduce::{Changed, Ground};
@@ -71,6 +74,20 @@ impl Scene {
         look.check()?;
         self.show(self.volumes.active, look);
         Ok(Changed::new(name, LookSaid { look }))
+    }
+
+    pub(crate) fn set_selection_look(
+        &mut self,
+        look: &LookSetting,
+        volume: Option<VolumeId>,
+    ) -> Result<Changed, DocumentError> {
+        let of = self.meant(volume)?;
+        let look = look.over(self.own_looks.selections.get(&of), self.lighting_of(of))?;
+        match &look {
+            Some(look) => drop(self.own_looks.selections.insert(of, look.clone())),
+            None => drop(self.own_looks.selections.remove(&of)),
+        }
+        Ok(Changed::new("Look of the selection", SelectionLookSaid { look }))
     }
 
     pub(crate) fn set_window(

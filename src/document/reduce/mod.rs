@@ -66,7 +66,9 @@ impl Scene {
             Command::Part(command) => next.apply_part(command, ground),
             Command::Explosion(command) => next.apply_explosion(command),
             Command::Volume(command) => next.apply_volume(command),
+            Command::Selection(SelectionCommand::Set { look, volume }) => next.set_selection_look(look, *volume),
             Command::Selection(command) => Ok(Changed::named(match command {
+                SelectionCommand::Set { .. } => String::new(),
                 SelectionCommand::Import { .. } => "Import selection".into(),
                 SelectionCommand::FromLabel { label, .. } => format!("Select label {label}"),
                 SelectionCommand::Clear { .. } => "Clear selection".into(),

@@ -2,7 +2,7 @@
 
 use crate::document::command::SegmentCommand;
 use crate::document::command::answers::{
-    DegreeSaid, ForcesSaid, PartSaid, SeedSaid, SegmentRemovedSaid, SegmentSaid, SplitSaid, WholeSaid,
+    DegreeSaid, ForcesSaid, PartSaid, SeedSaid, SegmentRemovedSaid, SegmentSaid, ShownOnlySaid, SplitSaid, WholeSaid,
 };
 use crate::document::command::parts::{ExplosionCommand, PartCommand, Splitter};
 use crate::document::error::DocumentError;
@@ -12,12 +12,19 @@ use crate::document::scene::check::check_segment;
 use crate::explode::{Cut, Explosion, Part, PartId, PartRecord};
 use crate::math::{DVec3, Plane};
 use crate::volume::{Grid, Segment, Segments, VolumeId};
+use std::collections::BTreeSet;
 
 impl Scene {
     pub(crate) fn apply_segment(&mut self, command: &SegmentCommand) -> Result<Changed, DocumentError> {
         match command {
-            SegmentCommand::Set { id, name, colour, visible, locked, volume } => {
+            SegmentCommand::Set { id, name, colour, visible, locked, look, volume } => {
                 let id = *id;
+                let (of, own) = (self.meant(*volume)?, &self.own_looks);
+                let so_far = own.segment(of, id).cloned();
+                let look_now = match look {
+                    Some(look) => look.over(so_far.as_ref(), self.lighting_of(of))?,
+                    None => so_far.clone(),
+                };
                 let wanted = Segment::new(id);
                 check_segment(&Segment { colour: colour.unwrap_or(wanted.colour), ..wanted })?;
                 let table = self.table(*volume)?;
@@ -25,6 +32,7 @@ impl Scene {
                 let step = match (&known, name) {
                     (None, _) => format!("Add segment {id}"),
                     (Some(old), Some(new)) if old.name != *new => format!("Rename segment {}", old.name),
+                    (Some(old), _) if look.is_some() => format!("Look of segment {}", old.name),
                     (Some(old), _) => format!("Change segment {}", old.name),
                 };
                 table.ensure(id);
@@ -35,7 +43,11 @@ impl Scene {
                 segment.colour = colour.unwrap_or(segment.colour);
                 segment.visible = visible.unwrap_or(segment.visible);
                 segment.locked = locked.unwrap_or(segment.locked);
-                Ok(Changed::new(step, SegmentSaid { segment: segment.clone() }))
+                let segment = segment.clone();
+                if look_now != so_far {
+                    self.own_looks.set_segment(of, id, look_now.clone());
+                }
+                Ok(Changed::new(step, SegmentSaid { segment, look: look_now }))
             }
             SegmentCommand::Remove { id, volume } => {
                 let table = self.table(*volume)?;
@@ -44,7 +56,29 @@ impl Scene {
                 };
                 let step = format!("Remove segment {}", segment.name);
                 table.0.retain(|s| s.id != *id);
+                let of = self.meant(*volume)?;
+                if self.own_looks.segment(of, *id).is_some() {
+                    self.own_looks.set_segment(of, *id, None);
+                }
                 Ok(Changed::new(step, SegmentRemovedSaid { removed: *id }))
+            }
+            SegmentCommand::ShowOnly { ids, volume } => {
+                let of = self.meant(*volume)?;
+                let only: Option<BTreeSet<u16>> = ids.as_ref().map(|ids| ids.iter().copied().collect());
+                let table = self.segments_of(of);
+                let unknown = |id: &&u16| **id != 0 && table.get(**id).is_none();
+                if let Some(id) = only.iter().flatten().find(unknown) {
+                    return Err(DocumentError::no_segment("ids", *id, table));
+                }
+                let step = match &only {
+                    Some(_) => "Show some segments alone",
+                    None => "Show all segments",
+                };
+                match &only {
+                    Some(only) => drop(self.own_looks.only.insert(of, only.clone())),
+                    None => drop(self.own_looks.only.remove(&of)),
+                }
+                Ok(Changed::new(step, ShownOnlySaid { only }))
             }
             // Which segments those are is in the file.
             SegmentCommand::Import { .. } => Ok(Changed::named("Import segments")),
@@ -60,11 +94,18 @@ impl Scene {
     pub(crate) fn apply_part(&mut self, command: &PartCommand, ground: &Ground<'_>) -> Result<Changed, DocumentError> {
         match command {
             PartCommand::Split { by, .. } => {
-                let halves = self.split(by)?;
+                let (cut, halves) = self.split(by)?;
+                self.halve_own_looks(&cut, &halves);
                 let parts = self.explosion.parts.len();
                 Ok(Changed::new(by.step_name(), SplitSaid { halves, parts }))
             }
-            PartCommand::Set { id, name, colour, own_colour, visible, pinned, importance } => {
+            PartCommand::Set { id, name, colour, own_colour, visible, pinned, importance, look } => {
+                let so_far = self.own_looks.parts.get(id).cloned();
+                let lit = self.lighting_of(self.volumes.active);
+                let look_now = match look {
+                    Some(look) => look.over(so_far.as_ref(), lit)?,
+                    None => so_far.clone(),
+                };
                 let stands = ground.poses.of(self.explosion.part(*id)?);
                 let explosion = &mut self.explosion;
                 let part = explosion.part_mut(*id)?;
@@ -75,6 +116,7 @@ impl Scene {
                     (_, _, Some(false), _) => "Hide",
                     (_, _, _, Some(true)) => "Pin",
                     (_, _, _, Some(false)) => "Unpin",
+                    _ if look.is_some() => "Look of",
                     _ => "Change",
                 };
                 let step = format!("{what} {}", part.name);
@@ -91,21 +133,45 @@ impl Scene {
                     ..part.clone()
                 };
                 explosion.check()?;
-                Ok(Changed::new(step, PartSaid { part: PartRecord::of(explosion.part(*id)?, stands) }))
+                let part = PartRecord::of(explosion.part(*id)?, stands);
+                match &look_now {
+                    same if *same == so_far => {}
+                    Some(look) => drop(self.own_looks.parts.insert(*id, look.clone())),
+                    None => drop(self.own_looks.parts.remove(id)),
+                }
+                Ok(Changed::new(step, PartSaid { part, look: look_now }))
             }
             PartCommand::Move { id, pose } => {
                 let step = format!("Move {}", self.explosion.part(*id)?.name);
                 self.explosion.place(*id, *pose)?;
-                Ok(Changed::new(step, PartSaid { part: self.explosion.part(*id)?.clone().into() }))
+                let look = self.own_looks.parts.get(id).cloned();
+                Ok(Changed::new(step, PartSaid { part: self.explosion.part(*id)?.clone().into(), look }))
             }
             PartCommand::Reset {} => {
                 self.explosion = one_part(&self.explosion, ground.grid).into();
+                self.keep_own_looks();
                 Ok(Changed::new("One part", WholeSaid { parts: 1 }))
             }
         }
     }
 
-    fn split(&mut self, by: &Splitter) -> Result<Vec<[PartId; 2]>, DocumentError> {
+    /// Halves look as what they were cut from.
+    fn halve_own_looks(&mut self, cut: &[PartId], halves: &[[PartId; 2]]) {
+        if self.own_looks.parts.is_empty() {
+            return;
+        }
+        // A part that a plane only grazed is there as it was.
+        let gone: Vec<PartId> = cut.iter().copied().filter(|id| self.explosion.part(*id).is_err()).collect();
+        for (id, halves) in gone.iter().zip(halves) {
+            if let Some(look) = self.own_looks.parts.remove(id) {
+                self.own_looks.parts.extend(halves.map(|half| (half, look.clone())));
+            }
+        }
+    }
+
+    /// Answers the parts that were to be cut, in order, and the halves of those that were.
+    fn split(&mut self, by: &Splitter) -> Result<(Vec<PartId>, Vec<[PartId; 2]>), DocumentError> {
+        let ids_of = |cuts: &[Cut]| cuts.iter().map(|cut| cut.part).collect();
         match by {
             Splitter::Plane { point, normal, part } => {
                 let plane = Plane::through(DVec3::from_array(*point), DVec3::from_array(*normal))
@@ -118,7 +184,7 @@ impl Scene {
                     None => self.explosion.parts.iter().map(|p| p.id).collect(),
                 };
                 let cuts: Vec<Cut> = ids.into_iter().map(|part| Cut { part, plane }).collect();
-                Ok(self.explosion.cut(&cuts)?)
+                Ok((ids_of(&cuts), self.explosion.cut(&cuts)?))
             }
             Splitter::Cuts { cuts, .. } => {
                 for (i, Cut { plane, .. }) in cuts.iter().enumerate() {
@@ -127,7 +193,7 @@ impl Scene {
                         return Err(DocumentError::invalid(format!("cuts[{i}].plane"), format!("{plane:?}"), expected));
                     }
                 }
-                Ok(self.explosion.cut(cuts)?)
+                Ok((ids_of(cuts), self.explosion.cut(cuts)?))
             }
             Splitter::Axis { .. } | Splitter::Depth { .. } | Splitter::Line { .. } => {
                 Err(DocumentError::of_picture("by"))

@@ -35,15 +35,27 @@ impl Scene {
             settings.name.clone_from(name);
         }
         settings.visible = visible.unwrap_or(settings.visible);
-        settings.opacity = opacity.unwrap_or(settings.opacity);
+        let shown_now = OwnLook {
+            transfer: self.transfer_of(volume).clone(),
+            mode: self.mode_of(volume),
+            lighting: self.lighting_of(volume),
+        };
+        let given = look.as_ref().map(|look| look.of_volume(shown_now)).transpose()?;
+        let of_look = given.as_ref().and_then(|(_, opacity)| *opacity);
+        if opacity.is_some() && of_look.is_some() {
+            return Err(DocumentError::invalid("look.opacity", "given beside the volume's", "one of the two"));
+        }
+        settings.opacity = opacity.or(of_look).unwrap_or(settings.opacity);
         settings.pose = pose.unwrap_or(settings.pose);
         settings.check()?;
         settings.pose.rotation = settings.pose.rotation.normalize();
         let mut own = None;
         if let Some(shown) = self.shown.get(&volume) {
-            let changed = if *shared_look { None } else { look.as_deref().or(shown.own.as_ref()) };
-            changed.map_or(Ok(()), OwnLook::check)?;
-            own = changed.cloned();
+            own = match (given, shared_look) {
+                (Some((own, _)), _) => own,
+                (None, true) => None,
+                (None, false) => shown.own.clone(),
+            };
         }
         // What stays as it was is still the same pointer.
         if self.shown.get(&volume).is_some_and(|shown| shown.own != own)

@@ -5,6 +5,7 @@
 //! no force looks along rays. Knows no poses.
 
 use crate::document::scene::Scene;
+use crate::document::scene::own_looks::OwnLooks;
 use crate::document::scene::shared::Shared;
 use crate::document::scene::volumes::VolumeSettings;
 use crate::explode::{Explosion, Face, Forces, Part, PartId};
@@ -18,6 +19,7 @@ pub(crate) struct Cause {
     explosion: Shared<Explosion>,
     camera: Option<Camera>,
     matter: Vec<Matter>,
+    own_looks: Shared<OwnLooks>,
     /// How often voxels had changed that explosion points stand on.
     voxels: u64,
 }
@@ -26,7 +28,8 @@ impl Cause {
     /// As it is now.
     pub(crate) fn of(scene: &Scene, voxels: u64) -> Self {
         let (explosion, matter) = (scene.explosion.clone(), matter_of(scene));
-        Self { explosion, camera: camera_of(scene).copied(), matter, voxels }
+        let own_looks = scene.own_looks.clone();
+        Self { explosion, camera: camera_of(scene).copied(), matter, own_looks, voxels }
     }
 
     /// Whether it is this now.
@@ -35,11 +38,15 @@ impl Cause {
             && pushes_alike(&self.explosion, &scene.explosion)
             && self.camera.as_ref() == camera_of(scene)
             && self.matter == matter_of(scene)
+            && self.own_looks == scene.own_looks
     }
 
     /// Whether rest poses are the same, if explosion points are.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
-        pushes_alike(&self.explosion, &other.explosion) && self.camera == other.camera && self.matter == other.matter
+        pushes_alike(&self.explosion, &other.explosion)
+            && self.camera == other.camera
+            && self.matter == other.matter
+            && self.own_looks == other.own_looks
     }
 
     /// The parts and what pushes them.
@@ -117,7 +124,9 @@ pub(crate) fn mark_of_parts(explosion: &Explosion) -> String {
 
 /// A name for all that a scene says of where its parts rest: the same wherever it says the same. Voxels are not in it.
 pub(crate) fn mark_of_scene(scene: &Scene) -> String {
-    mark_of(&(mark_of_parts(&scene.explosion), camera_of(scene), matter_of(scene)))
+    let said = (mark_of_parts(&scene.explosion), camera_of(scene), matter_of(scene));
+    // As projects have it in which nobody had said more.
+    if scene.own_looks.is_empty() { mark_of(&said) } else { mark_of(&(said, &*scene.own_looks)) }
 }
 
 fn mark_of(said: &impl Serialize) -> String {

@@ -188,6 +188,7 @@ impl Scene {
         check_layers(&self.layers)?;
         self.shown.iter().try_for_each(|(id, shown)| shown.check().map_err(of_volume(*id)))?;
         self.volumes.all.iter().try_for_each(|(id, volume)| volume.check().map_err(of_volume(*id)))?;
+        self.own_looks.check().map_err(|e| e.within("own_looks"))?;
         self.brush.check()?;
         check_explosion(&self.explosion, bounds)
     }
@@ -209,6 +210,7 @@ impl Scene {
             self.volumes.active = known.first().copied().unwrap_or_default();
         }
         self.volumes.next = self.volumes.next.max(known.last().map_or(0, |last| last.0.saturating_add(1)));
+        self.keep_own_looks();
         if self.check(bounds).is_ok() {
             return told;
         }
@@ -253,6 +255,10 @@ impl Scene {
             if tell(volume.check().map_err(of_volume(*id)), "the volume lies and shows as in its file") {
                 (volume.opacity, volume.pose) = (1.0, Pose::IDENTITY);
             }
+        }
+        let own = self.own_looks.check().map_err(|e| e.within("own_looks"));
+        if tell(own, "parts, selections and segments are shown as their volumes are") {
+            self.own_looks = fresh.own_looks;
         }
         if tell(self.brush.check().map_err(DocumentError::from), "the brush is that of a new document") {
             self.brush = fresh.brush;

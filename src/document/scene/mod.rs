@@ -8,6 +8,7 @@ pub(crate) mod first_look;
 pub(crate) mod histogram;
 pub(crate) mod kept_poses;
 pub(crate) mod outliers;
+pub mod own_looks;
 pub(crate) mod painted;
 pub(crate) mod past;
 pub(crate) mod shared;
@@ -16,6 +17,7 @@ pub(crate) mod volumes;
 
 use crate::document::scene::components::components;
 use crate::document::scene::defaults::brush_for;
+use crate::document::scene::own_looks::OwnLooks;
 use crate::document::scene::shared::Shared;
 use crate::document::scene::volumes::{VolumeLook, VolumeSettings, Volumes};
 use crate::explode::Explosion;
@@ -149,6 +151,11 @@ fn in_utf8<S: serde::Serializer>(path: &std::path::Path, to: S) -> Result<S::Ok,
     to.collect_str(&path.display())
 }
 
+/// What nobody said need not be kept.
+fn is_empty(looks: &Shared<OwnLooks>) -> bool {
+    looks.is_empty()
+}
+
 components! {
     (grid, histogram, volume)
     /// Which volumes there are.
@@ -170,4 +177,7 @@ components! {
     also: BTreeSet<VolumeId>, Tool, BTreeSet::new();
     /// Parts and forces.
     explosion: Explosion, Undo, Explosion::whole(grid);
+    /// What is other about the looks of parts, selections and segments.
+    #[serde(default, skip_serializing_if = "is_empty")]
+    own_looks: OwnLooks, Undo, OwnLooks::default();
 }

@@ -119,8 +119,13 @@ impl Scene {
 
     /// What the active volume's labels mean.
     pub fn segments(&self) -> &Segments {
+        self.segments_of(self.volumes.active)
+    }
+
+    /// What the labels of a volume mean; nothing if there is no such volume.
+    pub(crate) fn segments_of(&self, volume: VolumeId) -> &Segments {
         static NONE: Segments = Segments(Vec::new());
-        self.active().map_or(&NONE, |volume| &volume.segments)
+        self.volumes.all.get(&volume).map_or(&NONE, |volume| &volume.segments)
     }
 
     /// What the labels of a volume mean, to change it; `None` if there is no such volume.
@@ -226,6 +231,14 @@ impl Scene {
                 *self.look = Look { mode: self.look.mode, lighting: self.look.lighting, ..look };
             }
             None => *self.look = look,
+        }
+    }
+
+    /// Forgets what is other about the looks of parts and volumes that are gone.
+    pub(crate) fn keep_own_looks(&mut self) {
+        let Self { own_looks, explosion, volumes, .. } = self;
+        if !own_looks.is_empty() {
+            own_looks.keep(|id| explosion.part(id).is_ok(), |id| volumes.all.contains_key(&id));
         }
     }
 

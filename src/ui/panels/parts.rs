@@ -31,7 +31,16 @@ impl App {
                    own_colour: bool,
                    visible: Option<bool>,
                    pinned: Option<bool>| {
-            Command::Part(PartCommand::Set { id, name, colour, own_colour, visible, pinned, importance: None })
+            Command::Part(PartCommand::Set {
+                id,
+                name,
+                colour,
+                own_colour,
+                visible,
+                pinned,
+                importance: None,
+                look: None,
+            })
         };
         ui.push_id(("part", id.0), |ui| {
             let row = ui.horizontal(|ui| {

@@ -43,8 +43,15 @@ impl App {
         if icon_button(&mut corner, face).clicked()
             && let Some(next) = free
         {
-            let add =
-                SegmentCommand::Set { id: next, name: None, colour: None, visible: None, locked: None, volume: None };
+            let add = SegmentCommand::Set {
+                id: next,
+                name: None,
+                colour: None,
+                visible: None,
+                locked: None,
+                look: None,
+                volume: None,
+            };
             self.send(Command::Segment(add));
             self.paint_with(Target::Label(next));
         }
@@ -53,7 +60,7 @@ impl App {
     fn segment_row(&mut self, ui: &mut Ui, segment: &Segment, painted: bool) {
         let id = segment.id;
         let same = |name, colour, visible, locked| {
-            Command::Segment(SegmentCommand::Set { id, name, colour, visible, locked, volume: None })
+            Command::Segment(SegmentCommand::Set { id, name, colour, visible, locked, look: None, volume: None })
         };
         ui.push_id(("segment", id), |ui| {
             ui.horizontal(|ui| {
