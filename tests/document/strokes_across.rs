@@ -536,6 +536,27 @@ fn pictures_of_the_same_frame_show_a_running_stroke_in_all_its_volumes() {
 }
 
 #[test]
+fn volumes_out_of_sight_are_painted_where_they_are_named() {
+    let dir = tempfile::tempdir().unwrap();
+    let Some(mut document) = nested(dir.path()) else { return };
+    set_brush(&mut document, json!({"density": 400.0}), json!({}));
+    say(&mut document, json!({"stroke": {"paint": {"points": points(), "volumes": [0, 1]}}}));
+    let seen = both(&document);
+    say(&mut document, json!({"history": {"undo": {}}}));
+    for id in [0, 1] {
+        say(&mut document, json!({"volume": {"set": {"volume": id, "visible": false}}}));
+    }
+    let part = |i: usize| json!([points()[i]]);
+    say(&mut document, json!({"stroke": {"begin": {"points": part(0), "volumes": [0, 1]}}}));
+    for i in 1..WAY.len() {
+        document.picture(burin::document::ViewName::ThreeD, [16, 16], None).unwrap();
+        say(&mut document, json!({"stroke": {"extend": {"points": part(i)}}}));
+    }
+    say(&mut document, json!({"stroke": {"end": {}}}));
+    assert!(both(&document) == seen);
+}
+
+#[test]
 fn the_brush_paints_what_was_chosen_besides_the_active_volume_while_it_is_seen() {
     let dir = tempfile::tempdir().unwrap();
     let Some(mut document) = nested(dir.path()) else { return };

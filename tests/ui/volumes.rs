@@ -107,6 +107,31 @@ fn each_control_of_a_row_sends_what_it_says() {
 }
 
 #[test]
+fn a_sign_lets_strokes_paint_a_volume_besides_the_active_one() {
+    let mut window = opened(SMALL);
+    add(&mut window.scene, 2, "Atlas");
+    window.snapshot(|_| {});
+    window.harness.run_steps(3);
+    let said = |sent: &[Command]| {
+        let [Command::Brush(command)] = sent else { panic!("{sent:?}") };
+        serde_json::to_value(command).unwrap()
+    };
+    let lit = |window: &Window, name: &str| {
+        window.harness.get_by_label(name).accesskit_node().toggled() == Some(Toggled::True)
+    };
+    assert!(!lit(&window, "Paint volume PET too"));
+    assert_eq!(said(&window.click("Paint volume PET too")), json!({ "also": { "volumes": [1] } }));
+    // The document is busy: the list shows it at once.
+    assert!(lit(&window, "Paint volume PET too") && !lit(&window, "Paint volume Atlas too"));
+    assert_eq!(said(&window.click("Paint volume Atlas too")), json!({ "also": { "volumes": [1, 2] } }));
+    assert_eq!(said(&window.click("Paint volume PET too")), json!({ "also": { "volumes": [2] } }));
+    // The active one is painted anyway, and what is hidden is not.
+    assert!(window.harness.query_by_label("Paint volume small too").is_none());
+    window.click("Show volume Atlas");
+    assert!(window.harness.query_by_label("Paint volume Atlas too").is_none());
+}
+
+#[test]
 fn the_list_shows_at_once_what_is_sent_and_marks_the_volume_that_is_painted() {
     let mut window = opened(SMALL);
     let lit = |window: &Window, name: &str| {

@@ -1,8 +1,8 @@
-//! The list of volumes: which one is painted, name, visibility, strength, place.
+//! The list of volumes: which one is painted and which besides, name, visibility, strength, place.
 //!
 //! It takes room only where there is something to choose: a document of one volume as it was opened has no list.
 
-use crate::document::{Command, VolumeCommand, VolumeSettings};
+use crate::document::{BrushCommand, Command, VolumeCommand, VolumeSettings};
 use crate::interact::{Tool, readout};
 use crate::math::{DVec3, Pose};
 use crate::ui::style::icons;
@@ -13,16 +13,16 @@ use crate::ui::style::theme::{GAP, LABEL, ROW};
 use crate::ui::style::widgets::{Face, button, from_right, icon_button, list, number, row, tipped};
 use crate::ui::window::app::App;
 use crate::volume::VolumeId;
-use egui::{DragValue, Popup, PopupCloseBehavior, Rect, Role, Sense, Ui, WidgetInfo, vec2};
+use egui::{DragValue, Popup, PopupCloseBehavior, Rect, Response, Role, Sense, Ui, WidgetInfo, vec2};
 
 /// Rows that are in sight: more are scrolled to, fewer leave room, so that nothing below moves.
 const ROWS: f32 = 3.0;
 /// Between two rows.
 const BETWEEN: f32 = 2.0;
-/// Width of the sign before the painted one.
-const MARK: f32 = 16.0;
+/// Width of each of the two signs that say what is painted.
+const MARK: f32 = 14.0;
 /// Width of the strength.
-const PERCENT: f32 = 50.0;
+const PERCENT: f32 = 45.0;
 /// Farthest that a volume is moved by hand, mm.
 const FARTHEST: f64 = 1e6;
 
@@ -83,9 +83,12 @@ impl App {
                     app.send(Given { active: true, ..Given::default() }.of(id));
                 }
             };
+            let gap = std::mem::replace(&mut ui.spacing_mut().item_spacing.x, 0.0);
             if mark(ui, called, active) {
                 choose(self);
             }
+            ui.spacing_mut().item_spacing.x = gap;
+            self.besides(ui, (id, called), volume.visible && !active);
             let show = format!("Show volume {called}");
             let (icon, tint) = if volume.visible { (Icon::Eye, theme::TEXT) } else { (Icon::EyeOff, theme::TEXT_WEAK) };
             if icon_button(ui, Face::small(icon, &show, "Show or hide this volume").tint(tint)).clicked() {
@@ -113,6 +116,25 @@ impl App {
                 self.strength(ui, (id, called), volume);
             });
         });
+    }
+
+    /// Whether strokes paint it besides the active one: a sign to click, where it can be.
+    fn besides(&mut self, ui: &mut Ui, (id, called): (VolumeId, &str), can: bool) {
+        let Some(scene) = self.scene.as_ref().filter(|_| can) else {
+            ui.allocate_exact_size(vec2(MARK, ROW), Sense::hover());
+            return;
+        };
+        let on = scene.also.contains(&id);
+        let name = format!("Paint volume {called} too");
+        let does = if on { "Strokes paint this volume as well" } else { "Let strokes paint this volume as well" };
+        if sign(ui, (Icon::Add, true), (Role::CheckBox, on), (&name, does)).clicked() {
+            let mut also = scene.also.clone();
+            if !also.remove(&id) {
+                also.insert(id);
+            }
+            let known = also.iter().copied().filter(|id| scene.volumes.all.contains_key(id));
+            self.send(Command::Brush(BrushCommand::Also { volumes: known.collect() }));
+        }
     }
 
     fn strength(&mut self, ui: &mut Ui, (id, called): (VolumeId, &str), volume: &VolumeSettings) {
@@ -180,14 +202,18 @@ impl App {
 
 /// Says which volume is painted; whether another one is to be.
 fn mark(ui: &mut Ui, called: &str, active: bool) -> bool {
-    let (rect, response) = ui.allocate_exact_size(vec2(MARK, ROW), Sense::click());
-    let name = format!("Paint volume {called}");
-    response.widget_info(|| WidgetInfo::selected(Role::RadioButton, true, active, &name));
-    let lit = response.hovered() || response.has_focus();
-    if active || lit {
-        let colour = if active { theme::TEXT } else { theme::TEXT_WEAK };
-        icons::paint(ui.painter(), rect, Icon::Tool(Tool::Brush), colour);
-    }
     let tip = if active { "The brush paints this volume" } else { "Paint this volume" };
-    tipped(response, tip).clicked()
+    let brush = (Icon::Tool(Tool::Brush), false);
+    sign(ui, brush, (Role::RadioButton, active), (&format!("Paint volume {called}"), tip)).clicked()
+}
+
+/// A sign that is on or off; one that is off is seen under the pointer, or always if it `stays`.
+fn sign(ui: &mut Ui, (icon, stays): (Icon, bool), (role, on): (Role, bool), (name, tip): (&str, &str)) -> Response {
+    let (rect, response) = ui.allocate_exact_size(vec2(MARK, ROW), Sense::click());
+    response.widget_info(|| WidgetInfo::selected(role, true, on, name));
+    let lit = response.hovered() || response.has_focus();
+    if on || lit || stays {
+        icons::paint(ui.painter(), rect, icon, if on { theme::TEXT } else { theme::TEXT_WEAK });
+    }
+    tipped(response, tip)
 }
