@@ -87,7 +87,7 @@ impl State {
         let plane = SlicePlane::new(active.grid(), &views, view)?;
         let grey = |subject: &Subject<'_>| {
             let window = self.scene.window_of(subject.id);
-            self.scene.layer(FieldKind::Density).visible.then_some((window.level, window.width))
+            self.scene.layer_of(subject.id, FieldKind::Density).visible.then_some((window.level, window.width))
         };
         let world = |px| plane.world(px);
         let (at, overlay) = ((plane.axis, plane.index), self.overlay(&active));
@@ -111,7 +111,7 @@ impl State {
 
     fn overlay(&self, subject: &Subject<'_>) -> Overlay {
         let strength = |kind: FieldKind| {
-            let layer = self.scene.layer(kind);
+            let layer = self.scene.layer_of(subject.id, kind);
             if layer.visible { layer.opacity } else { 0.0 }
         };
         Overlay {

@@ -17,7 +17,7 @@ fn add(scene: &mut Scene, id: u32, name: &str) {
     scene.volumes.all.insert(VolumeId(id), VolumeSettings::new(name, origin));
     scene.volumes.next = id + 1;
     let window = scene.window();
-    scene.shown.insert(VolumeId(id), VolumeLook { window, own: None });
+    scene.shown.insert(VolumeId(id), VolumeLook::new(window));
 }
 
 /// A second volume comes.

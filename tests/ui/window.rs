@@ -443,11 +443,11 @@ fn the_list_of_parts_takes_what_height_there_is() {
 fn density_is_hidden_by_its_layer() {
     let mut window = Window::open(SMALL);
     let hide = Layer { field: FieldKind::Density, visible: false, opacity: 1.0 };
-    assert_eq!(window.click("Show layer Density"), [Command::View(ViewCommand::Layer(hide))]);
+    assert_eq!(window.click("Show layer Density"), [Command::View(ViewCommand::Layer(hide.into()))]);
     let show = Layer { visible: true, ..hide };
     assert_eq!(
         window.click("Show layer Density"),
-        [Command::View(ViewCommand::Layer(show))],
+        [Command::View(ViewCommand::Layer(show.into()))],
         "the row follows at once"
     );
 }

@@ -96,7 +96,7 @@ impl Document {
         settings.name = name.unwrap_or(settings.name);
         edit.name(format!("Add volume {}", settings.name));
         let id = VolumeId(state.scene.volumes.next);
-        let mut shown = VolumeLook { window: read.scene.window_of(first), own: None };
+        let mut shown = VolumeLook::new(read.scene.window_of(first));
         if state.volumes.is_empty() {
             // What is seen was that of nothing.
             let Scene { transfer, look, views, explosion, brush, .. } = read.scene;

@@ -19,7 +19,7 @@ use crate::document::command::brush::{BrushCommand, StrokeCommand};
 use crate::document::command::files::{ProjectCommand, RenderCommand, VolumeCommand};
 use crate::document::command::looks::LookSetting;
 use crate::document::command::parts::{ExplosionCommand, PartCommand};
-use crate::document::command::views::{TransferCommand, ViewCommand};
+use crate::document::command::views::{LayerChange, TransferCommand, ViewCommand};
 use crate::document::scene::ViewName;
 use crate::math::Camera;
 use crate::volume::{FieldKind, VolumeId};
@@ -64,7 +64,9 @@ impl Command {
     pub(crate) fn volume(&self) -> Option<VolumeId> {
         match self {
             Self::Transfer(TransferCommand::Set { volume, .. } | TransferCommand::Reset { volume })
-            | Self::View(ViewCommand::Window { volume, .. }) => *volume,
+            | Self::View(ViewCommand::Window { volume, .. } | ViewCommand::Layer(LayerChange { volume, .. })) => {
+                *volume
+            }
             Self::Stroke(command) => command.volume(),
             Self::Selection(command) => command.volume(),
             Self::Segment(command) => command.volume(),

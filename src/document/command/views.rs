@@ -6,7 +6,7 @@ use crate::document::command::Place;
 use crate::document::scene::past::PastOf;
 use crate::document::scene::{Layer, ViewName};
 use crate::math::Camera;
-use crate::volume::{Lighting, Mode, TransferFunction, VolumeId};
+use crate::volume::{FieldKind, Lighting, Mode, TransferFunction, VolumeId};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -27,6 +27,33 @@ pub enum TransferCommand {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         volume: Option<VolumeId>,
     },
+}
+
+/// See [`ViewCommand::Layer`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LayerChange {
+    /// Field.
+    pub field: FieldKind,
+    /// Painted fields: in slices and in 3D. Density: in slices; in 3D the transfer function says it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub visible: Option<bool>,
+    /// Strength of its overlay, 0..1. Density has 1: what it lies over is black.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub opacity: Option<f32>,
+    /// Whose field: that volume then shows it in its own way. Left out: the active one's own way if it has one, else the document's,
+    /// which all volumes share that have none of their own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub volume: Option<VolumeId>,
+    /// The volume shows the field as the document does again; nothing else can be said beside it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub shared: bool,
+}
+
+impl From<Layer> for LayerChange {
+    fn from(Layer { field, visible, opacity }: Layer) -> Self {
+        Self { field, visible: Some(visible), opacity: Some(opacity), volume: None, shared: false }
+    }
 }
 
 /// See [`Command::View`].
@@ -85,8 +112,8 @@ pub enum ViewCommand {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         volume: Option<VolumeId>,
     },
-    /// How a field is shown.
-    Layer(Layer),
+    /// How a field is shown; what is left out stays.
+    Layer(LayerChange),
     /// What was seen before the last change of view, look, layer, window or transfer function; with `of` before the last change of
     /// views or of looks alone.
     Back {

@@ -5,12 +5,12 @@ use crate::document::command::answers::{
 };
 use crate::document::command::brush::BrushCommand;
 use crate::document::command::looks::LookSetting;
-use crate::document::command::views::TransferCommand;
+use crate::document::command::views::{LayerChange, TransferCommand};
 use crate::document::error::DocumentError;
 use crate::document::reduce::{Changed, Ground};
 use crate::document::scene::check::check_transfer;
 use crate::document::scene::{Layer, Look, Scene, Window, first_look};
-use crate::volume::{Lighting, Mode, VolumeId};
+use crate::volume::{FieldKind, Lighting, Mode, VolumeId};
 use std::collections::BTreeSet;
 
 /// What of a look is given: mode, shaded, lighting, step, background.
@@ -103,13 +103,27 @@ impl Scene {
         Ok(Changed::new("Window", WindowSaid { window }))
     }
 
-    pub(crate) fn set_layer(&mut self, layer: Layer) -> Result<Changed, DocumentError> {
-        layer.check()?;
-        match self.layers.iter_mut().find(|l| l.field == layer.field) {
-            Some(known) => *known = layer,
-            None => self.layers.push(layer),
+    pub(crate) fn set_layer(&mut self, change: &LayerChange) -> Result<Changed, DocumentError> {
+        let LayerChange { field, visible, opacity, volume, shared } = *change;
+        if shared && (visible.is_some() || opacity.is_some()) {
+            return Err(DocumentError::invalid("shared", "true beside visible or opacity", "either one or the other"));
         }
-        Ok(Changed::new(format!("Layer {}", layer.field.name()), LayersSaid { layers: self.layers.to_vec() }))
+        let id = self.meant(volume)?;
+        let now = self.layer_of(id, field);
+        let layer = Layer { field, visible: visible.unwrap_or(now.visible), opacity: opacity.unwrap_or(now.opacity) };
+        layer.check()?;
+        let own = volume.is_some() || self.own_layer(id, field).is_some();
+        match self.shown.get_mut(&id).filter(|_| own) {
+            Some(shown) => {
+                shown.layers.retain(|layer| layer.field != field);
+                shown.layers.extend((!shared).then_some(layer));
+            }
+            None if shared => {}
+            None => put(&mut self.layers, layer),
+        }
+        let layers =
+            if own { FieldKind::ALL.map(|field| self.layer_of(id, field)).to_vec() } else { self.layers.to_vec() };
+        Ok(Changed::new(format!("Layer {}", field.name()), LayersSaid { layers }))
     }
 
     pub(crate) fn apply_brush(&mut self, command: &BrushCommand) -> Result<Changed, DocumentError> {
@@ -129,5 +143,13 @@ impl Scene {
         brush.check()?;
         self.brush = brush.into();
         Ok(Changed::new("Brush", BrushSaid { brush }))
+    }
+}
+
+/// Adds a layer, or replaces that of its field.
+fn put(layers: &mut Vec<Layer>, layer: Layer) {
+    match layers.iter_mut().find(|l| l.field == layer.field) {
+        Some(known) => *known = layer,
+        None => layers.push(layer),
     }
 }

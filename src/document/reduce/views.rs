@@ -70,7 +70,7 @@ impl Scene {
                 self.set_look((*mode, *shaded, *lighting, (*step_voxels, *refine), *background))
             }
             ViewCommand::Window { level, width, volume } => self.set_window(*volume, *level, *width),
-            ViewCommand::Layer(layer) => self.set_layer(*layer),
+            ViewCommand::Layer(layer) => self.set_layer(layer),
             // What was seen before is not the scene's to know.
             ViewCommand::Back { .. } | ViewCommand::Forward { .. } => Ok(Changed::default()),
         }

@@ -144,6 +144,7 @@ impl VolumeLook {
     /// The first field that is wrong.
     pub(crate) fn check(&self) -> Result<(), DocumentError> {
         self.window.check().map_err(|e| e.within("window"))?;
+        check_layers(&self.layers)?;
         self.own.as_ref().map_or(Ok(()), |own| own.check().map_err(|e| e.within("look")))
     }
 }
@@ -204,7 +205,7 @@ impl Scene {
         }
         for (id, volume) in volumes {
             let window = Window::from_histogram(&volume.histogram);
-            self.shown.entry(*id).or_insert(VolumeLook { window, own: None });
+            self.shown.entry(*id).or_insert(VolumeLook::new(window));
         }
         if !known.contains(&self.volumes.active) {
             self.volumes.active = known.first().copied().unwrap_or_default();

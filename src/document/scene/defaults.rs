@@ -49,9 +49,14 @@ impl Looks {
 }
 
 impl VolumeLook {
+    /// As the document is shown, with this grey window.
+    pub fn new(window: Window) -> Self {
+        Self { window, own: None, layers: Vec::new() }
+    }
+
     /// The first volume of a document is shown as its histogram says.
     pub(crate) fn of_first(histogram: &Histogram) -> BTreeMap<VolumeId, Self> {
-        BTreeMap::from([(VolumeId::FIRST, Self { window: Window::from_histogram(histogram), own: None })])
+        BTreeMap::from([(VolumeId::FIRST, Self::new(Window::from_histogram(histogram)))])
     }
 }
 
@@ -74,9 +79,20 @@ impl Layer {
 }
 
 impl Scene {
-    /// How a field is shown. Older projects do not say it of density.
+    /// How a field of the active volume is shown.
     pub fn layer(&self, field: FieldKind) -> Layer {
-        self.layers.iter().find(|l| l.field == field).copied().unwrap_or_else(|| Layer::new(field))
+        self.layer_of(self.volumes.active, field)
+    }
+
+    /// How a field of a volume is shown: in its own way or in the document's. Older projects do not say it of density.
+    pub fn layer_of(&self, volume: VolumeId, field: FieldKind) -> Layer {
+        let shared = || self.layers.iter().find(|l| l.field == field).copied();
+        self.own_layer(volume, field).or_else(shared).unwrap_or_else(|| Layer::new(field))
+    }
+
+    /// The way in which a volume alone shows a field.
+    pub(crate) fn own_layer(&self, volume: VolumeId, field: FieldKind) -> Option<Layer> {
+        self.shown.get(&volume)?.layers.iter().find(|l| l.field == field).copied()
     }
 
     /// The scene as JSON says it: a path that is not UTF-8 comes back with marks in it.

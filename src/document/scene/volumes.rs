@@ -5,7 +5,7 @@
 //! one step. Knows no voxels.
 
 use crate::document::error::DocumentError;
-use crate::document::scene::{Look, Origin, Scene, Window};
+use crate::document::scene::{Layer, Look, Origin, Scene, Window};
 use crate::math::Pose;
 use crate::volume::{Lighting, Mode, Segments, TransferFunction, VolumeId};
 use serde::{Deserialize, Serialize};
@@ -105,6 +105,9 @@ pub struct VolumeLook {
     /// In 3D; the document's transfer function and look where there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub own: Option<OwnLook>,
+    /// Fields that it shows in a way of its own; the others are shown as the document's are.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub layers: Vec<Layer>,
 }
 
 /// The scene's parts in the order in which scripts were told them when there was one volume.
@@ -189,7 +192,8 @@ impl Scene {
             segments: active.segments.clone(),
             ..VolumeSettings::new("", active.origin.clone())
         };
-        let plain = *active == as_opened && self.shown.values().all(|shown| shown.own.is_none());
+        let plain =
+            *active == as_opened && self.shown.values().all(|shown| shown.own.is_none() && shown.layers.is_empty());
         if self.volumes.all.len() == 1 && self.volumes.active == VolumeId::FIRST && plain {
             parts.remove("volumes");
             parts.remove("shown");

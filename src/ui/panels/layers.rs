@@ -1,13 +1,13 @@
 //! How fields lie over each other: density with its grey window first, what is painted over it.
 
-use crate::document::{Command, Layer, ViewCommand, Window};
+use crate::document::{Command, Layer, LayerChange, ViewCommand, Window};
 use crate::interact::readout;
 use crate::ui::style::icons::Icon;
 use crate::ui::style::theme;
 use crate::ui::style::theme::{LABEL, ROW};
 use crate::ui::style::widgets::{Face, Scale, icon_button, menu, number, slider};
 use crate::ui::window::app::App;
-use crate::volume::FieldKind;
+use crate::volume::{FieldKind, VolumeId};
 use egui::{Align2, DragValue, Sense, Ui, vec2};
 
 const fn title(field: FieldKind) -> &'static str {
@@ -33,12 +33,14 @@ impl App {
     pub(super) fn layer_panel(&mut self, ui: &mut Ui) {
         let Some(scene) = &self.scene else { return };
         let (layers, window) = (FieldKind::ALL.map(|field| scene.layer(field)), scene.window());
+        // Of several volumes the panels show the active one.
+        let volume = (scene.volumes.all.len() > 1).then_some(scene.volumes.active);
         for layer in layers {
-            self.layer_row(ui, layer, window);
+            self.layer_row(ui, (layer, volume), window);
         }
     }
 
-    fn layer_row(&mut self, ui: &mut Ui, layer: Layer, window: Window) {
+    fn layer_row(&mut self, ui: &mut Ui, (layer, volume): (Layer, Option<VolumeId>), window: Window) {
         let name = title(layer.field);
         ui.horizontal(|ui| {
             ui.set_min_height(ROW);
@@ -49,7 +51,10 @@ impl App {
                 _ => "Shown or hidden, in slices and in 3D",
             };
             if icon_button(ui, Face::small(icon, &show, tip).tint(tint)).clicked() {
-                self.send(Command::View(ViewCommand::Layer(Layer { visible: !layer.visible, ..layer })));
+                self.send(Command::View(ViewCommand::Layer(LayerChange {
+                    volume,
+                    ..Layer { visible: !layer.visible, ..layer }.into()
+                })));
             }
             let (rect, _) = ui.allocate_exact_size(vec2(LABEL - 26.0, ROW), Sense::hover());
             let font = egui::TextStyle::Body.resolve(ui.style());
@@ -62,7 +67,8 @@ impl App {
             let about = (&*format!("Opacity of layer {name}"), "How strongly it lies over the grey values");
             let response = slider(ui, about, &mut opacity, 0.0..=1.0, Scale::PERCENT);
             if response.changed() {
-                self.edit(&response, Command::View(ViewCommand::Layer(Layer { opacity: opacity as f32, ..layer })));
+                let layer = Layer { opacity: opacity as f32, ..layer };
+                self.edit(&response, Command::View(ViewCommand::Layer(LayerChange { volume, ..layer.into() })));
             }
         });
     }

@@ -1,0 +1,145 @@
+//! How fields are shown, of one volume or of all: commands, pictures, the past of looks, what is saved.
+
+use super::maker::{run, write_nrrd};
+use burin::document::{Document, ViewName};
+use burin::math::DVec3;
+use burin::volume::{FieldKind, Grid, VolumeId};
+use serde_json::{Value, json};
+use std::path::Path;
+
+fn say(document: &mut Document, line: Value) -> Value {
+    run(document, &line.to_string()).unwrap_or_else(|e| panic!("{line}: {e}"))
+}
+
+/// Two volumes of matter beside each other.
+fn two(dir: &Path) -> Document {
+    let file = |name: &str, at: f64| {
+        let path = dir.join(name);
+        let grid = Grid::aligned([20, 16, 12], DVec3::ONE, DVec3::new(at, 0.0, 0.0));
+        write_nrrd(&path, &grid, |[x, y, z]| {
+            let inside = (3..17).contains(&x) && (3..13).contains(&y) && (2..10).contains(&z);
+            if inside { 80.0 + (x % 5) as f32 } else { 0.0 }
+        });
+        path
+    };
+    let mut document = Document::new();
+    document.keep_unsaved_in(dir.join("unsaved"));
+    say(&mut document, json!({"volume": {"open": {"path": file("a.nrrd", 0.0)}}}));
+    say(&mut document, json!({"volume": {"add": {"path": file("b.nrrd", 21.0)}}}));
+    document
+}
+
+/// Visible and opacity of a field of both volumes.
+fn shown(document: &Document, field: FieldKind) -> [(bool, f32); 2] {
+    let scene = &document.state().unwrap().scene;
+    [0, 1].map(|id| scene.layer_of(VolumeId(id), field)).map(|layer| (layer.visible, layer.opacity))
+}
+
+fn layer(document: &mut Document, change: Value) -> Value {
+    say(document, json!({"view": {"layer": change}}))
+}
+
+#[test]
+fn a_volume_that_shows_a_field_in_its_own_way_leaves_the_others_and_can_show_it_as_they_do_again() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut document = two(dir.path());
+    let labels = FieldKind::Labels;
+    assert_eq!(shown(&document, labels), [(true, 0.5); 2]);
+    // Of all volumes, as ever.
+    layer(&mut document, json!({"field": "labels", "visible": false, "opacity": 0.25}));
+    assert_eq!(shown(&document, labels), [(false, 0.25); 2]);
+    // Of one; what is left out stays.
+    let answer = layer(&mut document, json!({"field": "labels", "visible": true, "volume": 1}));
+    assert_eq!(shown(&document, labels), [(false, 0.25), (true, 0.25)]);
+    assert_eq!(answer["layers"][3], json!({"field": "labels", "visible": true, "opacity": 0.25}));
+    assert_eq!(answer["step"], Value::Null);
+    layer(&mut document, json!({"field": "labels", "opacity": 0.75}));
+    assert_eq!(shown(&document, labels), [(false, 0.75), (true, 0.25)], "the active one has no way of its own");
+    assert_eq!(shown(&document, FieldKind::Colour), [(true, 1.0); 2]);
+    // The active one's own way is meant where it has one.
+    say(&mut document, json!({"volume": {"set": {"volume": 1, "active": true}}}));
+    layer(&mut document, json!({"field": "labels", "opacity": 0.5}));
+    assert_eq!(shown(&document, labels), [(false, 0.75), (true, 0.5)]);
+    // The past of looks, saved, opened.
+    say(&mut document, json!({"view": {"back": {"of": "looks"}}}));
+    assert_eq!(shown(&document, labels), [(false, 0.75), (true, 0.25)]);
+    say(&mut document, json!({"view": {"forward": {"of": "looks"}}}));
+    let path = dir.path().join("p.burin");
+    say(&mut document, json!({"project": {"save": {"path": path}}}));
+    layer(&mut document, json!({"field": "colour", "opacity": 0.5, "volume": 0}));
+    drop(document);
+    let mut document = Document::new();
+    say(&mut document, json!({"project": {"open": {"path": path}}}));
+    assert_eq!(shown(&document, labels), [(false, 0.75), (true, 0.5)]);
+    assert_eq!(shown(&document, FieldKind::Colour), [(true, 0.5), (true, 1.0)], "what came after the save too");
+    layer(&mut document, json!({"field": "labels", "shared": true, "volume": 1}));
+    assert_eq!(shown(&document, labels), [(false, 0.75); 2]);
+    layer(&mut document, json!({"field": "labels", "visible": true}));
+    assert_eq!(shown(&document, labels), [(true, 0.75); 2], "it follows again");
+    for (wrong, needle) in [
+        (json!({"field": "labels", "visible": true, "volume": 7}), "1 (b.nrrd)"),
+        (json!({"field": "labels", "visible": true, "shared": true}), "shared"),
+        (json!({"field": "labels", "opacity": 2, "volume": 1}), "opacity"),
+        (json!({"field": "density", "opacity": 0.5, "volume": 1}), "opacity"),
+    ] {
+        let said = run(&mut document, &json!({"view": {"layer": wrong}}).to_string()).unwrap_err().to_string();
+        assert!(said.contains(needle), "{wrong}: {said}");
+    }
+    assert_eq!(shown(&document, labels), [(true, 0.75); 2]);
+}
+
+fn pictures(document: &mut Document) -> Vec<Vec<[f32; 4]>> {
+    [ViewName::ThreeD, ViewName::Axial]
+        .map(|view| document.picture(view, [60, 40], None).unwrap().colour.clone())
+        .to_vec()
+}
+
+/// Whether pictures are the same but for rounding.
+fn same(a: &[Vec<[f32; 4]>], b: &[Vec<[f32; 4]>]) -> bool {
+    let close = |(p, q): (&[f32; 4], &[f32; 4])| p.iter().zip(q).all(|(p, q)| (p - q).abs() < 1.0 / 255.0);
+    a.iter().zip(b).all(|(a, b)| a.iter().zip(b).all(close))
+}
+
+#[test]
+fn a_field_that_one_volume_hides_is_seen_on_the_other_alone() {
+    if crate::common::gpu::gpu().is_none() {
+        return;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let mut document = two(dir.path());
+    let function = json!({"colour": [[0, [1, 1, 1]]], "opacity": [[20, 0], [60, 0.9]], "unit_mm": 1});
+    say(&mut document, json!({"transfer": {"set": {"function": function}}}));
+    say(&mut document, json!({"view": {"look": {"shaded": false}}}));
+    say(&mut document, json!({"view": {"frame": {"from": [0, -1, 0.3]}}}));
+    say(&mut document, json!({"view": {"crosshair": {"at": {"mm": [20, 8, 6]}}}}));
+    say(&mut document, json!({"view": {"fit": {"view": "axial"}}}));
+    say(&mut document, json!({"view": {"zoom": {"view": "axial", "factor": 2.5}}}));
+    for target in [json!({"label": 2}), json!({"colour": [1, 0, 0, 1]}), json!({"selection": 1})] {
+        let field = if target.get("label").is_some() { "labels" } else { target.as_object().unwrap().keys().next().unwrap() };
+        say(&mut document, json!({"brush": {"set": {"target": target, "radius_mm": 6}}}));
+        let paint = |x: f64, id: u32| {
+            let at = json!({"mm": [x, 4, 6]});
+            json!({"stroke": {"paint": {"points": [{"at": at}], "volume": id}}})
+        };
+        let bare = pictures(&mut document);
+        say(&mut document, paint(8.0, 0));
+        let first = pictures(&mut document);
+        say(&mut document, paint(31.0, 1));
+        let both = pictures(&mut document);
+        assert!(!same(&bare, &first) && !same(&first, &both), "{field}");
+        layer(&mut document, json!({"field": field, "visible": false, "volume": 1}));
+        assert!(same(&pictures(&mut document), &first), "{field} of the second is hidden");
+        layer(&mut document, json!({"field": field, "visible": false, "volume": 0}));
+        assert!(same(&pictures(&mut document), &bare), "{field} of both is hidden");
+        layer(&mut document, json!({"field": field, "shared": true, "volume": 0}));
+        layer(&mut document, json!({"field": field, "shared": true, "volume": 1}));
+        assert!(same(&pictures(&mut document), &both), "{field} is shown again");
+        say(&mut document, json!({"history": {"undo": {"steps": 2}}}));
+    }
+    // Density in slices.
+    let shown = pictures(&mut document);
+    layer(&mut document, json!({"field": "density", "visible": false, "volume": 1}));
+    let hidden = pictures(&mut document);
+    assert!(same(&shown[..1], &hidden[..1]), "in 3D the transfer function says it");
+    assert!(shown[1] != hidden[1]);
+}
