@@ -10,20 +10,15 @@ use crate::document::command::answers_ask::{
 };
 use crate::document::scene::own_looks::LookChange;
 use crate::document::scene::past::PastOf;
-use crate::document::scene::volumes::{OwnLook, VolumeSettings};
 use crate::document::scene::{Layer, Look, Scene, SliceView, ViewName, Window};
 use crate::explode::{Forces, PartId, PartPose, PartRecord};
-use crate::io::Exported;
 use crate::math::Camera;
-use crate::paint::Brush;
-use crate::volume::Segment;
-use crate::volume::VolumeId;
 use serde::ser::{Error, SerializeStruct};
 use serde::{Serialize, Serializer};
 use serde_json::Value;
-use std::collections::BTreeSet;
-use std::path::PathBuf;
-use std::time::SystemTime;
+
+pub use crate::document::command::answers_files::*;
+pub use crate::document::command::answers_paint::*;
 
 /// What a command answers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -187,118 +182,6 @@ said! {
     History(HistorySaid), Picture(PictureSaid),
 }
 
-/// `volume.open`, `project.open`, `project.recover`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct OpenedSaid {
-    /// The active one; none in a document without volumes.
-    #[serde(flatten)]
-    pub volume: Option<VolumeSaid>,
-    /// Opened as labels.
-    #[serde(flatten)]
-    pub labels: Option<LabelsSaid>,
-    /// Opened as a selection.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub selected_voxels: Option<u64>,
-    pub warnings: Vec<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub recovered: Option<RecoveredSaid>,
-}
-
-/// `volume.add`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct AddedSaid {
-    /// Its number.
-    pub volume: VolumeId,
-    #[serde(flatten)]
-    pub about: OpenedSaid,
-}
-
-/// `volume.remove`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct VolumeRemovedSaid {
-    pub removed: VolumeId,
-    /// The one that commands mean now which name none.
-    pub active: Option<VolumeId>,
-}
-
-/// `volume.set`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct VolumeSetSaid {
-    pub volume: VolumeId,
-    #[serde(flatten)]
-    pub settings: VolumeSettings,
-    pub look: Option<OwnLook>,
-    pub active: bool,
-}
-
-/// What an earlier end of the program had left, and what became of it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct RecoveredSaid {
-    pub steps: u64,
-    /// The last command, as the journal has it.
-    pub last: Value,
-    pub stroke: StrokeFate,
-    pub torn_bytes: u64,
-}
-
-/// What became of the stroke that ran.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum StrokeFate {
-    /// None ran.
-    None,
-    /// It is painted as far as it had come.
-    Painted,
-    /// It could not be.
-    Lost,
-}
-
-/// What a save did.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Saved {
-    /// The generation that is now current.
-    pub generation: u64,
-    /// Bytes written, metadata included.
-    pub bytes_written: u64,
-    /// Files of the generation before that did not change.
-    pub files_linked: u64,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct SavedSaid {
-    pub saved: Saved,
-    pub path: Option<String>,
-}
-
-/// A document that a crash left behind.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Lost {
-    /// Names it for `Keeper::recover` and [`discard`].
-    pub id: String,
-    /// The file that was open.
-    pub origin: PathBuf,
-    /// When it was last changed.
-    pub changed: SystemTime,
-    /// Bytes of its journal.
-    pub bytes: u64,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LostSaid {
-    pub lost: Vec<Lost>,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ForgottenSaid {
-    pub forgotten: String,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ExportedSaid {
-    pub exported: Exported,
-    pub warnings: Vec<String>,
-}
-
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TransferSaid {
     pub colour_points: usize,
@@ -355,127 +238,6 @@ pub struct PastSaid {
     pub back: usize,
     pub forward: usize,
     pub camera: Camera,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct BrushSaid {
-    pub brush: Brush,
-}
-
-/// `brush.also`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct AlsoSaid {
-    /// What strokes paint besides the active volume.
-    pub also: Vec<VolumeId>,
-}
-
-/// A stroke that is done.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PaintedSaid {
-    /// `None` if it changed nothing.
-    pub step: Option<String>,
-    pub dabs: u64,
-    pub missed: u64,
-    pub voxels_changed: u64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub bricks_touched: Option<usize>,
-    /// Why it changed nothing, in a sentence.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub nothing: Option<String>,
-    /// Of each volume, where several were painted; the numbers above are their sums.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub volumes: Vec<PaintedOnSaid>,
-}
-
-/// What a stroke on several volumes did to one of them.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PaintedOnSaid {
-    pub volume: VolumeId,
-    pub dabs: u64,
-    pub voxels_changed: u64,
-    pub bricks_touched: usize,
-    /// Why nothing of it changed, in a sentence.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub nothing: Option<String>,
-}
-
-/// A stroke that runs: what was painted by this command.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ExtendedSaid {
-    pub dabs: usize,
-    pub missed: u64,
-    pub bricks_touched: usize,
-    /// Of the whole stroke.
-    pub length_mm: f64,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct CancelledSaid {
-    pub cancelled: bool,
-    /// Always `None`.
-    pub step: Option<String>,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct SelectedSaid {
-    /// Of a file: share of the volume that it covers.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub covered: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub warnings: Option<Vec<String>>,
-    pub selected_bricks: usize,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct SegmentSaid {
-    pub segment: Segment,
-    /// What is other about its look.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub look: Option<LookChange>,
-}
-
-/// `selection.set`: what is other about the look of what is selected.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct SelectionLookSaid {
-    pub look: Option<LookChange>,
-}
-
-/// `segment.show_only`: the labels that are shown; `null`: all.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ShownOnlySaid {
-    pub only: Option<BTreeSet<u16>>,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct SegmentRemovedSaid {
-    pub removed: u16,
-}
-
-/// Labels that were brought in from a file.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LabelsSaid {
-    pub segments: Vec<BroughtSegment>,
-    pub labelled_voxels: u64,
-    pub kept_locked: u64,
-    pub covered: f64,
-    pub resampled: bool,
-}
-
-/// A segment that came with labels of a file.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct BroughtSegment {
-    pub id: u16,
-    /// Its number in the file.
-    pub value: i128,
-    pub name: Option<String>,
-    pub voxels: u64,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ImportedSegmentsSaid {
-    #[serde(flatten)]
-    pub labels: LabelsSaid,
-    pub warnings: Vec<String>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]

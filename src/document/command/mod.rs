@@ -7,6 +7,8 @@
 
 pub mod answers;
 pub mod answers_ask;
+pub mod answers_files;
+pub mod answers_paint;
 pub(crate) mod brush;
 pub mod effects;
 pub(crate) mod files;
