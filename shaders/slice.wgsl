@@ -2,21 +2,7 @@
 
 #import burin::field::{info, brick_of, density_page, density_texel, address, is_nan, colour_page, colour_at, selection_page,
     selection_at, label_at}
-
-struct Slice {
-    top_left: vec3<f32>,        // the picture's corner in voxels, on the slice
-    black: f32,                 // density that is black, as a texel
-    per_x: vec3<f32>,           // voxels per pixel to the right
-    white: f32,
-    per_y: vec3<f32>,           // voxels per pixel down
-    colour_opacity: f32,
-    selection_colour: vec3<f32>,
-    selection_opacity: f32,
-    label_opacity: f32,
-    opacity: f32,               // how much of what lies under it it hides
-    pad_b: u32,
-    pad_c: u32,
-}
+#import burin::structs::Slice
 
 @group(0) @binding(0) var<uniform> slice: Slice;
 @group(0) @binding(1) var segment_colours: texture_2d<f32>;

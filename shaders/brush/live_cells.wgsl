@@ -1,17 +1,12 @@
 // Minima and maxima of the cells of painted slots, so that skipping and forces follow a stroke that is still running.
 // A workgroup takes a block of 4^3 cells of 4^3 voxels, 18^3 texels with those around: row by row along x, then 36 rows a cell.
 
+#import burin::structs::CellsJob
+
 const ROWS: u32 = 324u;
 const NOTHING: u32 = 0xffffffffu;
 // Of no voxel: least code 255, greatest 0, sum 0.
 const NO_VOXEL: u32 = 0x00ff0000u;
-
-struct CellsJob {
-    // The block's first texel in the pool, one before its first own voxel.
-    at: vec3<u32>,
-    // Own voxels of the block in the volume along x, y, z: five bits each.
-    own: u32,
-}
 
 @group(0) @binding(0) var pool: texture_3d<f32>;
 @group(0) @binding(1) var<storage, read> jobs: array<CellsJob>;

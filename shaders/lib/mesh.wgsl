@@ -6,20 +6,7 @@
 
 #import burin::constants::MOST_MESHES
 #import burin::body::{Ray, view}
-
-struct MeshPlace {
-    column_x: vec3<f32>,        // world_from_mesh by columns
-    code: u32,                  // what the picture's object id says
-    column_y: vec3<f32>,
-    order: f32,                 // depth of 1 mm: a power of two, so that no two lengths become one
-    column_z: vec3<f32>,
-    unused_a: u32,
-    origin: vec3<f32>,          // of the mesh's own space
-    unused_b: u32,
-    colour: vec3<f32>,          // display-referred
-    unused_c: u32,
-    lighting: vec4<f32>,        // ambient, diffuse, specular, power
-}
+#import burin::structs::MeshPlace
 
 @group(2) @binding(0) var<uniform> places: array<MeshPlace, MOST_MESHES>;
 @group(2) @binding(1) var<storage, read> mesh_corners: array<f32>;          // x, y, z by corner

@@ -146,9 +146,9 @@ impl SliceFrame {
 }
 
 shared_struct! {
-    /// See shaders/slice.wgsl.
+    /// One volume in a slice.
     pub(super) struct Slice {
-        /// The picture's corner in voxels.
+        /// The picture's corner in voxels, on the slice.
         pub top_left: [f32; 3],
         /// Density that is black, as a texel.
         pub black: f32,

@@ -27,27 +27,40 @@ const FILE: &str = shader!(
 );
 
 shared_struct! {
-    /// A stroke's constants.
+    /// A stroke's constants. Lengths are in radii of the brush (in smallest spacings where it has none), numbers in the storage's own
+    /// steps.
     pub(crate) struct BrushStroke {
+        /// Columns of world_from_index in radii.
         columns: [[f32; 4]; 3],
+        /// Unit normals of the layers of voxels.
         normals: [[f32; 4]; 3],
+        /// C; colour in 0..1; a label's id in x.
         paint: [f32; 4],
         dims: [i32; 3],
+        /// Where numbers begin.
         low: f32,
+        /// Where numbers end.
         top: f32,
+        /// Of numbers in floats: the step by which weak strokes arrive.
         step: f32,
+        /// From which value on it is that.
         least: f32,
+        /// And up to which.
         greatest: f32,
     }
 }
 
 shared_struct! {
-    /// One dab.
+    /// One dab: its centre is base + fraction, a continuous index.
     pub(crate) struct BrushDab {
         base: [i32; 3],
+        /// Bit 0: whether the voxel that holds the centre has all of the gain, however near it comes to it. Bits 1 and 2: across
+        /// which axis a disc lies, from 1; 0 for a ball. From bit 3 on: its layer.
         form: u32,
         fraction: [f32; 3],
+        /// Strength times pressure.
         gain: f32,
+        /// Largest squared distance inside; 0 for a dab that is one voxel.
         edge: f32,
         unused_a: u32,
         unused_b: u32,
@@ -62,7 +75,7 @@ shared_struct! {
         pub origin: [i32; 3],
         /// Number of the slot within its buffers.
         pub place: u32,
-        /// First four of texels, row, layer.
+        /// Box of work: first four of texels, row and layer of the slot.
         pub lo: [u32; 3],
         /// First row in the buffer of new texels.
         pub next: u32,
@@ -72,9 +85,10 @@ shared_struct! {
         pub first_dab: u32,
         /// Dabs from there.
         pub dab_count: u32,
-        /// Of the first item: where the dispatch's jobs begin.
+        /// Of the dispatch's first item: where its jobs begin.
         pub first_job: u32,
-        /// What the stroke does: [`choices`].
+        /// What the stroke does ([`choices`]), the same in every item: bits 0 to 2 its operation, 3 and 4 how it gathers, 5 and 6 its
+        /// falloff, 7 whether only texels whose bit is set are painted, 8 whether what is painted is an end that weak strokes must reach.
         pub choices: u32,
         /// 0.
         pub unused: u32,

@@ -32,7 +32,7 @@ const WORDS: usize = CELLS * 3;
 shared_struct! {
     /// One block's work.
     pub(crate) struct CellsJob {
-        /// First texel in the pool.
+        /// The block's first texel in the pool, one before its first own voxel.
         pub at: [u32; 3],
         /// Own voxels in the volume along x, y, z, five bits each.
         pub own: u32,

@@ -8,6 +8,7 @@
 use crate::gpu::device::constants;
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
+use crate::gpu::device::shared;
 use naga_oil::compose::{ComposableModuleDescriptor, Composer, NagaModuleDescriptor};
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
@@ -145,8 +146,9 @@ pub fn compose_source(file: &str, source: &str, defs: &[(&str, Def)]) -> Result<
 
 fn library() -> Result<Composer, GpuError> {
     let mut composer = Composer::default();
-    let constants = constants::source();
-    for (path, source) in std::iter::once(&("lib/constants.wgsl", constants.as_str())).chain(LIBRARY) {
+    let (constants, structs) = (constants::source(), shared::source());
+    let written = [("lib/constants.wgsl", constants.as_str()), ("lib/structs.wgsl", structs.as_str())];
+    for (path, source) in written.iter().chain(LIBRARY) {
         let descriptor =
             ComposableModuleDescriptor { source, file_path: path, shader_defs: HashMap::new(), ..Default::default() };
         if let Err(error) = composer.add_composable_module(descriptor) {

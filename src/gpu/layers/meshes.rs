@@ -19,7 +19,7 @@ const MOST_TRIANGLES: usize = 1 << 28;
 const ORDER: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 shared_struct! {
-    /// See shaders/lib/mesh.wgsl.
+    /// Where a mesh lies and how it is drawn.
     pub(crate) struct MeshPlace {
         /// world_from_mesh, first column.
         pub column_x: [f32; 3],
@@ -27,7 +27,7 @@ shared_struct! {
         pub code: u32,
         /// Second column.
         pub column_y: [f32; 3],
-        /// Depth of 1 mm, a power of two.
+        /// Depth of 1 mm, a power of two so that no two lengths become one.
         pub order: f32,
         /// Third column.
         pub column_z: [f32; 3],
