@@ -4,7 +4,7 @@
 
 use burin::document::answers::Answer;
 use burin::document::{
-    Document, DocumentError, KeepError, OpenAs, Opened, Origin, ProjectCommand, USUAL_COMPONENT, Wanted, at_home,
+    Document, DocumentError, KeepError, OpenAs, Origin, ProjectCommand, ReadDocument, USUAL_COMPONENT, Wanted, at_home,
 };
 use burin::interact::readout;
 use burin::script;
@@ -198,10 +198,10 @@ fn render(
                 return Err(format!("--{name}: {found} found for a project, which has its own; none expected"));
             }
         }
-        Opened::project_to_read(path, Wanted { source: source.as_deref(), generation: None }, &|_| true)
+        ReadDocument::project_to_read(path, Wanted { source: source.as_deref(), generation: None }, &|_| true)
     } else {
         let (component, frame) = (component.unwrap_or(USUAL_COMPONENT), frame.unwrap_or(0));
-        Opened::volume(Origin { path: path.into(), component, frame }, None, OpenAs::Image, None, &|_| true)
+        ReadDocument::volume(Origin { path: path.into(), component, frame }, None, OpenAs::Image, None, &|_| true)
     };
     tell(path, &document.take(opened.map_err(said)?));
     let mut lines = Vec::new();

@@ -24,7 +24,7 @@ mod state;
 mod subject;
 mod watch;
 
-pub use apply::open::Opened;
+pub use apply::open::ReadDocument;
 pub use command::answers::Saved;
 pub use command::brush::*;
 pub use command::files::*;
@@ -39,14 +39,14 @@ pub use error::DocumentError;
 pub use frame::SELECTION_COLOUR;
 pub use history::spill::remove_dead_history;
 pub use history::{DEFAULT_BUDGET_BYTES, History};
-pub use journal::autosave::Keeper;
-pub use journal::loaded::{KeptDocument, KeptVolume, Recovered};
+pub use journal::autosave::Autosave;
+pub use journal::loaded::{Recovered, RestoredDocument, RestoredVolume};
 pub use journal::recovery;
 pub use paths::at_home;
 pub use project::read::{LoadedDensity, Wanted};
 pub use project::source::ZarrSource;
 pub use reduce::{Changed, Ground};
-pub use scene::kept_poses::KeptPoses;
+pub use scene::kept_poses::SavedPoses;
 pub use scene::past::{Past, PastOf};
 pub use scene::shared::Shared;
 pub use scene::slice_plane::{SlicePlane, side_letter};
@@ -79,7 +79,7 @@ pub struct Document {
     motion: Motion,
     running: Option<Running>,
     watch: Watch,
-    keeper: Option<Keeper>,
+    autosave: Option<Autosave>,
     unsaved_in: Option<PathBuf>,
     save_to: Option<PathBuf>,
     unsaved: bool,
@@ -146,7 +146,7 @@ impl Document {
             Command::Ask(question) => return Ok(Answer::from(self.ask(question)?)),
             Command::Project(project) => self.project(project)?,
             Command::Volume(volume) => self.volume(volume)?,
-            Command::History(history) => self.travel(history)?,
+            Command::History(history) => self.undo_redo(history)?,
             // What they do to the scene is all they do.
             Command::Transfer(_) | Command::Brush(_) | Command::Part(_) => {
                 self.record(&command, |_, said, _| Ok(said))?

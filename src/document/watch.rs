@@ -13,7 +13,7 @@ impl Watch {
     }
 
     /// Tells the share done; answers whether to go on.
-    pub(super) fn go_on(&self, share: f32) -> bool {
+    pub(super) fn proceed(&self, share: f32) -> bool {
         (self.0)(share)
     }
 }

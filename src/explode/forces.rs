@@ -5,7 +5,7 @@
 //! intent: c_r·ln(1 + r/ℓ_r); c_e·exp(−r/λ_e), inside at r = 0 along the cut faces; c_v/(r + ε); c_s/(r² + ε²).
 
 use crate::explode::bodies::{exp, ln_1p};
-use crate::explode::solid::{Nearest, Solid};
+use crate::explode::solid::{Nearest, PartShape};
 use crate::math::{Camera, DVec3, Projection, Ray};
 
 /// A force and where it is applied, about the part's centre in the part's own frame.
@@ -28,7 +28,7 @@ pub fn return_force(home: DVec3, constant: f64, length: f64) -> DVec3 {
 
 /// Equation 2 for one explosion point, given about the part's centre in the part's own frame: from the point to the part's
 /// nearest point, applied there. `None` if the point is inside a part without cut faces.
-pub fn explosion_force(solid: &Solid, point: DVec3, constant: f64, length: f64) -> Option<Push> {
+pub fn explosion_force(solid: &PartShape, point: DVec3, constant: f64, length: f64) -> Option<Push> {
     match solid.nearest(point) {
         Nearest::Outside(at) => {
             let away = at - point;

@@ -58,7 +58,7 @@ pub struct Settled {
 
 /// What [`Search::advance`] ended with.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Progress {
+pub enum SearchStep {
     /// Call again.
     Moving,
     /// Measure the picture with the parts at these poses, and tell [`Search::measured`].
@@ -118,23 +118,23 @@ impl Search {
     }
 
     /// Makes up to `steps` steps, fewer if a measurement is due or all is done.
-    pub fn advance(&mut self, steps: u32) -> Progress {
+    pub fn advance(&mut self, steps: u32) -> SearchStep {
         let limit = match self.stage {
-            Stage::Asking => return Progress::Measure(self.simulation.poses()),
-            Stage::Done => return Progress::Done,
+            Stage::Asking => return SearchStep::Measure(self.simulation.poses()),
+            Stage::Done => return SearchStep::Done,
             Stage::Gains => self.limit.min(self.measuring_steps()),
             Stage::Approach => MAX_STEPS,
         };
         self.steps += self.simulation.settle(&self.camera, steps.min(limit.saturating_sub(self.steps)));
         if self.simulation.moving() && self.steps < limit {
-            return Progress::Moving;
+            return SearchStep::Moving;
         }
         if self.stage == Stage::Gains {
             self.stage = Stage::Asking;
-            Progress::Measure(self.simulation.poses())
+            SearchStep::Measure(self.simulation.poses())
         } else {
             self.stage = Stage::Done;
-            Progress::Done
+            SearchStep::Done
         }
     }
 
@@ -143,7 +143,7 @@ impl Search {
         if self.degree == 1.0 { MAX_STEPS } else { MAX_STEPS - LAST_APPROACH }
     }
 
-    /// Takes a measurement that [`Progress::Measure`] asked for.
+    /// Takes a measurement that [`SearchStep::Measure`] asked for.
     pub fn measured(&mut self, measured: &Measured) {
         if self.stage != Stage::Asking {
             return;
@@ -186,7 +186,7 @@ impl Search {
         }
     }
 
-    /// The answer so far; final after [`Progress::Done`].
+    /// The answer so far; final after [`SearchStep::Done`].
     pub fn settled(&self) -> Settled {
         Settled {
             poses: self.simulation.poses(),
@@ -209,15 +209,15 @@ pub fn settle_with_gain<E: From<ExplodeError>>(
     points: &[ExplosionPoint],
     camera: &Camera,
     measure: &mut dyn FnMut(&[Pose]) -> Result<Measured, E>,
-    go_on: &mut dyn FnMut(f32) -> Result<(), E>,
+    proceed: &mut dyn FnMut(f32) -> Result<(), E>,
 ) -> Result<Settled, E> {
     let mut search = Search::new(explosion, points, camera)?;
     loop {
-        go_on(search.share())?;
+        proceed(search.share())?;
         match search.advance(SLICE) {
-            Progress::Moving => {}
-            Progress::Measure(poses) => search.measured(&measure(&poses)?),
-            Progress::Done => return Ok(search.settled()),
+            SearchStep::Moving => {}
+            SearchStep::Measure(poses) => search.measured(&measure(&poses)?),
+            SearchStep::Done => return Ok(search.settled()),
         }
     }
 }

@@ -17,10 +17,10 @@ mod splitters;
 mod state;
 
 pub use error::ExplodeError;
-pub use gain::{MAX_ROUNDS, MAX_STEPS, Measured, Progress, Search, Settled, settle_with_gain};
+pub use gain::{MAX_ROUNDS, MAX_STEPS, Measured, Search, SearchStep, Settled, settle_with_gain};
 pub use octree::{ExplosionPoint, LEAF, MAX_POINTS, Octrees, explosion_points};
 pub use poses::{PartPose, Poses};
 pub use simulation::{Simulation, Wrench};
-pub use solid::{Nearest, Solid};
+pub use solid::{Nearest, PartShape};
 pub use splitters::{axis_plane, depth_plane, line_plane};
 pub use state::{Axis, Cut, Explosion, Face, Forces, Part, PartId, PartRecord};

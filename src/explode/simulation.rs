@@ -9,7 +9,7 @@ use crate::explode::error::ExplodeError;
 use crate::explode::forces::{explosion_force, from_ray, return_force, spacing_force, viewing_force, viewing_ray};
 use crate::explode::octree::ExplosionPoint;
 use crate::explode::poses::Poses;
-use crate::explode::solid::Solid;
+use crate::explode::solid::PartShape;
 use crate::explode::state::{Explosion, Forces};
 use crate::math::{Camera, DQuat, DVec3, Pose, Ray};
 use rayon::prelude::*;
@@ -35,7 +35,7 @@ const NEAR: f64 = 1e-3;
 const MANY: usize = 1024;
 
 struct Member {
-    solid: Solid,
+    solid: PartShape,
     /// The centre at rest, world, half-diagonals.
     centre: DVec3,
     importance: f64,
@@ -83,7 +83,7 @@ impl Simulation {
         let mut bodies = Bodies::new();
         let mut members = Vec::with_capacity(explosion.parts.len());
         for part in &explosion.parts {
-            let solid = Solid::of(part, unit_mm)?;
+            let solid = PartShape::of(part, unit_mm)?;
             let centre = solid.centre_mm() / unit_mm;
             // The stiffest spring must not turn within few steps; mass changes no rest pose.
             let stiffness = FACTOR * part.importance * forces.return_constant / forces.return_length;
@@ -328,7 +328,7 @@ fn state_of(pose: &Pose, centre_mm: DVec3, unit_mm: f64) -> State {
 }
 
 /// Speed of a part's fastest corner, half-diagonals a second.
-fn fastest(bodies: &Bodies, i: usize, solid: &Solid) -> f64 {
+fn fastest(bodies: &Bodies, i: usize, solid: &PartShape) -> f64 {
     let (linear, angular) = bodies.velocity(i);
     let rotation = bodies.state(i).rotation;
     solid.corners().iter().map(|&c| (linear + angular.cross(rotation * c)).length()).fold(0.0, f64::max)

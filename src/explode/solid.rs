@@ -20,7 +20,7 @@ struct Side {
 
 /// A convex body by its corners and faces, in half-diagonals of the volume's box about the part's centre.
 #[derive(Clone, Debug)]
-pub struct Solid {
+pub struct PartShape {
     centre_mm: DVec3,
     corners: Vec<DVec3>,
     sides: Vec<Side>,
@@ -40,7 +40,7 @@ const DEPTH: f64 = 0.05;
 /// Distance, in half-diagonals, under which a direction from a point means nothing.
 const TOUCHING: f64 = 1e-12;
 
-impl Solid {
+impl PartShape {
     /// A part, with `unit_mm` the half-diagonal.
     ///
     /// # Errors

@@ -67,7 +67,7 @@ impl<'a> Stream<'a> {
     }
 
     /// The file with the next byte.
-    fn go_on(&mut self) -> Result<(), IoError> {
+    fn proceed(&mut self) -> Result<(), IoError> {
         if self.left == 0 {
             self.check_end()?;
             self.open(self.file + 1)?;
@@ -80,7 +80,7 @@ impl<'a> Stream<'a> {
         let bytes: &mut [u8] = bytemuck::cast_slice_mut(out);
         let mut done = 0;
         while done < bytes.len() {
-            self.go_on()?;
+            self.proceed()?;
             let run = (bytes.len() - done).min(usize::try_from(self.left).unwrap_or(usize::MAX));
             self.passed += run as u64;
             let part = &mut bytes[done..done + run];
@@ -99,7 +99,7 @@ impl<'a> Stream<'a> {
     /// Passes over bytes of the block.
     pub(super) fn skip(&mut self, mut bytes: u64) -> Result<(), IoError> {
         while bytes > 0 {
-            self.go_on()?;
+            self.proceed()?;
             let run = bytes.min(self.left);
             self.passed += run;
             let skipped = match &mut self.from {

@@ -1,6 +1,6 @@
 //! The volume of documents that have one.
 
-use burin::document::{KeptDocument, KeptVolume, Scene, State};
+use burin::document::{RestoredDocument, RestoredVolume, Scene, State};
 use burin::volume::{FieldKey, Segments, Volume, VolumeId};
 
 /// A document of one volume.
@@ -22,14 +22,14 @@ impl One for State {
     }
 }
 
-impl One for KeptDocument {
-    type Volume = KeptVolume;
+impl One for RestoredDocument {
+    type Volume = RestoredVolume;
 
-    fn one(&self) -> &KeptVolume {
+    fn one(&self) -> &RestoredVolume {
         &self.volumes[&VolumeId::FIRST]
     }
 
-    fn one_mut(&mut self) -> &mut KeptVolume {
+    fn one_mut(&mut self) -> &mut RestoredVolume {
         self.volumes.get_mut(&VolumeId::FIRST).unwrap()
     }
 }

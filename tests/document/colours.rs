@@ -2,7 +2,7 @@
 
 use super::maker::run;
 use crate::common::one::One;
-use burin::document::{Document, Opened, ViewName, recovery};
+use burin::document::{Document, ReadDocument, ViewName, recovery};
 use burin::math::{DVec2, DVec3};
 use burin::volume::FieldKind;
 use serde_json::{Value, json};
@@ -174,13 +174,13 @@ fn colours_are_kept_by_saves_and_recovery_and_are_no_step_of_undo() {
         let project = folder.path().join(density);
         run(&mut document, &json!({"project":{"save":{"path":project,"density":density}}}).to_string()).unwrap();
         let mut again = Document::new();
-        again.take(Opened::project_to_read(&project, Default::default(), &|_| true).unwrap());
+        again.take(ReadDocument::project_to_read(&project, Default::default(), &|_| true).unwrap());
         check(&mut again, 4);
     }
     // A crash right after opening loses nothing, one after the first step brings it back with the colours of the file.
     let unsaved = folder.path().join("unsaved");
     let origin = burin::document::Origin { path, component: burin::document::USUAL_COMPONENT, frame: 0 };
-    let opened = || Opened::volume(origin.clone(), None, Default::default(), Some(&unsaved), &|_| true).unwrap();
+    let opened = || ReadDocument::volume(origin.clone(), None, Default::default(), Some(&unsaved), &|_| true).unwrap();
     drop(opened());
     assert_eq!(recovery::list(&unsaved).unwrap(), []);
     let mut document = Document::new();
@@ -190,7 +190,7 @@ fn colours_are_kept_by_saves_and_recovery_and_are_no_step_of_undo() {
     let lost = recovery::list(&unsaved).unwrap();
     assert_eq!(lost.len(), 1);
     let mut document = Document::new();
-    document.take(Opened::lost(&unsaved, &lost[0].id, &|_| true).unwrap());
+    document.take(ReadDocument::lost(&unsaved, &lost[0].id, &|_| true).unwrap());
     check(&mut document, 4);
     assert!(!document.state().unwrap().one().field(FieldKind::Colour).is_blank());
 }

@@ -2,30 +2,32 @@
 
 use super::keep_support::*;
 use crate::common::one::{One, segments};
-use burin::document::{DensityKeeping, KeepError, Keeper, KeptDocument, KeptPoses, LoadedDensity, Origin, State};
+use burin::document::{
+    Autosave, DensityKeeping, KeepError, LoadedDensity, Origin, RestoredDocument, SavedPoses, State,
+};
 use burin::math::DVec3;
 use burin::volume::*;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-fn reopened(dir: &Path) -> (Keeper, State) {
-    let (keeper, kept) = Keeper::open(dir).unwrap();
-    (keeper, state_of(kept))
+fn reopened(dir: &Path) -> (Autosave, State) {
+    let (autosave, kept) = Autosave::open(dir).unwrap();
+    (autosave, state_of(kept))
 }
 
-fn state_of(kept: KeptDocument) -> State {
+fn state_of(kept: RestoredDocument) -> State {
     kept.into_state(|_| panic!("the density is in the project"), &|_| true).unwrap()
 }
 
-fn save(keeper: &mut Keeper, path: Option<&Path>, state: &State) -> burin::document::Saved {
-    keeper.save(path, state, None, &|_| true).unwrap()
+fn save(autosave: &mut Autosave, path: Option<&Path>, state: &State) -> burin::document::Saved {
+    autosave.save(path, state, None, &|_| true).unwrap()
 }
 
 /// A saved project in `dir/project`, with a private recovery folder.
-fn saved(dir: &Path, state: &State) -> Keeper {
-    let mut keeper = Keeper::unsaved(dir, state).unwrap();
-    save(&mut keeper, Some(&dir.join("project")), state);
-    keeper
+fn saved(dir: &Path, state: &State) -> Autosave {
+    let mut autosave = Autosave::unsaved(dir, state).unwrap();
+    save(&mut autosave, Some(&dir.join("project")), state);
+    autosave
 }
 
 fn files(dir: &Path) -> BTreeMap<String, Vec<u8>> {
@@ -114,11 +116,11 @@ fn a_save_writes_the_shards_that_changed_and_links_the_others() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(DIMS, dir.path());
     paint_all(&mut state);
-    let mut keeper = saved(dir.path(), &state);
+    let mut autosave = saved(dir.path(), &state);
     let project = dir.path().join("project");
     let first = files(&project.join("generation-000001"));
     paint(&mut state, FieldKind::Selection, [0, 0, 1], 99);
-    let second = save(&mut keeper, None, &state);
+    let second = save(&mut autosave, None, &state);
     assert_eq!(second.generation, 2);
     let all = files(&project.join("generation-000002"));
     assert_eq!(first.keys().collect::<Vec<_>>(), all.keys().collect::<Vec<_>>());
@@ -137,7 +139,7 @@ fn a_save_writes_the_shards_that_changed_and_links_the_others() {
     }
     // A save after an undo back to what was saved writes no shard at all.
     let before = state.one().selection.edits().len();
-    let third = save(&mut keeper, None, &state);
+    let third = save(&mut autosave, None, &state);
     assert_eq!(
         (third.bytes_written as usize, before),
         (files(&project.join("generation-000003"))["generation.json"].len(), 4 + 2)
@@ -147,7 +149,7 @@ fn a_save_writes_the_shards_that_changed_and_links_the_others() {
     assert_same(
         &state,
         &{
-            drop(keeper);
+            drop(autosave);
             reopened(&project)
         }
         .1,
@@ -160,13 +162,13 @@ fn a_brick_that_is_empty_again_takes_its_shard_away() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(DIMS, dir.path());
     paint(&mut state, FieldKind::Labels, [4, 0, 0], 1);
-    let mut keeper = saved(dir.path(), &state);
+    let mut autosave = saved(dir.path(), &state);
     let project = dir.path().join("project");
     assert!(project.join("generation-000001/volumes/0/labels/0/c/0/0/1").exists());
     state.one_mut().labels.swap(vec![(BrickIndex([4, 0, 0]), None)]).unwrap();
-    save(&mut keeper, None, &state);
+    save(&mut autosave, None, &state);
     assert!(!project.join("generation-000002/volumes/0/labels/0/c/0/0/1").exists());
-    drop(keeper);
+    drop(autosave);
     assert_same(&state, &reopened(&project).1, "emptied");
 }
 
@@ -175,10 +177,10 @@ fn a_source_goes_on_reading_after_its_generation_is_gone() {
     let dir = tempfile::tempdir().unwrap();
     let state = state(DIMS, dir.path());
     drop(saved(dir.path(), &state));
-    let (mut keeper, kept) = Keeper::open(&dir.path().join("project")).unwrap();
+    let (mut autosave, kept) = Autosave::open(&dir.path().join("project")).unwrap();
     let LoadedDensity::Whole(source) = &kept.one().density else { panic!("whole") };
     for _ in 0..3 {
-        save(&mut keeper, None, &state);
+        save(&mut autosave, None, &state);
     }
     assert!(!dir.path().join("project/generation-000001").exists());
     // Nothing was read before, so nothing is remembered.
@@ -191,85 +193,85 @@ fn density_may_stay_in_its_file_as_long_as_that_is_the_same() {
     let mut state = state(DIMS, dir.path());
     paint_all(&mut state);
     let project = dir.path().join("project");
-    let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
-    keeper.save(Some(&project), &state, Some(DensityKeeping::Linked), &|_| true).unwrap();
+    let mut autosave = Autosave::unsaved(dir.path(), &state).unwrap();
+    autosave.save(Some(&project), &state, Some(DensityKeeping::Linked), &|_| true).unwrap();
     assert!(!project.join("generation-000001/volumes/0/density").exists());
-    drop(keeper);
-    let (mut keeper, kept) = Keeper::open(&project).unwrap();
+    drop(autosave);
+    let (mut autosave, kept) = Autosave::open(&project).unwrap();
     let LoadedDensity::Linked(path) = &kept.one().density else { panic!("linked") };
     assert_eq!(*path, std::fs::canonicalize(&state.scene.origin().unwrap().path).unwrap());
     let source = state.one().source.clone();
     let again = kept.into_state(|_| Ok(source.clone()), &|_| true).unwrap();
     assert_same(&state, &again, "linked");
     // It stays so until told otherwise, and may become whole.
-    save(&mut keeper, None, &again);
+    save(&mut autosave, None, &again);
     assert!(!project.join("generation-000002/volumes/0/density").exists());
-    keeper.save(None, &again, Some(DensityKeeping::Whole), &|_| true).unwrap();
-    drop(keeper);
+    autosave.save(None, &again, Some(DensityKeeping::Whole), &|_| true).unwrap();
+    drop(autosave);
     assert_same(&state, &reopened(&project).1, "whole");
 
     let other = dir.path().join("other");
-    let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
-    keeper.save(Some(&other), &state, Some(DensityKeeping::Linked), &|_| true).unwrap();
-    drop(keeper);
+    let mut autosave = Autosave::unsaved(dir.path(), &state).unwrap();
+    autosave.save(Some(&other), &state, Some(DensityKeeping::Linked), &|_| true).unwrap();
+    drop(autosave);
     std::fs::write(&state.scene.origin().unwrap().path, b"the file that was opeNed").unwrap();
     // It opens at once; what is wrong is known when the hash is, and saving waits for that.
-    let (mut keeper, kept) = Keeper::open(&other).unwrap();
+    let (mut autosave, kept) = Autosave::open(&other).unwrap();
     let seen = kept.into_state(|_| Ok(state.one().source.clone()), &|_| true).unwrap();
-    let message = keeper.save(None, &seen, None, &|_| true).unwrap_err().to_string();
+    let message = autosave.save(None, &seen, None, &|_| true).unwrap_err().to_string();
     assert!(message.contains("origin.bin: blake3: ") && message.contains(" found, "), "{message}");
     assert_eq!(seen.files[&VolumeId::FIRST].trouble(), Some(message));
-    drop(keeper);
+    drop(autosave);
     std::fs::write(&state.scene.origin().unwrap().path, b"longer than the file that was opened").unwrap();
-    let message = Keeper::open(&other).unwrap_err().to_string();
+    let message = Autosave::open(&other).unwrap_err().to_string();
     assert!(message.contains("origin.bin: bytes: 36 found, 24 expected"), "{message}");
 }
 
 #[test]
 fn one_project_is_open_once() {
     let dir = tempfile::tempdir().unwrap();
-    let keeper = saved(dir.path(), &state(DIMS, dir.path()));
+    let autosave = saved(dir.path(), &state(DIMS, dir.path()));
     let project = dir.path().join("project");
-    let message = Keeper::open(&project).unwrap_err().to_string();
+    let message = Autosave::open(&project).unwrap_err().to_string();
     assert!(message.contains(&format!("process {}", std::process::id())), "{message}");
     assert!(message.contains("is open in another window or script"), "{message}");
-    drop(keeper);
-    Keeper::open(&project).unwrap();
+    drop(autosave);
+    Autosave::open(&project).unwrap();
 }
 
 #[test]
 fn a_project_can_be_looked_at_while_it_is_open() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(DIMS, dir.path());
-    let mut keeper = saved(dir.path(), &state);
+    let mut autosave = saved(dir.path(), &state);
     let project = dir.path().join("project");
     for n in 0..2 {
         let (kind, index, _) = paint(&mut state, FieldKind::Labels, [n, 0, 0], u64::from(n));
         let command = burin::document::Command::Selection(burin::document::SelectionCommand::Clear { volume: None });
-        keeper.record(&command, &state, &[(kind, index)], true).unwrap();
+        autosave.record(&command, &state, &[(kind, index)], true).unwrap();
         let before = files(&project);
-        let seen = Keeper::look(&project).unwrap();
+        let seen = Autosave::look(&project).unwrap();
         assert_eq!(seen.recovered.steps, 1);
         assert_same(&state, &state_of(seen), "seen");
         assert_eq!(files(&project).keys().collect::<Vec<_>>(), before.keys().collect::<Vec<_>>());
-        save(&mut keeper, None, &state);
+        save(&mut autosave, None, &state);
     }
-    assert_same(&state, &state_of(Keeper::look(&project).unwrap()), "saved");
+    assert_same(&state, &state_of(Autosave::look(&project).unwrap()), "saved");
 }
 
 #[test]
 fn a_new_project_takes_no_folder_with_something_in_it() {
     let dir = tempfile::tempdir().unwrap();
     let state = state(DIMS, dir.path());
-    let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
-    let refused = keeper.save(Some(dir.path()), &state, None, &|_| true).unwrap_err();
+    let mut autosave = Autosave::unsaved(dir.path(), &state).unwrap();
+    let refused = autosave.save(Some(dir.path()), &state, None, &|_| true).unwrap_err();
     assert!(matches!(&refused, KeepError::NotEmpty { found, .. } if found == "origin.bin"), "{refused}");
-    assert!(matches!(keeper.save(None, &state, None, &|_| true), Err(KeepError::NoPath)));
+    assert!(matches!(autosave.save(None, &state, None, &|_| true), Err(KeepError::NoPath)));
     // What a failed first save made is gone again.
     let elsewhere = dir.path().join("elsewhere");
-    let stopped = keeper.save(Some(&elsewhere), &state, None, &|_| false).unwrap_err();
+    let stopped = autosave.save(Some(&elsewhere), &state, None, &|_| false).unwrap_err();
     assert!(matches!(stopped, KeepError::Stopped) && !elsewhere.exists());
-    keeper.discard().unwrap();
+    autosave.discard().unwrap();
 }
 
 #[test]
@@ -295,7 +297,7 @@ fn a_range_narrower_than_a_step_of_the_data_and_steps_near_nothing_have_codes_th
         }
         // A number that JSON has no word for would keep all of it from being saved.
         let project = dir.path().join(format!("p{n}"));
-        Keeper::create(&project, &state, &KeptPoses::default(), None, &|_| true).unwrap();
-        assert_eq!(Keeper::open(&project).unwrap().1.one().map, map);
+        Autosave::create(&project, &state, &SavedPoses::default(), None, &|_| true).unwrap();
+        assert_eq!(Autosave::open(&project).unwrap().1.one().map, map);
     }
 }

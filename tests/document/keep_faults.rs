@@ -2,7 +2,7 @@
 
 use super::keep_support::*;
 use crate::common::one::One;
-use burin::document::{Command, KeepError, Keeper, KeptDocument, State, StrokeCommand};
+use burin::document::{Autosave, Command, KeepError, RestoredDocument, State, StrokeCommand};
 use burin::volume::*;
 use std::path::{Path, PathBuf};
 
@@ -10,18 +10,18 @@ const SMALL: [u32; 3] = [70, 33, 40];
 
 fn saved(dir: &Path, state: &State) -> PathBuf {
     let project = dir.join("project");
-    let mut keeper = Keeper::unsaved(dir, state).unwrap();
-    keeper.save(Some(&project), state, None, &|_| true).unwrap();
+    let mut autosave = Autosave::unsaved(dir, state).unwrap();
+    autosave.save(Some(&project), state, None, &|_| true).unwrap();
     project
 }
 
-fn opened(project: &Path) -> KeptDocument {
-    Keeper::open(project).unwrap().1
+fn opened(project: &Path) -> RestoredDocument {
+    Autosave::open(project).unwrap().1
 }
 
 /// The whole message of an opening that fails, at once or when voxels are read.
 fn refusal(project: &Path) -> String {
-    match Keeper::open(project) {
+    match Autosave::open(project) {
         Err(error) => error.to_string(),
         Ok((_keeper, kept)) => kept.into_state(|_| panic!("whole"), &|_| true).expect_err("it opened").to_string(),
     }
@@ -117,7 +117,7 @@ fn what_is_damaged_is_named_with_what_was_found_and_expected() {
         std::fs::rename(&aside, &path).unwrap();
     }
     assert_kept(&state, &opened(&project), "put right again");
-    assert!(matches!(Keeper::open(dir.path()), Err(KeepError::NotAProject { .. })));
+    assert!(matches!(Autosave::open(dir.path()), Err(KeepError::NotAProject { .. })));
 }
 
 /// CRC-32C of RFC 3720, bit by bit: what ends a shard's index.
@@ -162,12 +162,12 @@ fn a_place_that_cannot_be_written_is_refused_and_the_document_goes_on() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
     paint_all(&mut state);
-    let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
+    let mut autosave = Autosave::unsaved(dir.path(), &state).unwrap();
     let below_a_file = state.scene.origin().unwrap().path.join("project");
-    let refused = keeper.save(Some(&below_a_file), &state, None, &|_| true).unwrap_err();
+    let refused = autosave.save(Some(&below_a_file), &state, None, &|_| true).unwrap_err();
     assert!(matches!(&refused, KeepError::Io { path, .. } if *path == below_a_file), "{refused}");
-    keeper.save(Some(&dir.path().join("project")), &state, None, &|_| true).unwrap();
-    drop(keeper);
+    autosave.save(Some(&dir.path().join("project")), &state, None, &|_| true).unwrap();
+    drop(autosave);
     assert_kept(&state, &opened(&dir.path().join("project")), "saved elsewhere");
 }
 
@@ -177,12 +177,12 @@ fn a_save_that_is_stopped_leaves_the_project_as_it_was() {
     let mut state = state(SMALL, dir.path());
     let project = saved(dir.path(), &state);
     let before = state.clone();
-    let (mut keeper, _) = Keeper::open(&project).unwrap();
+    let (mut autosave, _) = Autosave::open(&project).unwrap();
     paint_all(&mut state);
-    let stopped = keeper.save(None, &state, None, &|share| share < 0.2);
+    let stopped = autosave.save(None, &state, None, &|share| share < 0.2);
     assert!(matches!(stopped, Err(KeepError::Stopped)));
     assert!(!project.join("generation-000002").exists());
-    drop(keeper);
+    drop(autosave);
     assert_kept(&before, &opened(&project), "stopped");
 }
 
@@ -212,19 +212,19 @@ mod full_disk {
     #[ignore = "a child process of a_full_disk_is_told_and_loses_nothing"]
     fn saves_and_records_on_a_full_disk() {
         let Ok(project) = std::env::var(CHILD) else { return };
-        let (mut keeper, kept) = Keeper::open(Path::new(&project)).unwrap();
+        let (mut autosave, kept) = Autosave::open(Path::new(&project)).unwrap();
         let mut state = kept.into_state(|_| panic!("whole"), &|_| true).unwrap();
         let (kind, index, _) = paint(&mut state, FieldKind::Labels, [0; 3], 1);
-        keeper.record(&end(), &state, &[(kind, index)], true).unwrap();
+        autosave.record(&end(), &state, &[(kind, index)], true).unwrap();
         let touched = noise(&mut state, 3);
-        let told = keeper.record(&end(), &state, &touched, true).unwrap_err();
+        let told = autosave.record(&end(), &state, &touched, true).unwrap_err();
         println!("record: {told}");
-        let told = keeper.save(None, &state, None, &|_| true).unwrap_err();
+        let told = autosave.save(None, &state, None, &|_| true).unwrap_err();
         println!("save: {told}");
         assert!(!Path::new(&project).join("generation-000002").exists());
         assert!(!Path::new(&project).join("journal-000002").exists());
         // What is refused stays refused until there is room, and does no harm.
-        assert!(keeper.record(&end(), &state, &[], true).is_err());
+        assert!(autosave.record(&end(), &state, &[], true).is_err());
     }
 
     #[test]
@@ -283,15 +283,15 @@ mod full_disk {
     #[ignore = "a child process of a_step_that_the_disk_refused_is_written_with_the_next_one"]
     fn records_when_there_is_room_again() {
         let Ok(project) = std::env::var(CHILD) else { return };
-        let (mut keeper, kept) = Keeper::open(Path::new(&project)).unwrap();
+        let (mut autosave, kept) = Autosave::open(Path::new(&project)).unwrap();
         let mut state = kept.into_state(|_| panic!("whole"), &|_| true).unwrap();
         let touched = noise(&mut state, 3);
-        assert!(keeper.record(&end(), &state, &touched, true).is_err());
+        assert!(autosave.record(&end(), &state, &touched, true).is_err());
         let lifted =
             Process::new("prlimit").args(["--fsize=unlimited", "--pid", &std::process::id().to_string()]).status();
         assert!(lifted.is_ok_and(|s| s.success()), "prlimit of util-linux lifts the limit");
         let (kind, index, _) = paint(&mut state, FieldKind::Labels, [0; 3], 1);
-        keeper.record(&end(), &state, &[(kind, index)], true).unwrap();
+        autosave.record(&end(), &state, &[(kind, index)], true).unwrap();
     }
 }
 
@@ -300,13 +300,13 @@ fn a_save_that_fails_at_its_last_step_leaves_nothing_of_itself() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
     let project = saved(dir.path(), &state);
-    let (mut keeper, _) = Keeper::open(&project).unwrap();
+    let (mut autosave, _) = Autosave::open(&project).unwrap();
     paint_all(&mut state);
     let named = std::fs::read(project.join("project.json")).unwrap();
     // A folder of that name is what no rename replaces.
     std::fs::remove_file(project.join("project.json")).unwrap();
     std::fs::create_dir(project.join("project.json")).unwrap();
-    keeper.save(None, &state, None, &|_| true).unwrap_err();
+    autosave.save(None, &state, None, &|_| true).unwrap_err();
     let mut names: Vec<String> =
         std::fs::read_dir(&project).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
@@ -314,7 +314,7 @@ fn a_save_that_fails_at_its_last_step_leaves_nothing_of_itself() {
     // And the next one succeeds.
     std::fs::remove_dir(project.join("project.json")).unwrap();
     std::fs::write(project.join("project.json"), named).unwrap();
-    assert_eq!(keeper.save(None, &state, None, &|_| true).unwrap().generation, 2);
-    drop(keeper);
+    assert_eq!(autosave.save(None, &state, None, &|_| true).unwrap().generation, 2);
+    drop(autosave);
     assert_kept(&state, &opened(&project), "after a save that failed");
 }

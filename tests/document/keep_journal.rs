@@ -2,7 +2,7 @@
 
 use super::keep_support::*;
 use crate::common::one::{One, segments};
-use burin::document::{BrushCommand, Command, KeepError, Keeper, KeptDocument, State, StrokeCommand, recovery};
+use burin::document::{Autosave, BrushCommand, Command, KeepError, RestoredDocument, State, StrokeCommand, recovery};
 use burin::io::{Told, Witness};
 use burin::math::DVec3;
 use burin::paint::Sample;
@@ -21,17 +21,17 @@ fn other_command() -> Command {
         .unwrap()
 }
 
-fn reopened(project: &Path) -> (KeptDocument, burin::document::Recovered) {
-    let (_keeper, kept) = Keeper::open(project).unwrap();
+fn reopened(project: &Path) -> (RestoredDocument, burin::document::Recovered) {
+    let (_keeper, kept) = Autosave::open(project).unwrap();
     let recovered = kept.recovered.clone();
     (kept, recovered)
 }
 
-fn project(dir: &Path, state: &State) -> (Keeper, PathBuf) {
+fn project(dir: &Path, state: &State) -> (Autosave, PathBuf) {
     let project = dir.join("project");
-    let mut keeper = Keeper::unsaved(dir, state).unwrap();
-    keeper.save(Some(&project), state, None, &|_| true).unwrap();
-    (keeper, project)
+    let mut autosave = Autosave::unsaved(dir, state).unwrap();
+    autosave.save(Some(&project), state, None, &|_| true).unwrap();
+    (autosave, project)
 }
 
 /// One step of each sort of change, deterministic; the same number gives the same step.
@@ -63,12 +63,12 @@ fn steps_after_the_last_save_come_back() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
     paint_all(&mut state);
-    let (mut keeper, project) = project(dir.path(), &state);
+    let (mut autosave, project) = project(dir.path(), &state);
     for n in 1..=20 {
         let touched = step(&mut state, n);
-        keeper.record(&command(), &state, &touched, n % 2 == 0).unwrap();
+        autosave.record(&command(), &state, &touched, n % 2 == 0).unwrap();
     }
-    drop(keeper);
+    drop(autosave);
     let (again, recovered) = reopened(&project);
     assert_kept(&state, &again, "recovered");
     assert_eq!((recovered.steps, recovered.torn_bytes, recovered.set_aside), (20, 0, None));
@@ -81,22 +81,22 @@ fn steps_after_the_last_save_come_back() {
 fn a_journal_goes_on_after_a_recovery_and_ends_with_a_save() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
-    let (mut keeper, project) = project(dir.path(), &state);
+    let (mut autosave, project) = project(dir.path(), &state);
     let touched = step(&mut state, 1);
-    keeper.record(&command(), &state, &touched, true).unwrap();
-    drop(keeper);
-    let (mut keeper, _) = Keeper::open(&project).unwrap();
+    autosave.record(&command(), &state, &touched, true).unwrap();
+    drop(autosave);
+    let (mut autosave, _) = Autosave::open(&project).unwrap();
     let touched = step(&mut state, 2);
-    keeper.record(&command(), &state, &touched, true).unwrap();
-    drop(keeper);
+    autosave.record(&command(), &state, &touched, true).unwrap();
+    drop(autosave);
     let (again, recovered) = reopened(&project);
     assert_kept(&state, &again, "two sittings");
     assert_eq!(recovered.steps, 2);
-    let (mut keeper, _) = Keeper::open(&project).unwrap();
-    keeper.save(None, &state, None, &|_| true).unwrap();
+    let (mut autosave, _) = Autosave::open(&project).unwrap();
+    autosave.save(None, &state, None, &|_| true).unwrap();
     let touched = step(&mut state, 3);
-    keeper.record(&command(), &state, &touched, true).unwrap();
-    drop(keeper);
+    autosave.record(&command(), &state, &touched, true).unwrap();
+    drop(autosave);
     let (again, recovered) = reopened(&project);
     assert_kept(&state, &again, "after a save");
     assert_eq!(recovered.steps, 1);
@@ -106,16 +106,16 @@ fn a_journal_goes_on_after_a_recovery_and_ends_with_a_save() {
 fn a_journal_cut_anywhere_gives_the_steps_before_the_cut() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
-    let (mut keeper, project) = project(dir.path(), &state);
+    let (mut autosave, project) = project(dir.path(), &state);
     let journal = project.join("journal-000001");
     let length = || std::fs::metadata(&journal).unwrap().len();
     let mut after = vec![(length(), state.clone())];
     for n in 1..=6 {
         let touched = step(&mut state, n);
-        keeper.record(&command(), &state, &touched, false).unwrap();
+        autosave.record(&command(), &state, &touched, false).unwrap();
         after.push((length(), state.clone()));
     }
-    drop(keeper);
+    drop(autosave);
     let whole = std::fs::read(&journal).unwrap();
     assert_eq!(whole.len() as u64, after[6].0);
     // On both sides of every border between steps, within the 12 bytes of a record's head, and in between.
@@ -135,7 +135,7 @@ fn a_journal_cut_anywhere_gives_the_steps_before_the_cut() {
 fn a_damaged_record_ends_the_journal_and_a_copy_is_set_aside() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
-    let (mut keeper, project) = project(dir.path(), &state);
+    let (mut autosave, project) = project(dir.path(), &state);
     let journal = project.join("journal-000001");
     let mut expected = state.clone();
     let mut border = 0;
@@ -144,9 +144,9 @@ fn a_damaged_record_ends_the_journal_and_a_copy_is_set_aside() {
             (expected, border) = (state.clone(), std::fs::metadata(&journal).unwrap().len());
         }
         let touched = step(&mut state, n);
-        keeper.record(&command(), &state, &touched, false).unwrap();
+        autosave.record(&command(), &state, &touched, false).unwrap();
     }
-    drop(keeper);
+    drop(autosave);
     let mut bytes = std::fs::read(&journal).unwrap();
     bytes[border as usize + 40] ^= 1;
     std::fs::write(&journal, &bytes).unwrap();
@@ -161,15 +161,15 @@ fn a_damaged_record_ends_the_journal_and_a_copy_is_set_aside() {
 fn a_record_whose_length_is_damaged_is_no_end_that_was_being_written() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
-    let (mut keeper, project) = project(dir.path(), &state);
+    let (mut autosave, project) = project(dir.path(), &state);
     let journal = project.join("journal-000001");
     let mut borders = Vec::new();
     for n in 1..=4 {
         borders.push((std::fs::metadata(&journal).unwrap().len() as usize, state.clone()));
         let touched = step(&mut state, n);
-        keeper.record(&command(), &state, &touched, false).unwrap();
+        autosave.record(&command(), &state, &touched, false).unwrap();
     }
-    drop(keeper);
+    drop(autosave);
     let whole = std::fs::read(&journal).unwrap();
     for (n, (border, expected)) in borders.iter().enumerate() {
         let mut bytes = whole.clone();
@@ -191,15 +191,15 @@ fn a_record_whose_length_is_damaged_is_no_end_that_was_being_written() {
 fn a_record_that_is_there_twice_is_taken_once() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
-    let (mut keeper, project) = project(dir.path(), &state);
+    let (mut autosave, project) = project(dir.path(), &state);
     let journal = project.join("journal-000001");
     let mut start = 0;
     for n in 1..=2 {
         start = std::fs::metadata(&journal).unwrap().len() as usize;
         let touched = step(&mut state, n);
-        keeper.record(&command(), &state, &touched, false).unwrap();
+        autosave.record(&command(), &state, &touched, false).unwrap();
     }
-    drop(keeper);
+    drop(autosave);
     let mut bytes = std::fs::read(&journal).unwrap();
     let end = bytes.len();
     bytes.extend_from_within(start..);
@@ -214,7 +214,7 @@ fn a_record_that_is_there_twice_is_taken_once() {
 fn a_step_larger_than_a_record_is_there_whole_or_not_at_all() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state([160, 64, 160], dir.path());
-    let (mut keeper, project) = project(dir.path(), &state);
+    let (mut autosave, project) = project(dir.path(), &state);
     let journal = project.join("journal-000001");
     let before = state.clone();
     // 6 MiB that do not compress.
@@ -227,8 +227,8 @@ fn a_step_larger_than_a_record_is_there_whole_or_not_at_all() {
         .map(|(i, index)| paint(&mut state, FieldKind::Colour, index.0, 5 * i as u64 + 1))
         .map(|(kind, index, _)| (kind, index))
         .collect();
-    keeper.record(&command(), &state, &touched, false).unwrap();
-    drop(keeper);
+    autosave.record(&command(), &state, &touched, false).unwrap();
+    drop(autosave);
     let whole = std::fs::read(&journal).unwrap();
     assert_kept(&state, &reopened(&project).0, "whole");
     // The first record ends where its length says; what is left of the step is not done.
@@ -240,11 +240,11 @@ fn a_step_larger_than_a_record_is_there_whole_or_not_at_all() {
     assert_kept(&before, &again, "its first part");
     assert_eq!((recovered.steps, recovered.torn_bytes as usize), (0, first_end - 28));
     // And what is noted afterwards follows what was whole.
-    let (mut keeper, _) = Keeper::open(&project).unwrap();
+    let (mut autosave, _) = Autosave::open(&project).unwrap();
     let mut state = before;
     let touched = step(&mut state, 1);
-    keeper.record(&command(), &state, &touched, false).unwrap();
-    drop(keeper);
+    autosave.record(&command(), &state, &touched, false).unwrap();
+    drop(autosave);
     assert_kept(&state, &reopened(&project).0, "the step after");
 }
 
@@ -252,14 +252,14 @@ fn a_step_larger_than_a_record_is_there_whole_or_not_at_all() {
 fn a_journal_of_another_generation_is_never_replayed() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
-    let (mut keeper, project) = project(dir.path(), &state);
+    let (mut autosave, project) = project(dir.path(), &state);
     let touched = step(&mut state, 1);
-    keeper.record(&command(), &state, &touched, true).unwrap();
+    autosave.record(&command(), &state, &touched, true).unwrap();
     let old = std::fs::read(project.join("journal-000001")).unwrap();
     // The user takes the step back by hand and saves: replaying the old journal would bring it back.
     state.one_mut().field_mut(touched[0].0.kind).swap(vec![(touched[0].1, None)]).unwrap();
-    keeper.save(None, &state, None, &|_| true).unwrap();
-    drop(keeper);
+    autosave.save(None, &state, None, &|_| true).unwrap();
+    drop(autosave);
     assert!(!project.join("journal-000001").exists());
     std::fs::write(project.join("journal-000001"), &old).unwrap();
     assert_kept(&state, &reopened(&project).0, "stray journal");
@@ -274,20 +274,20 @@ fn a_journal_of_another_generation_is_never_replayed() {
 fn a_journal_grows_with_the_bricks_touched_and_not_with_history() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
-    let (mut keeper, project) = project(dir.path(), &state);
+    let (mut autosave, project) = project(dir.path(), &state);
     let mut written = 0;
     let mut last = 0;
     for n in 0..80 {
         // 128 KiB that do not compress, on one of two bricks.
         let (kind, index, _) = paint(&mut state, FieldKind::Colour, [n % 2, 0, 0], u64::from(5 * n + 1));
-        keeper.record(&command(), &state, &[(kind, index)], false).unwrap();
+        autosave.record(&command(), &state, &[(kind, index)], false).unwrap();
         let now = std::fs::metadata(project.join("journal-000001")).unwrap().len();
         written += now.saturating_sub(last);
         last = now;
     }
     assert!(written > 8 << 20, "{written}");
     assert!(last < 6 << 20, "{last}");
-    drop(keeper);
+    drop(autosave);
     let (again, recovered) = reopened(&project);
     assert_kept(&state, &again, "gathered");
     assert_eq!(recovered.steps, 80);
@@ -297,22 +297,22 @@ fn a_journal_grows_with_the_bricks_touched_and_not_with_history() {
 fn samples_of_a_stroke_that_was_running_come_back_until_it_ends() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
-    let (mut keeper, project) = project(dir.path(), &state);
-    keeper.samples(&[burin::volume::VolumeId::FIRST], &[sample(1.0)]).unwrap();
-    keeper.samples(&[burin::volume::VolumeId::FIRST], &[sample(2.0), sample(3.0)]).unwrap();
+    let (mut autosave, project) = project(dir.path(), &state);
+    autosave.samples(&[burin::volume::VolumeId::FIRST], &[sample(1.0)]).unwrap();
+    autosave.samples(&[burin::volume::VolumeId::FIRST], &[sample(2.0), sample(3.0)]).unwrap();
     // What goes on beside the stroke does not end it.
-    keeper.record(&other_command(), &state, &[], false).unwrap();
-    drop(keeper);
-    let (mut keeper, kept) = Keeper::open(&project).unwrap();
+    autosave.record(&other_command(), &state, &[], false).unwrap();
+    drop(autosave);
+    let (mut autosave, kept) = Autosave::open(&project).unwrap();
     assert_eq!(kept.recovered.stroke, [sample(1.0), sample(2.0), sample(3.0)]);
-    keeper.no_stroke().unwrap();
-    drop(keeper);
+    autosave.no_stroke().unwrap();
+    drop(autosave);
     assert_eq!(reopened(&project).1.stroke, []);
-    let (mut keeper, _) = Keeper::open(&project).unwrap();
-    keeper.samples(&[burin::volume::VolumeId::FIRST], &[sample(4.0)]).unwrap();
+    let (mut autosave, _) = Autosave::open(&project).unwrap();
+    autosave.samples(&[burin::volume::VolumeId::FIRST], &[sample(4.0)]).unwrap();
     let touched = step(&mut state, 1);
-    keeper.record(&command(), &state, &touched, true).unwrap();
-    drop(keeper);
+    autosave.record(&command(), &state, &touched, true).unwrap();
+    drop(autosave);
     assert_eq!(reopened(&project).1.stroke, []);
 }
 
@@ -321,26 +321,26 @@ fn another_density_map_comes_back_with_all_edits_in_it() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
     paint_all(&mut state);
-    let (mut keeper, project) = project(dir.path(), &state);
+    let (mut autosave, project) = project(dir.path(), &state);
     let (kind, index, _) = paint(&mut state, FieldKind::Density, [1, 1, 0], 5);
-    keeper.record(&command(), &state, &[(kind, index)], true).unwrap();
+    autosave.record(&command(), &state, &[(kind, index)], true).unwrap();
     // Painting beyond the range: floats from here on, and one edit less.
     let mut wide = Field::from_source(state.one().source.clone(), DensityMap::FLOAT, &|_| true).unwrap().unwrap();
     let edits: Vec<_> = state.one().density.edits().into_keys().skip(1).collect();
     let changes = edits.iter().map(|&i| (i, Some(Brick::Uniform(123_456.75_f32.to_le_bytes())))).collect();
     wide.swap(changes).unwrap();
     state.one_mut().density = wide;
-    keeper.record(&command(), &state, &[(key(FieldKind::Density), index)], true).unwrap();
-    drop(keeper);
+    autosave.record(&command(), &state, &[(key(FieldKind::Density), index)], true).unwrap();
+    drop(autosave);
     let (again, _) = reopened(&project);
     assert_kept(&state, &again, "widened");
     assert_eq!(again.one().map.format, TexelFormat::R32Float);
     let again = again.into_state(|_| panic!("the density is in the project"), &|_| true).unwrap();
     assert_same(&state, &again, "widened, as a document");
     // And a save over it writes edits of the new map only.
-    let (mut keeper, _) = Keeper::open(&project).unwrap();
-    keeper.save(None, &again, None, &|_| true).unwrap();
-    drop(keeper);
+    let (mut autosave, _) = Autosave::open(&project).unwrap();
+    autosave.save(None, &again, None, &|_| true).unwrap();
+    drop(autosave);
     assert_kept(&state, &reopened(&project).0, "widened and saved");
 }
 
@@ -348,15 +348,15 @@ fn another_density_map_comes_back_with_all_edits_in_it() {
 fn a_scene_that_json_cannot_say_is_refused_and_nothing_is_lost() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
-    let (mut keeper, project) = project(dir.path(), &state);
+    let (mut autosave, project) = project(dir.path(), &state);
     let touched = step(&mut state, 1);
-    keeper.record(&command(), &state, &touched, true).unwrap();
+    autosave.record(&command(), &state, &touched, true).unwrap();
     let good = state.clone();
     state.scene.shown.get_mut(&VolumeId::FIRST).unwrap().window.level = f64::NAN;
-    assert!(matches!(keeper.record(&command(), &state, &[], true), Err(KeepError::Scene { .. })));
-    let refused = keeper.save(None, &state, None, &|_| true).unwrap_err();
+    assert!(matches!(autosave.record(&command(), &state, &[], true), Err(KeepError::Scene { .. })));
+    let refused = autosave.save(None, &state, None, &|_| true).unwrap_err();
     assert!(matches!(&refused, KeepError::Scene { .. }), "{refused}");
-    drop(keeper);
+    drop(autosave);
     assert_kept(&good, &reopened(&project).0, "after a refusal");
 }
 
@@ -364,22 +364,22 @@ fn a_scene_that_json_cannot_say_is_refused_and_nothing_is_lost() {
 fn an_unsaved_document_is_found_at_the_next_start() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
-    let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
+    let mut autosave = Autosave::unsaved(dir.path(), &state).unwrap();
     let touched = step(&mut state, 1);
-    keeper.record(&command(), &state, &touched, true).unwrap();
+    autosave.record(&command(), &state, &touched, true).unwrap();
     assert_eq!(recovery::list(dir.path()).unwrap(), [], "it is open");
-    drop(keeper);
+    drop(autosave);
     let lost = recovery::list(dir.path()).unwrap();
     assert_eq!(lost.len(), 1);
     assert_eq!(lost[0].origin, state.scene.origin().unwrap().path);
-    let (mut keeper, kept) = Keeper::recover(dir.path(), &lost[0].id).unwrap();
+    let (mut autosave, kept) = Autosave::recover(dir.path(), &lost[0].id).unwrap();
     assert_eq!(kept.recovered.steps, 1);
     let source = state.one().source.clone();
     assert_same(&state, &kept.into_state(|_| Ok(source.clone()), &|_| true).unwrap(), "recovered");
     // Saved, it is lost no more.
-    keeper.save(Some(&dir.path().join("project")), &state, None, &|_| true).unwrap();
+    autosave.save(Some(&dir.path().join("project")), &state, None, &|_| true).unwrap();
     assert_eq!(recovery::list(dir.path()).unwrap(), []);
-    drop(keeper);
+    drop(autosave);
     assert_eq!(recovery::list(dir.path()).unwrap(), []);
     assert_kept(&state, &reopened(&dir.path().join("project")).0, "saved");
 }
@@ -388,13 +388,13 @@ fn an_unsaved_document_is_found_at_the_next_start() {
 fn a_lost_document_whose_file_changed_says_so_and_can_be_discarded() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
-    let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
+    let mut autosave = Autosave::unsaved(dir.path(), &state).unwrap();
     let touched = step(&mut state, 1);
-    keeper.record(&command(), &state, &touched, true).unwrap();
-    drop(keeper);
+    autosave.record(&command(), &state, &touched, true).unwrap();
+    drop(autosave);
     let lost = recovery::list(dir.path()).unwrap();
     std::fs::write(&state.scene.origin().unwrap().path, b"another file").unwrap();
-    let message = Keeper::recover(dir.path(), &lost[0].id).unwrap_err().to_string();
+    let message = Autosave::recover(dir.path(), &lost[0].id).unwrap_err().to_string();
     assert!(message.contains("origin.bin: bytes: 12 found, 24 expected"), "{message}");
     recovery::discard(dir.path(), &lost[0].id).unwrap();
     assert_eq!(recovery::list(dir.path()).unwrap(), []);
@@ -404,7 +404,7 @@ fn a_lost_document_whose_file_changed_says_so_and_can_be_discarded() {
 #[test]
 fn a_document_with_no_step_leaves_nothing_to_recover() {
     let dir = tempfile::tempdir().unwrap();
-    drop(Keeper::unsaved(dir.path(), &state(SMALL, dir.path())).unwrap());
+    drop(Autosave::unsaved(dir.path(), &state(SMALL, dir.path())).unwrap());
     assert_eq!(recovery::list(dir.path()).unwrap(), []);
     assert_eq!(std::fs::read_dir(dir.path().join("recovery")).unwrap().count(), 0);
 }
@@ -413,19 +413,19 @@ fn a_document_with_no_step_leaves_nothing_to_recover() {
 fn looking_about_is_nothing_to_recover_until_something_is_done() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
-    let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
+    let mut autosave = Autosave::unsaved(dir.path(), &state).unwrap();
     state.scene.views.crosshair = DVec3::new(3.0, 2.0, 1.0);
-    keeper.record(&other_command(), &state, &[], true).unwrap();
-    drop(keeper);
+    autosave.record(&other_command(), &state, &[], true).unwrap();
+    drop(autosave);
     assert_eq!(recovery::list(dir.path()).unwrap(), []);
-    let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
+    let mut autosave = Autosave::unsaved(dir.path(), &state).unwrap();
     state.scene.views.size = [77, 55];
-    keeper.record(&other_command(), &state, &[], true).unwrap();
+    autosave.record(&other_command(), &state, &[], true).unwrap();
     segments(&mut state.scene).ensure(9);
-    keeper.record(&other_command(), &state, &[], true).unwrap();
-    drop(keeper);
+    autosave.record(&other_command(), &state, &[], true).unwrap();
+    drop(autosave);
     let lost = recovery::list(dir.path()).unwrap();
-    let (_keeper, kept) = Keeper::recover(dir.path(), &lost[0].id).unwrap();
+    let (_keeper, kept) = Autosave::recover(dir.path(), &lost[0].id).unwrap();
     assert_eq!(kept.scene.views.size, [77, 55], "what was looked at comes along");
     assert!(kept.scene.segments().get(9).is_some());
 }
@@ -435,10 +435,10 @@ fn a_stroke_that_ran_or_a_journal_that_is_damaged_may_be_work() {
     let dir = tempfile::tempdir().unwrap();
     let state = state(SMALL, dir.path());
     let begun = |folder: &Path, taken_back: bool| {
-        let mut keeper = Keeper::unsaved(folder, &state).unwrap();
-        keeper.samples(&[burin::volume::VolumeId::FIRST], &[sample(1.0)]).unwrap();
+        let mut autosave = Autosave::unsaved(folder, &state).unwrap();
+        autosave.samples(&[burin::volume::VolumeId::FIRST], &[sample(1.0)]).unwrap();
         if taken_back {
-            keeper.no_stroke().unwrap();
+            autosave.no_stroke().unwrap();
         }
     };
     for (taken_back, name) in [(false, "runs"), (true, "taken back")] {
@@ -465,17 +465,17 @@ fn a_stroke_that_ran_or_a_journal_that_is_damaged_may_be_work() {
 fn looking_about_in_a_project_comes_back_and_counts_as_no_step() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
-    let (mut keeper, place) = project(dir.path(), &state);
+    let (mut autosave, place) = project(dir.path(), &state);
     state.scene.views.crosshair = DVec3::new(3.0, 2.0, 1.0);
-    keeper.record(&other_command(), &state, &[], true).unwrap();
-    drop(keeper);
+    autosave.record(&other_command(), &state, &[], true).unwrap();
+    drop(autosave);
     let (kept, recovered) = reopened(&place);
     assert_eq!(recovered.steps, 0, "no work was lost");
     assert_kept(&state, &kept, "the views as they were");
-    let (mut keeper, _) = Keeper::open(&place).unwrap();
+    let (mut autosave, _) = Autosave::open(&place).unwrap();
     let touched = step(&mut state, 1);
-    keeper.record(&command(), &state, &touched, true).unwrap();
-    drop(keeper);
+    autosave.record(&command(), &state, &touched, true).unwrap();
+    drop(autosave);
     assert_eq!(reopened(&place).1.steps, 1);
 }
 
@@ -483,14 +483,14 @@ fn looking_about_in_a_project_comes_back_and_counts_as_no_step() {
 fn saving_elsewhere_takes_unsaved_steps_along() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
-    let (mut keeper, first) = project(dir.path(), &state);
+    let (mut autosave, first) = project(dir.path(), &state);
     let saved = state.clone();
     let touched = step(&mut state, 1);
-    keeper.record(&command(), &state, &touched, true).unwrap();
+    autosave.record(&command(), &state, &touched, true).unwrap();
     let second = dir.path().join("second");
-    keeper.save(Some(&second), &state, None, &|_| true).unwrap();
-    assert_eq!(keeper.project_dir(), Some(second.as_path()));
-    drop(keeper);
+    autosave.save(Some(&second), &state, None, &|_| true).unwrap();
+    assert_eq!(autosave.project_dir(), Some(second.as_path()));
+    drop(autosave);
     assert_kept(&saved, &reopened(&first).0, "the first as it was saved");
     assert_kept(&state, &reopened(&second).0, "the second as it is");
 }
@@ -499,16 +499,16 @@ fn saving_elsewhere_takes_unsaved_steps_along() {
 fn a_journal_that_is_long_while_a_stroke_runs_keeps_its_samples() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
-    let (mut keeper, project) = project(dir.path(), &state);
+    let (mut autosave, project) = project(dir.path(), &state);
     let samples: Vec<Sample> = (0..5).map(|i| sample(f64::from(i))).collect();
-    keeper.samples(&[burin::volume::VolumeId::FIRST], &samples).unwrap();
+    autosave.samples(&[burin::volume::VolumeId::FIRST], &samples).unwrap();
     for n in 0..60 {
         let (kind, index, _) = paint(&mut state, FieldKind::Colour, [n % 2, 0, 0], u64::from(5 * n + 1));
-        keeper.record(&other_command(), &state, &[(kind, index)], false).unwrap();
+        autosave.record(&other_command(), &state, &[(kind, index)], false).unwrap();
     }
     let length = std::fs::metadata(project.join("journal-000001")).unwrap().len();
     assert!(length > 6 << 20, "{length}: long enough to be gathered, were it not for the stroke");
-    drop(keeper);
+    drop(autosave);
     let (again, recovered) = reopened(&project);
     assert_kept(&state, &again, "all steps");
     assert_eq!((recovered.stroke, recovered.steps), (samples, 60));
@@ -523,16 +523,16 @@ fn synced(told: &[Told], path: &Path) -> Vec<usize> {
 fn a_step_is_synced_before_it_is_answered() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
-    let (mut keeper, project) = project(dir.path(), &state);
+    let (mut autosave, project) = project(dir.path(), &state);
     let witness = Witness::new(&project);
     let journal = project.join("journal-000001");
     for n in 1..4 {
         let touched = step(&mut state, n);
-        keeper.record(&command(), &state, &touched, true).unwrap();
+        autosave.record(&command(), &state, &touched, true).unwrap();
         assert_eq!(synced(&witness.told(), &journal).len(), n as usize);
     }
     // Frames of an animation need not be.
-    keeper.record(&other_command(), &state, &[], false).unwrap();
+    autosave.record(&other_command(), &state, &[], false).unwrap();
     assert_eq!(synced(&witness.told(), &journal).len(), 3);
 }
 
@@ -540,10 +540,10 @@ fn a_step_is_synced_before_it_is_answered() {
 fn everything_of_a_save_is_synced_before_the_one_rename_and_that_after_it() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
-    let (mut keeper, project) = project(dir.path(), &state);
+    let (mut autosave, project) = project(dir.path(), &state);
     paint_all(&mut state);
     let witness = Witness::new(&project);
-    keeper.save(None, &state, None, &|_| true).unwrap();
+    autosave.save(None, &state, None, &|_| true).unwrap();
     let told = witness.told();
     let renames: Vec<usize> = (0..told.len()).filter(|&i| matches!(told[i], Told::Rename(_))).collect();
     let [rename] = renames[..] else { panic!("one rename expected: {told:?}") };

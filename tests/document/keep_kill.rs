@@ -7,7 +7,7 @@
 
 use super::keep_support::*;
 use crate::common::one::{One, segments};
-use burin::document::{Command, Keeper, State, StrokeCommand};
+use burin::document::{Autosave, Command, State, StrokeCommand};
 use burin::math::DVec3;
 use burin::paint::Sample;
 use burin::volume::*;
@@ -42,10 +42,10 @@ fn step(state: &mut State, n: u64, large: bool) -> Vec<(FieldKey, BrickIndex)> {
     touched
 }
 
-fn opened(project: &Path) -> (Keeper, State) {
-    let (keeper, kept) = Keeper::open(project).unwrap();
+fn opened(project: &Path) -> (Autosave, State) {
+    let (autosave, kept) = Autosave::open(project).unwrap();
     assert_eq!(kept.recovered.set_aside, None);
-    (keeper, kept.into_state(|_| panic!("the density is in the project"), &|_| true).unwrap())
+    (autosave, kept.into_state(|_| panic!("the density is in the project"), &|_| true).unwrap())
 }
 
 fn steps_in(state: &State) -> u64 {
@@ -62,7 +62,7 @@ fn is_large(round: u64) -> bool {
 fn paints_and_saves_until_it_is_killed() {
     let Ok(project) = std::env::var(CHILD) else { return };
     let round: u64 = std::env::var("BURIN_TEST_KILL_ROUND").unwrap().parse().unwrap();
-    let (mut keeper, mut state) = opened(Path::new(&project));
+    let (mut autosave, mut state) = opened(Path::new(&project));
     let say = |text: String| {
         let mut out = std::io::stdout().lock();
         writeln!(out, "{text}").and_then(|()| out.flush()).unwrap();
@@ -73,7 +73,7 @@ fn paints_and_saves_until_it_is_killed() {
         let n = steps_in(&state) + 1;
         for i in 0..rng.random_range(0..3) {
             let position = DVec3::new(f64::from(i), n as f64, 0.0);
-            keeper
+            autosave
                 .samples(
                     &[burin::volume::VolumeId::FIRST],
                     &[Sample { position, normal: DVec3::Z, pressure: 1.0, breaks: false }],
@@ -81,11 +81,11 @@ fn paints_and_saves_until_it_is_killed() {
                 .unwrap();
         }
         let touched = step(&mut state, n, is_large(round));
-        keeper.record(&Command::Stroke(StrokeCommand::End {}), &state, &touched, true).unwrap();
+        autosave.record(&Command::Stroke(StrokeCommand::End {}), &state, &touched, true).unwrap();
         say(format!("done {n}"));
         if !is_large(round) && rng.random_range(0..3) == 0 {
             say("saving".into());
-            keeper.save(None, &state, None, &|_| true).unwrap();
+            autosave.save(None, &state, None, &|_| true).unwrap();
             say("saved".into());
         }
     }
@@ -102,9 +102,9 @@ fn a_killed_process_loses_at_most_the_step_in_progress() {
     let dir = tempfile::tempdir().unwrap();
     let project = dir.path().join("project");
     let mut state = state(SMALL, dir.path());
-    let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
-    keeper.save(Some(&project), &state, None, &|_| true).unwrap();
-    drop(keeper);
+    let mut autosave = Autosave::unsaved(dir.path(), &state).unwrap();
+    autosave.save(Some(&project), &state, None, &|_| true).unwrap();
+    drop(autosave);
     let mut rng = ChaCha8Rng::seed_from_u64(2026);
     let (mut in_a_save, mut in_a_step, mut steps) = (0, 0, 0);
     for round in 0..kills {
@@ -137,7 +137,7 @@ fn a_killed_process_loses_at_most_the_step_in_progress() {
         let before = steps_in(&state);
         let acknowledged =
             said.iter().rev().find_map(|l| l.strip_prefix("done ")).map_or(before, |n| n.parse().unwrap());
-        let (_keeper, found) = Keeper::open(&project).unwrap();
+        let (_keeper, found) = Autosave::open(&project).unwrap();
         assert_eq!(found.recovered.set_aside, None);
         let reached = found.scene.views.crosshair.x as u64;
         assert!(

@@ -1,27 +1,27 @@
 //! Nothing in a project leads out of it, what waits for good is refused, and a folder that lost its first file is still a project.
 
 use super::keep_support::*;
-use burin::document::{Command, KeepError, Keeper, State, StrokeCommand, Wanted};
+use burin::document::{Autosave, Command, KeepError, State, StrokeCommand, Wanted};
 use burin::volume::FieldKind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 const SMALL: [u32; 3] = [40, 33, 34];
 
-fn saved(dir: &Path, state: &State, name: &str) -> (PathBuf, Keeper) {
+fn saved(dir: &Path, state: &State, name: &str) -> (PathBuf, Autosave) {
     let project = dir.join(name);
-    let mut keeper = Keeper::unsaved(dir, state).unwrap();
-    keeper.save(Some(&project), state, None, &|_| true).unwrap();
-    (project, keeper)
+    let mut autosave = Autosave::unsaved(dir, state).unwrap();
+    autosave.save(Some(&project), state, None, &|_| true).unwrap();
+    (project, autosave)
 }
 
-fn step(keeper: &mut Keeper, state: &mut State, seed: u64) {
+fn step(autosave: &mut Autosave, state: &mut State, seed: u64) {
     let (kind, index, _) = paint(state, FieldKind::Labels, [0; 3], seed);
-    keeper.record(&Command::Stroke(StrokeCommand::End {}), state, &[(kind, index)], true).unwrap();
+    autosave.record(&Command::Stroke(StrokeCommand::End {}), state, &[(kind, index)], true).unwrap();
 }
 
-fn save(keeper: &mut Keeper, state: &State) -> u64 {
-    keeper.save(None, state, None, &|_| true).unwrap().generation
+fn save(autosave: &mut Autosave, state: &State) -> u64 {
+    autosave.save(None, state, None, &|_| true).unwrap().generation
 }
 
 fn names(dir: &Path) -> Vec<String> {
@@ -48,9 +48,9 @@ fn nothing_in_a_project_is_followed_out_of_it() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
     paint_all(&mut state);
-    let (project, mut keeper) = saved(dir.path(), &state, "project");
-    step(&mut keeper, &mut state, 5);
-    drop(keeper);
+    let (project, mut autosave) = saved(dir.path(), &state, "project");
+    step(&mut autosave, &mut state, 5);
+    drop(autosave);
     let outside = dir.path().join("outside");
     for name in [
         "lock",
@@ -69,11 +69,11 @@ fn nothing_in_a_project_is_followed_out_of_it() {
         symlink(&outside, &path).unwrap();
         let before =
             if outside.is_dir() { all(&outside) } else { vec![(outside.clone(), std::fs::read(&outside).unwrap())] };
-        let message = Keeper::open(&project).unwrap_err().to_string();
+        let message = Autosave::open(&project).unwrap_err().to_string();
         assert!(message.contains(name.split('/').next_back().unwrap()), "{name}: {message}");
         assert!(message.contains("a symbolic link found"), "{name}: {message}");
         if name != "lock" {
-            let looked = Keeper::look(&project).unwrap_err().to_string();
+            let looked = Autosave::look(&project).unwrap_err().to_string();
             assert!(looked.contains("a symbolic link found"), "{name}: {looked}");
         }
         let after =
@@ -87,30 +87,30 @@ fn nothing_in_a_project_is_followed_out_of_it() {
         let path = project.join(name);
         std::fs::rename(&path, dir.path().join("aside")).unwrap();
         symlink(&outside, &path).unwrap();
-        Keeper::open(&project).unwrap_err();
+        Autosave::open(&project).unwrap_err();
         assert!(!outside.exists(), "{name}");
         std::fs::remove_file(&path).unwrap();
         std::fs::rename(dir.path().join("aside"), &path).unwrap();
     }
     // The way to the project may be one.
     symlink(&project, dir.path().join("way")).unwrap();
-    assert_kept(&state, &Keeper::open(&dir.path().join("way")).unwrap().1, "by a link");
+    assert_kept(&state, &Autosave::open(&dir.path().join("way")).unwrap().1, "by a link");
     // What a save puts there takes a link's place and leaves alone what it leads to.
     std::fs::write(&outside, b"precious").unwrap();
-    let (mut keeper, _) = Keeper::open(&project).unwrap();
+    let (mut autosave, _) = Autosave::open(&project).unwrap();
     for name in ["project.new", "journal-000002", "generation-000002"] {
         symlink(&outside, project.join(name)).unwrap();
     }
-    assert_eq!(save(&mut keeper, &state), 2);
-    drop(keeper);
+    assert_eq!(save(&mut autosave, &state), 2);
+    drop(autosave);
     assert_eq!(std::fs::read(&outside).unwrap(), b"precious");
-    assert_kept(&state, &Keeper::open(&project).unwrap().1, "saved over links");
+    assert_kept(&state, &Autosave::open(&project).unwrap().1, "saved over links");
     assert!(std::fs::symlink_metadata(project.join("generation-000002")).unwrap().is_dir());
     // Neither is a damaged journal put aside through one.
     let journal = project.join("journal-000002");
     std::fs::write(&journal, b"no journal").unwrap();
     symlink(&outside, project.join("journal-000002.damaged")).unwrap();
-    let (_keeper, kept) = Keeper::open(&project).unwrap();
+    let (_keeper, kept) = Autosave::open(&project).unwrap();
     assert_eq!(std::fs::read(&outside).unwrap(), b"precious");
     assert_eq!(std::fs::read(&kept.recovered.set_aside.unwrap().0).unwrap(), b"no journal");
 }
@@ -121,8 +121,8 @@ fn a_pipe_in_a_project_is_refused_at_once() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
     paint_all(&mut state);
-    let (project, keeper) = saved(dir.path(), &state, "project");
-    drop(keeper);
+    let (project, autosave) = saved(dir.path(), &state, "project");
+    drop(autosave);
     for name in [
         "lock",
         "project.json",
@@ -135,13 +135,13 @@ fn a_pipe_in_a_project_is_refused_at_once() {
         std::fs::rename(&path, dir.path().join("aside")).unwrap();
         assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
         let start = Instant::now();
-        let message = Keeper::open(&project).unwrap_err().to_string();
+        let message = Autosave::open(&project).unwrap_err().to_string();
         assert!(message.contains("a pipe found") && message.contains(&*path.to_string_lossy()), "{message}");
         assert!(start.elapsed() < Duration::from_secs(5), "{name}");
         std::fs::remove_file(&path).unwrap();
         std::fs::rename(dir.path().join("aside"), &path).unwrap();
     }
-    Keeper::open(&project).unwrap();
+    Autosave::open(&project).unwrap();
 }
 
 #[test]
@@ -149,25 +149,25 @@ fn a_pipe_in_a_project_is_refused_at_once() {
 fn what_has_another_name_elsewhere_is_not_written_into() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
-    let (project, mut keeper) = saved(dir.path(), &state, "project");
-    step(&mut keeper, &mut state, 1);
-    drop(keeper);
+    let (project, mut autosave) = saved(dir.path(), &state, "project");
+    step(&mut autosave, &mut state, 1);
+    drop(autosave);
     let (precious, other) = (dir.path().join("precious"), dir.path().join("journal of a copy"));
     std::fs::write(&precious, b"process of making steel").unwrap();
     std::fs::remove_file(project.join("lock")).unwrap();
     std::fs::hard_link(&precious, project.join("lock")).unwrap();
     std::fs::hard_link(project.join("journal-000001"), &other).unwrap();
     let before = std::fs::read(&other).unwrap();
-    let (mut keeper, _) = Keeper::open(&project).unwrap();
-    step(&mut keeper, &mut state, 2);
-    drop(keeper);
+    let (mut autosave, _) = Autosave::open(&project).unwrap();
+    step(&mut autosave, &mut state, 2);
+    drop(autosave);
     assert_eq!(std::fs::read(&precious).unwrap(), b"process of making steel");
     assert!(std::fs::read(&other).unwrap() == before);
-    assert_kept(&state, &Keeper::open(&project).unwrap().1, "noted in a journal of its own");
+    assert_kept(&state, &Autosave::open(&project).unwrap().1, "noted in a journal of its own");
     // Nor is another file that is named as the lock is.
     std::fs::remove_file(project.join("lock")).unwrap();
     std::fs::write(project.join("lock"), b"a key").unwrap();
-    drop(Keeper::open(&project).unwrap());
+    drop(Autosave::open(&project).unwrap());
     assert_eq!(std::fs::read(project.join("lock")).unwrap(), b"a key");
 }
 
@@ -175,30 +175,30 @@ fn what_has_another_name_elsewhere_is_not_written_into() {
 fn a_folder_that_lost_its_first_file_is_a_project_and_no_leftover() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
-    let (project, mut keeper) = saved(dir.path(), &state, "project");
+    let (project, mut autosave) = saved(dir.path(), &state, "project");
     let first = state.clone();
     paint_all(&mut state);
-    assert_eq!(save(&mut keeper, &state), 2);
-    step(&mut keeper, &mut state, 3);
-    drop(keeper);
+    assert_eq!(save(&mut autosave, &state), 2);
+    step(&mut autosave, &mut state, 3);
+    drop(autosave);
     std::fs::remove_file(project.join("project.json")).unwrap();
     let before = all(&project);
     // Somebody else's save is refused and harms nothing.
-    let mut other = Keeper::unsaved(dir.path(), &first).unwrap();
+    let mut other = Autosave::unsaved(dir.path(), &first).unwrap();
     let refused = other.save(Some(&project), &first, None, &|_| true).unwrap_err();
     assert!(matches!(&refused, KeepError::LostProject { generation: Some(2), .. }), "{refused}");
     assert!(all(&project) == before);
     other.discard().unwrap();
     // The newest generation opens, with the steps in its journal.
-    let seen = Keeper::look(&project).unwrap();
+    let seen = Autosave::look(&project).unwrap();
     assert_kept(&state, &seen, "looked at");
-    let (mut keeper, kept) = Keeper::open(&project).unwrap();
+    let (mut autosave, kept) = Autosave::open(&project).unwrap();
     assert_eq!(kept.recovered.steps, 1);
     assert!(kept.recovered.told[0].contains("project.json is missing; generation 2"), "{:?}", kept.recovered.told);
     assert_kept(&state, &kept, "opened");
-    assert_eq!(save(&mut keeper, &state), 3);
-    drop(keeper);
-    let again = Keeper::open(&project).unwrap().1;
+    assert_eq!(save(&mut autosave, &state), 3);
+    drop(autosave);
+    let again = Autosave::open(&project).unwrap().1;
     assert_eq!(again.recovered.told, [""; 0]);
     assert_kept(&state, &again, "a project again");
 }
@@ -207,22 +207,22 @@ fn a_folder_that_lost_its_first_file_is_a_project_and_no_leftover() {
 fn the_newest_whole_generation_is_taken_and_a_damaged_one_left() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
-    let (project, mut keeper) = saved(dir.path(), &state, "project");
+    let (project, mut autosave) = saved(dir.path(), &state, "project");
     let first = state.clone();
     paint_all(&mut state);
-    save(&mut keeper, &state);
-    step(&mut keeper, &mut state, 3);
-    drop(keeper);
+    save(&mut autosave, &state);
+    step(&mut autosave, &mut state, 3);
+    drop(autosave);
     let broken = project.join("generation-000002/volumes/0/labels/0/c/0/0/0");
     std::fs::write(&broken, b"no shard").unwrap();
     // The project says which it is, and what could be opened instead.
-    let error = Keeper::open(&project).unwrap_err();
+    let error = Autosave::open(&project).unwrap_err();
     assert!(matches!(&error, KeepError::Damaged { whole: 1, .. }), "{error}");
     let message = error.to_string();
     assert!(message.contains("labels/0/c/0/0/0") && message.contains("project.open generation 1"), "{message}");
-    let (keeper, kept) = Keeper::open_wanted(&project, Wanted { generation: Some(1), source: None }).unwrap();
+    let (autosave, kept) = Autosave::open_wanted(&project, Wanted { generation: Some(1), source: None }).unwrap();
     assert_kept(&first, &kept, "asked for");
-    drop(keeper);
+    drop(autosave);
     // The same by a command, as the message says it.
     let open = |more: serde_json::Value| {
         let mut open = serde_json::json!({ "path": project });
@@ -235,72 +235,72 @@ fn the_newest_whole_generation_is_taken_and_a_damaged_one_left() {
     assert_eq!(open(serde_json::json!({ "generation": 1 })).unwrap(), None);
     let journal = std::fs::read(project.join("journal-000002")).unwrap();
     std::fs::remove_file(project.join("project.json")).unwrap();
-    let (mut keeper, kept) = Keeper::open(&project).unwrap();
+    let (mut autosave, kept) = Autosave::open(&project).unwrap();
     let told = &kept.recovered.told[0];
     assert!(told.contains("generation 1, the newest that is whole") && told.contains("labels/0/c/0/0/0"), "{told}");
     assert_kept(&first, &kept, "whole");
-    assert_eq!(save(&mut keeper, &first), 3);
+    assert_eq!(save(&mut autosave, &first), 3);
     assert_eq!(std::fs::read(&broken).unwrap(), b"no shard");
-    drop(keeper);
+    drop(autosave);
     // Steps that nobody has read are put aside, or left.
     let kept_journal = all(&project).into_iter().any(|(_, bytes)| bytes == journal);
     assert!(kept_journal, "{:?}", names(&project));
-    assert_kept(&first, &Keeper::open(&project).unwrap().1, "again");
+    assert_kept(&first, &Autosave::open(&project).unwrap().1, "again");
 }
 
 #[test]
 fn a_folder_with_a_number_that_no_save_gave_is_no_generation() {
     let dir = tempfile::tempdir().unwrap();
     let state = state(SMALL, dir.path());
-    let (project, mut keeper) = saved(dir.path(), &state, "project");
+    let (project, mut autosave) = saved(dir.path(), &state, "project");
     let odd = project.join(format!("generation-{}", u64::MAX));
     std::fs::create_dir(&odd).unwrap();
     std::fs::write(odd.join("generation.json"), b"{}").unwrap();
-    assert_eq!(save(&mut keeper, &state), 2);
-    drop(keeper);
-    assert_kept(&state, &Keeper::open(&project).unwrap().1, "beside it");
+    assert_eq!(save(&mut autosave, &state), 2);
+    drop(autosave);
+    assert_kept(&state, &Autosave::open(&project).unwrap().1, "beside it");
 }
 
 #[test]
 fn a_save_whose_journal_cannot_be_made_leaves_the_current_generation() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
-    let (project, mut keeper) = saved(dir.path(), &state, "project");
+    let (project, mut autosave) = saved(dir.path(), &state, "project");
     let before = state.clone();
     paint_all(&mut state);
     std::fs::create_dir_all(project.join("journal-000002/full")).unwrap();
-    let refused = keeper.save(None, &state, None, &|_| true).unwrap_err().to_string();
+    let refused = autosave.save(None, &state, None, &|_| true).unwrap_err().to_string();
     assert!(refused.contains("journal-000002"), "{refused}");
     assert_eq!(names(&project), ["generation-000001", "journal-000001", "journal-000002", "lock", "project.json"]);
-    drop(keeper);
-    assert_kept(&before, &Keeper::open(&project).unwrap().1, "as it was");
+    drop(autosave);
+    assert_kept(&before, &Autosave::open(&project).unwrap().1, "as it was");
 }
 
 #[test]
 fn damaged_journals_that_were_put_aside_stay() {
     let dir = tempfile::tempdir().unwrap();
     let mut state = state(SMALL, dir.path());
-    let (project, mut keeper) = saved(dir.path(), &state, "project");
+    let (project, mut autosave) = saved(dir.path(), &state, "project");
     let mut aside: Vec<(PathBuf, Vec<u8>)> = Vec::new();
     for round in 0..3 {
         for seed in 0..3 {
-            step(&mut keeper, &mut state, round * 10 + seed);
+            step(&mut autosave, &mut state, round * 10 + seed);
         }
-        drop(keeper);
+        drop(autosave);
         let path =
             project.join(names(&project).into_iter().find(|n| n.starts_with("journal-") && !n.contains('.')).unwrap());
         let mut bytes = std::fs::read(&path).unwrap();
         bytes[60] ^= 1;
         std::fs::write(&path, &bytes).unwrap();
         // Not saved between the first and the second: both journals have the same name.
-        let (again, kept) = Keeper::open(&project).unwrap();
+        let (again, kept) = Autosave::open(&project).unwrap();
         let (place, reason) = kept.recovered.set_aside.clone().unwrap();
         assert!(reason.contains("are lost") && reason.contains(" bytes from there on"), "{reason}");
         aside.push((place, bytes));
         state = kept.into_state(|_| panic!("whole"), &|_| true).unwrap();
-        keeper = again;
+        autosave = again;
         if round > 0 {
-            save(&mut keeper, &state);
+            save(&mut autosave, &state);
         }
         for (place, bytes) in &aside {
             assert!(std::fs::read(place).is_ok_and(|found| found == *bytes), "{}", place.display());

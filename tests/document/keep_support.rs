@@ -1,7 +1,7 @@
 //! Small documents for the tests of keeping, and the comparison of all that is kept.
 
 use crate::common::one::One;
-use burin::document::{KeptDocument, LoadedDensity, Origin, State};
+use burin::document::{LoadedDensity, Origin, RestoredDocument, State};
 use burin::math::{DAffine3, DMat3, DVec3};
 use burin::volume::*;
 use rand::{Rng, SeedableRng};
@@ -114,7 +114,7 @@ pub fn assert_same(a: &State, b: &State, what: &str) {
 }
 
 /// Fails if a document came back other than it was: scene, grid, map, edits. Its source is not read.
-pub fn assert_kept(state: &State, kept: &KeptDocument, what: &str) {
+pub fn assert_kept(state: &State, kept: &RestoredDocument, what: &str) {
     assert!(matches!(kept.one().density, LoadedDensity::Whole(_)), "{what}");
     assert_eq!(state.scene, kept.scene, "{what}");
     assert_eq!((*state.one().grid(), *state.one().density.map()), (kept.one().grid, kept.one().map), "{what}");

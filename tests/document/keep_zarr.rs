@@ -2,7 +2,7 @@
 
 use super::keep_support::*;
 use crate::common::one::One;
-use burin::document::Keeper;
+use burin::document::Autosave;
 use burin::volume::*;
 use std::process::Command as Process;
 
@@ -49,8 +49,8 @@ fn zarr_python_reads_every_array() {
     let mut state = state(DIMS, dir.path());
     paint_all(&mut state);
     let project = dir.path().join("project");
-    let mut keeper = Keeper::unsaved(dir.path(), &state).unwrap();
-    keeper.save(Some(&project), &state, None, &|_| true).unwrap();
+    let mut autosave = Autosave::unsaved(dir.path(), &state).unwrap();
+    autosave.save(Some(&project), &state, None, &|_| true).unwrap();
     let out = Process::new(&python).args(["-c", SCRIPT]).arg(project.join("generation-000001")).output().unwrap();
     assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
     let said: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();

@@ -129,7 +129,7 @@ fn data_of_one_value_of_none_or_with_what_marks_none_open_and_draw() {
 
 #[test]
 fn a_file_that_changes_while_it_is_opened_is_not_opened() {
-    use burin::document::{OpenAs, Opened, Origin};
+    use burin::document::{OpenAs, Origin, ReadDocument};
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("v.nrrd");
     let grid = Grid::aligned([12, 10, 8], DVec3::ONE, DVec3::ZERO);
@@ -147,11 +147,11 @@ fn a_file_that_changes_while_it_is_opened_is_not_opened() {
             }
             true
         };
-        let opened = Opened::volume(origin(), None, OpenAs::Image, None, &change);
+        let opened = ReadDocument::volume(origin(), None, OpenAs::Image, None, &change);
         assert!(changed.is_completed());
         let said = opened.map(drop).unwrap_err().to_string();
         let why = ["since it was opened", "while it was read"].iter().any(|why| said.contains(why));
         assert!(said.contains("v.nrrd") && why, "{at}: {said}");
-        Opened::volume(origin(), None, OpenAs::Image, None, &|_| true).unwrap();
+        ReadDocument::volume(origin(), None, OpenAs::Image, None, &|_| true).unwrap();
     }
 }

@@ -66,7 +66,7 @@ fn outside_the_explosion_force_fades_from_the_nearest_point() {
     let (parts, unit_mm) = shapes();
     let (c, length) = (0.5, 0.2);
     for part in &parts {
-        let (solid, planes) = (Solid::of(part, unit_mm).unwrap(), planes(part, unit_mm));
+        let (solid, planes) = (PartShape::of(part, unit_mm).unwrap(), planes(part, unit_mm));
         let mut tried = 0;
         while tried < 6 {
             let p = unit(&mut rng) * rng.random_range(0.05..1.5);
@@ -91,7 +91,7 @@ fn outside_the_explosion_force_fades_from_the_nearest_point() {
 #[test]
 fn the_nearest_point_of_a_box_is_the_clamped_point() {
     let explosion = Explosion::whole(&cube(20));
-    let solid = Solid::of(&explosion.parts[0], explosion.diagonal_mm() * 0.5).unwrap();
+    let solid = PartShape::of(&explosion.parts[0], explosion.diagonal_mm() * 0.5).unwrap();
     let half = DVec3::splat(1.0 / 3.0_f64.sqrt());
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     for _ in 0..500 {
@@ -113,7 +113,7 @@ fn inside_the_part_leaves_by_its_cut_faces() {
     let unit_mm = explosion.diagonal_mm() * 0.5;
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     for part in &explosion.parts {
-        let solid = Solid::of(part, unit_mm).unwrap();
+        let solid = PartShape::of(part, unit_mm).unwrap();
         for _ in 0..50 {
             let at = DVec3::new(rng.random(), rng.random(), rng.random()) * 0.56 - 0.28;
             let mut sum = DVec3::ZERO;
@@ -135,7 +135,7 @@ fn the_explosion_force_is_continuous_through_a_cut_face() {
     explosion.split_at_rest(PartId(1), &Plane { normal: DVec3::X, offset: 0.0 }).unwrap();
     let unit_mm = explosion.diagonal_mm() * 0.5;
     let part = &explosion.parts[0];
-    let solid = Solid::of(part, unit_mm).unwrap();
+    let solid = PartShape::of(part, unit_mm).unwrap();
     for (y, z) in [(0.0, 0.0), (3.0, -8.0), (-9.9, 9.9)] {
         let local = |x: f64| (DVec3::new(x, y, z) - part.centre()) / unit_mm;
         let inside = explosion_force(&solid, local(-1e-7), 0.5, 0.2).unwrap();
@@ -198,7 +198,7 @@ fn the_printed_forms_fail_where_these_hold() {
     }
     // Equation 2's direction r/|r| for a point inside, whose nearest point is itself.
     let explosion = octants(&cube(20));
-    let solid = Solid::of(&explosion.parts[0], explosion.diagonal_mm() * 0.5).unwrap();
+    let solid = PartShape::of(&explosion.parts[0], explosion.diagonal_mm() * 0.5).unwrap();
     let built = explosion_force(&solid, DVec3::ZERO, 0.5, 0.2).unwrap().force;
     assert!((built.length() - 0.5).abs() < 1e-12 && DVec3::ZERO.try_normalize().is_none(), "{built}");
 }

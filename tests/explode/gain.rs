@@ -184,9 +184,9 @@ fn the_same_camera_gives_the_same_poses_whatever_came_before() {
     let sliced = loop {
         slices += 1;
         match search.advance(7) {
-            Progress::Moving => {}
-            Progress::Measure(poses) => search.measured(&measure(&explosion, &poses, &view, PX, 2.5, &matter)),
-            Progress::Done => break search.settled(),
+            SearchStep::Moving => {}
+            SearchStep::Measure(poses) => search.measured(&measure(&explosion, &poses, &view, PX, 2.5, &matter)),
+            SearchStep::Done => break search.settled(),
         }
     };
     assert!(slices > 20);
@@ -202,9 +202,9 @@ fn a_search_may_run_beside_the_window() {
     let there = std::thread::spawn(move || {
         loop {
             match search.advance(100) {
-                Progress::Moving => {}
-                Progress::Measure(poses) => search.measured(&measure(&explosion, &poses, &view, PX, 2.5, &matter)),
-                Progress::Done => return search.settled(),
+                SearchStep::Moving => {}
+                SearchStep::Measure(poses) => search.measured(&measure(&explosion, &poses, &view, PX, 2.5, &matter)),
+                SearchStep::Done => return search.settled(),
             }
         }
     });
@@ -313,9 +313,9 @@ fn a_search_tells_how_far_it_is_and_ends_between_steps_when_it_is_told_to() {
     let mut search = Search::new(&explosion, &points, &view).unwrap();
     let whole = loop {
         match search.advance(MAX_STEPS) {
-            Progress::Measure(poses) => search.measured(&look(&poses).unwrap()),
-            Progress::Done => break search.settled(),
-            Progress::Moving => {}
+            SearchStep::Measure(poses) => search.measured(&look(&poses).unwrap()),
+            SearchStep::Done => break search.settled(),
+            SearchStep::Moving => {}
         }
     };
     assert_eq!((settled.poses, settled.steps, settled.rounds), (whole.poses, whole.steps, whole.rounds));

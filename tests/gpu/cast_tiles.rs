@@ -1,7 +1,7 @@
 //! Solids, order of sight and tiles against brute force over rays.
 
-use burin::gpu::cast::order::{Order, Sight};
-use burin::gpu::cast::solid::Solid;
+use burin::gpu::cast::order::{Order, RayOrigin};
+use burin::gpu::cast::solid::Polyhedron;
 use burin::gpu::cast::tiles::{Tiles, Window};
 use burin::gpu::device::constants::{MERGE_MARK, TILE};
 use burin::math::{Aabb, Camera, DQuat, DVec2, DVec3, Plane, Pose, Projection, Ray};
@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 
 struct Piece {
     planes: Vec<Plane>,
-    solid: Solid,
+    solid: Polyhedron,
 }
 
 /// A box of 40×30×20 mm in 3×3×3 blocks, pushed out from its middle by `spread` and turned a little.
@@ -22,7 +22,7 @@ fn blocks(spread: f64, turn: f64) -> Vec<Piece> {
         let bounds = Aabb { min: at / 3.0 * size, max: (at + 1.0) / 3.0 * size };
         let shift = (bounds.centre() - size * 0.5) * spread;
         let pose = Pose::about(bounds.centre(), DQuat::from_rotation_z(turn * (at.x - 1.0)), shift);
-        let solid = Solid::hexahedron(&bounds.corners()).posed(&pose);
+        let solid = Polyhedron::hexahedron(&bounds.corners()).posed(&pose);
         pieces.push(Piece { planes: bounds.planes().iter().map(|p| pose.apply_plane(p)).collect(), solid });
     }
     pieces
@@ -43,8 +43,8 @@ fn interval(planes: &[Plane], ray: &Ray) -> Option<(f64, f64)> {
 }
 
 fn check(pieces: &[Piece], camera: &Camera, window: &Window) -> Tiles {
-    let solids: Vec<Solid> = pieces.iter().map(|p| p.solid.clone()).collect();
-    let tiles = Tiles::of(&solids, &Order::of(&solids, Sight::of(camera)), camera, window);
+    let solids: Vec<Polyhedron> = pieces.iter().map(|p| p.solid.clone()).collect();
+    let tiles = Tiles::of(&solids, &Order::of(&solids, RayOrigin::of(camera)), camera, window);
     for y in 0..window.size[1] {
         for x in 0..window.size[0] {
             let px = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) + window.origin;
@@ -116,7 +116,7 @@ fn overlapping_bodies_share_a_marked_tile() {
                 let bounds = Aabb { min: -half, max: half };
                 Piece {
                     planes: bounds.planes().iter().map(|p| pose.apply_plane(p)).collect(),
-                    solid: Solid::hexahedron(&bounds.corners()).posed(&pose),
+                    solid: Polyhedron::hexahedron(&bounds.corners()).posed(&pose),
                 }
             })
             .collect();
@@ -137,7 +137,7 @@ fn cuts_divide_a_volume_without_loss() {
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     let corners = Aabb { min: DVec3::ZERO, max: DVec3::new(40.0, 30.0, 20.0) }.corners();
     let sheared = corners.map(|c| c + DVec3::new(0.3 * c.y, 0.0, 0.1 * c.x));
-    let whole = Solid::hexahedron(&sheared);
+    let whole = Polyhedron::hexahedron(&sheared);
     assert!((whole.volume() - 24_000.0).abs() < 1e-6);
     let mut pieces = vec![whole];
     for _ in 0..6 {
@@ -147,21 +147,21 @@ fn cuts_divide_a_volume_without_loss() {
         pieces = pieces.into_iter().flat_map(|p| [p.clone().cut(&plane), p.cut(&plane.flipped())]).flatten().collect();
     }
     assert!(pieces.len() > 20);
-    assert!((pieces.iter().map(Solid::volume).sum::<f64>() - 24_000.0).abs() < 1e-6);
+    assert!((pieces.iter().map(Polyhedron::volume).sum::<f64>() - 24_000.0).abs() < 1e-6);
     for (i, a) in pieces.iter().enumerate() {
         assert!(pieces[i + 1..].iter().all(|b| a.is_apart_from(b)));
     }
     // Cuts along its own faces, and past it, leave a solid as it is or nothing.
     let face = Plane { normal: DVec3::X, offset: 40.0 };
-    let block = Solid::hexahedron(&corners);
+    let block = Polyhedron::hexahedron(&corners);
     assert!((block.clone().cut(&face).unwrap().volume() - 24_000.0).abs() < 1e-6);
     assert!(block.cut(&face.flipped()).is_none());
 }
 
 #[test]
 fn cuts_through_corners_and_edges_close_what_they_open() {
-    let cube = Solid::hexahedron(&Aabb { min: DVec3::ZERO, max: DVec3::splat(2.0) }.corners());
-    let halves = |solid: &Solid, plane: &Plane| [solid.clone().cut(plane), solid.clone().cut(&plane.flipped())];
+    let cube = Polyhedron::hexahedron(&Aabb { min: DVec3::ZERO, max: DVec3::splat(2.0) }.corners());
+    let halves = |solid: &Polyhedron, plane: &Plane| [solid.clone().cut(plane), solid.clone().cut(&plane.flipped())];
     for (normal, through, volume) in [
         // Two edges, three corners, one edge, a corner and middles of edges.
         (DVec3::new(1.0, -1.0, 0.0), DVec3::ZERO, 4.0),
@@ -185,7 +185,7 @@ fn cuts_through_corners_and_edges_close_what_they_open() {
         let Some(plane) = Plane::through(through, normal) else { continue };
         pieces = pieces.iter().flat_map(|p| halves(p, &plane)).flatten().collect();
     }
-    assert!((pieces.iter().map(Solid::volume).sum::<f64>() - 8.0).abs() < 1e-9);
+    assert!((pieces.iter().map(Polyhedron::volume).sum::<f64>() - 8.0).abs() < 1e-9);
     for (i, a) in pieces.iter().enumerate() {
         assert!(a.volume() > 1e-6 && pieces[i + 1..].iter().all(|b| a.is_apart_from(b)));
     }

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 const DIMS: [u32; 3] = [45, 34, 70];
 
-fn go_on() -> impl Fn(f32) -> bool + Sync {
+fn proceed() -> impl Fn(f32) -> bool + Sync {
     |_| true
 }
 
@@ -22,13 +22,13 @@ fn write(
     compression: Compression,
 ) -> (Exported, std::path::PathBuf) {
     let path = folder.path().join("out.nrrd");
-    (io::export(&path, field, grid, &Segments::default(), compression, &go_on()).unwrap(), path)
+    (io::export(&path, field, grid, &Segments::default(), compression, &proceed()).unwrap(), path)
 }
 
 fn read(path: &std::path::Path, component: u32) -> (Grid, Voxels) {
     let opened = io::open(path).unwrap();
     assert!(opened.warnings.is_empty(), "{:?}", opened.warnings);
-    let source = opened.source(component, 0, &go_on()).unwrap();
+    let source = opened.source(component, 0, &proceed()).unwrap();
     (opened.grid, source.read([0; 3], opened.grid.dims).unwrap())
 }
 
@@ -164,7 +164,7 @@ fn selection_labels_and_colour_leave_as_they_are_kept() {
         let texels = [([0, 0, 0], [255, 2, 9, 7]), ([44, 33, 69], [127, 255, 3, 4]), ([32, 31, 5], [1, 0, 0, 255])];
         paint(&mut field, &texels);
         let path = folder.path().join("out.nrrd");
-        let exported = io::export(&path, &field, &grid, &segments, Compression::Gzip, &go_on()).unwrap();
+        let exported = io::export(&path, &field, &grid, &segments, Compression::Gzip, &proceed()).unwrap();
         assert_eq!(exported.voxels_changed, 3);
         let bytes = field.format().bytes();
         let parts = if kind == FieldKind::Colour { 4 } else { 1 };
@@ -225,7 +225,7 @@ fn what_fails_midway_leaves_the_old_file_and_nothing_else() {
     let field =
         Field::from_source(Arc::new(source), DensityMap::codes(0.0, 255.0, Some(1.0)), &|_| true).unwrap().unwrap();
     let segments = Segments::default();
-    let error = io::export(&path, &field, &grid, &segments, Compression::Raw, &go_on()).unwrap_err();
+    let error = io::export(&path, &field, &grid, &segments, Compression::Raw, &proceed()).unwrap_err();
     assert!(matches!(error, IoError::Source(_)), "{error}");
     let selection = Field::blank(FieldKind::Selection, &grid);
     let error = io::export(&path, &selection, &grid, &segments, Compression::Gzip, &|done| done < 0.4).unwrap_err();
@@ -235,17 +235,17 @@ fn what_fails_midway_leaves_the_old_file_and_nothing_else() {
     let a_folder = folder.path().join("folder.nrrd");
     std::fs::create_dir(&a_folder).unwrap();
     for nowhere in ["missing/out.nrrd", "folder.nrrd"] {
-        let error = io::export(folder.path().join(nowhere), &selection, &grid, &segments, Compression::Raw, &go_on());
+        let error = io::export(folder.path().join(nowhere), &selection, &grid, &segments, Compression::Raw, &proceed());
         assert!(matches!(error, Err(IoError::System { .. })));
     }
     std::fs::remove_dir(&a_folder).unwrap();
     // Another program would take the name's word for the format.
     for other in ["out.nhdr", "out.nrrd.gz", "out.seg.nrrd", "out.nii.bz2", "nii", "out", "."] {
-        let error = io::export(folder.path().join(other), &selection, &grid, &segments, Compression::Raw, &go_on());
+        let error = io::export(folder.path().join(other), &selection, &grid, &segments, Compression::Raw, &proceed());
         let text = error.unwrap_err().to_string();
         assert!(text.contains("extension: found") && text.contains("expected one of nrrd, nii.gz, nii"), "{text}");
     }
-    io::export(&path, &selection, &grid, &segments, Compression::Raw, &go_on()).unwrap();
+    io::export(&path, &selection, &grid, &segments, Compression::Raw, &proceed()).unwrap();
     assert_eq!(read(&path, 0).1, Voxels::U8(vec![0; grid.voxel_count() as usize]));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
 }
@@ -257,7 +257,7 @@ fn a_file_can_be_written_over_the_one_its_voxels_are_read_from() {
     let voxels = noise(VoxelType::U16, grid.voxel_count() as usize, 3);
     let first = density(voxels.clone(), grid, (1.0, 0.0), DensityMap::codes(0.0, 65_535.0, Some(1.0)));
     let (_, path) = write(&folder, &first, &grid, Compression::Raw);
-    let source = io::open(&path).unwrap().source(0, 0, &go_on()).unwrap();
+    let source = io::open(&path).unwrap().source(0, 0, &proceed()).unwrap();
     let again = Field::from_source(source, DensityMap::codes(0.0, 65_535.0, Some(1.0)), &|_| true).unwrap().unwrap();
     for compression in [Compression::Raw, Compression::Gzip] {
         write(&folder, &again, &grid, compression);
@@ -275,7 +275,7 @@ fn export_to_a_full_disk() {
     let grid = Grid::aligned([100; 3], DVec3::ONE, DVec3::ZERO);
     let field = density(noise(VoxelType::U8, 1_000_000, 2), grid, (1.0, 0.0), DensityMap::codes(0.0, 255.0, Some(1.0)));
     for compression in [Compression::Raw, Compression::Gzip] {
-        let error = io::export(&path, &field, &grid, &Segments::default(), compression, &go_on()).unwrap_err();
+        let error = io::export(&path, &field, &grid, &Segments::default(), compression, &proceed()).unwrap_err();
         println!("{error}");
         assert!(matches!(error, IoError::System { action: "write the file", .. }), "{error}");
     }
@@ -310,7 +310,7 @@ fn an_export_is_on_disk_before_it_takes_its_name_and_has_the_rights_of_any_new_f
     for name in ["out.nrrd", "out.nii.gz"] {
         let path = folder.path().join(name);
         let witness = Witness::new(folder.path());
-        io::export(&path, &selection, &grid, &Segments::default(), Compression::Gzip, &go_on()).unwrap();
+        io::export(&path, &selection, &grid, &Segments::default(), Compression::Gzip, &proceed()).unwrap();
         let told = witness.told();
         let renamed = told.iter().position(|t| *t == Told::Rename(path.clone())).unwrap_or_else(|| panic!("{told:?}"));
         let content = |t: &Told| matches!(t, Told::Sync(p) if p.parent() == Some(folder.path()));
@@ -334,7 +334,7 @@ fn density_without_a_source_leaves_as_floats() {
     let grid = Grid::aligned([5, 4, 3], DVec3::ONE, DVec3::ZERO);
     let field = Field::blank(FieldKind::Density, &grid);
     let path = folder.path().join("out.nrrd");
-    let exported = io::export(&path, &field, &grid, &Segments::default(), Compression::Raw, &go_on()).unwrap();
+    let exported = io::export(&path, &field, &grid, &Segments::default(), Compression::Raw, &proceed()).unwrap();
     assert_eq!(exported.voxel_type, VoxelType::F32);
     assert_eq!(read(&path, 0).1, Voxels::F32(vec![0.0; 60]));
 }

@@ -113,7 +113,7 @@ fn folders_are_named_by_what_is_in_them() {
         }
         let text = said(folder.path());
         // A project is asked for in other words, and answered in the same.
-        let open = burin::document::Keeper::open(folder.path());
+        let open = burin::document::Autosave::open(folder.path());
         assert_eq!(open.unwrap_err().to_string().split_once(": ").unwrap().1, text.split_once(": ").unwrap().1);
         assert!(!text.contains("is no project"), "{text}");
         text
@@ -141,10 +141,10 @@ fn folders_are_named_by_what_is_in_them() {
     for (name, bytes, found) in
         [("a.dcm", part_10(), "a DICOM file"), ("a.nii", nifti(), "a file, where a project is a folder")]
     {
-        let text = burin::document::Keeper::open(&keep(&outer, name, &bytes)).unwrap_err().to_string();
+        let text = burin::document::Autosave::open(&keep(&outer, name, &bytes)).unwrap_err().to_string();
         assert!(text.contains(&format!("{name}: this is {found}; ")), "{text}");
     }
-    let text = burin::document::Keeper::open(&outer.path().join("nowhere")).unwrap_err().to_string();
+    let text = burin::document::Autosave::open(&outer.path().join("nowhere")).unwrap_err().to_string();
     assert!(text.contains("nowhere: there is nothing of this name"), "{text}");
 }
 

@@ -7,11 +7,11 @@ use crate::document::command::answers::{Answer, LabelsSaid, OpenedSaid, Recovere
 use crate::document::command::files::{OpenAs, USUAL_COMPONENT, VolumeCommand};
 use crate::document::disk::error::KeepError;
 use crate::document::error::DocumentError;
-use crate::document::journal::autosave::Keeper;
-use crate::document::journal::loaded::{KeptDocument, Recovered};
+use crate::document::journal::autosave::Autosave;
+use crate::document::journal::loaded::{Recovered, RestoredDocument};
 use crate::document::project::read::Wanted;
 use crate::document::scene::histogram::histogram;
-use crate::document::scene::kept_poses::KeptPoses;
+use crate::document::scene::kept_poses::SavedPoses;
 use crate::document::scene::{Origin, Scene};
 use crate::document::state::State;
 use crate::explode::{Explosion, Poses};
@@ -59,11 +59,11 @@ fn still_as_opened(files: &[io::FileMark]) -> Result<(), DocumentError> {
 
 /// A document that was read and waits to be taken: reading needs no [`Document`] and may be done on another thread.
 #[derive(Debug)]
-pub struct Opened {
+pub struct ReadDocument {
     state: State,
     /// Where forces had taken the parts.
-    poses: KeptPoses,
-    keeper: Option<Keeper>,
+    poses: SavedPoses,
+    autosave: Option<Autosave>,
     recovered: Recovered,
     warnings: Vec<String>,
     /// Of a file that was opened as labels, or as a selection.
@@ -71,7 +71,7 @@ pub struct Opened {
     selected_voxels: Option<u64>,
 }
 
-impl Opened {
+impl ReadDocument {
     /// A volume file as a new, unsaved document; noted for recovery below `unsaved_in`, if given. See [`State::open`].
     ///
     /// # Errors
@@ -93,7 +93,7 @@ impl Opened {
         let share = if open_as == OpenAs::Image && !coloured { 1.0 } else { 0.6 };
         let mut state = State::open(origin, range, &|x| progress(x * share))?;
         let subject = state.at(None)?;
-        let go_on: &(dyn Fn(f32) -> bool + Sync) = &|x| progress(0.6 + x * 0.4);
+        let proceed: &(dyn Fn(f32) -> bool + Sync) = &|x| progress(0.6 + x * 0.4);
         let (mut labels, mut selected_voxels) = (None, None);
         let filled = match open_as {
             OpenAs::Image => {
@@ -110,7 +110,7 @@ impl Opened {
                     &subject,
                     &*subject.volume.source,
                     &file.labels_of(component),
-                    go_on,
+                    proceed,
                 )?;
                 let id = subject.id;
                 if let Some(segments) = state.scene.segments_mut(id) {
@@ -127,7 +127,7 @@ impl Opened {
                     &*subject.volume.source,
                     0.0,
                     0.0,
-                    go_on,
+                    proceed,
                 )?;
                 warnings.extend(imported.warnings);
                 selected_voxels = Some(imported.voxels);
@@ -141,24 +141,24 @@ impl Opened {
             state.volume_mut(key.volume)?.field_mut(kind).swap(changes)?;
         }
         let keep = |folder: &Path| {
-            let mut keeper = Keeper::unsaved(folder, &state)?;
+            let mut autosave = Autosave::unsaved(folder, &state)?;
             if open_as != OpenAs::Image || !touched.is_empty() {
                 // What a keeper of unsaved work begins with is the file; labels, selection and colours are laid over it.
                 let open = VolumeCommand::Open { path, component, frame, range, open_as };
-                keeper.record(&Command::Volume(open), &state, &touched, true)?;
+                autosave.record(&Command::Volume(open), &state, &touched, true)?;
             }
-            Ok::<_, KeepError>(keeper)
+            Ok::<_, KeepError>(autosave)
         };
-        let keeper = match unsaved_in.map(keep) {
-            Some(Ok(keeper)) => Some(keeper),
+        let autosave = match unsaved_in.map(keep) {
+            Some(Ok(autosave)) => Some(autosave),
             Some(Err(error)) => {
                 warnings.push(format!("unsaved work would not survive a crash: {error}"));
                 None
             }
             None => None,
         };
-        let poses = KeptPoses::at_rest(&state.scene, Poses::default());
-        Ok(Self { state, poses, keeper, recovered: Recovered::default(), warnings, labels, selected_voxels })
+        let poses = SavedPoses::at_rest(&state.scene, Poses::default());
+        Ok(Self { state, poses, autosave, recovered: Recovered::default(), warnings, labels, selected_voxels })
     }
 
     /// What was read, and what is to be said of it.
@@ -186,9 +186,9 @@ impl Opened {
         wanted: Wanted<'_>,
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> Result<Self, DocumentError> {
-        match Keeper::open_wanted(dir, wanted) {
+        match Autosave::open_wanted(dir, wanted) {
             Err(error) if error.is_unwritable() => {
-                let mut opened = Self::kept(None, Keeper::look_wanted(dir, wanted)?, progress)?;
+                let mut opened = Self::kept(None, Autosave::look_wanted(dir, wanted)?, progress)?;
                 opened.warnings.push(format!(
                     "the project is open to look at: {error}; what is done is not noted and would not survive a crash, \
                      and can be saved to another folder only"
@@ -196,8 +196,8 @@ impl Opened {
                 Ok(opened)
             }
             opened => {
-                let (keeper, kept) = opened?;
-                Self::kept(Some(keeper), kept, progress)
+                let (autosave, kept) = opened?;
+                Self::kept(Some(autosave), kept, progress)
             }
         }
     }
@@ -211,7 +211,7 @@ impl Opened {
         wanted: Wanted<'_>,
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> Result<Self, DocumentError> {
-        Self::kept(None, Keeper::look_wanted(dir, wanted)?, progress)
+        Self::kept(None, Autosave::look_wanted(dir, wanted)?, progress)
     }
 
     /// A document of [`recovery::list`](crate::document::journal::recovery::list).
@@ -219,13 +219,13 @@ impl Opened {
     /// # Errors
     /// As [`project`](Self::project).
     pub fn lost(folder: &Path, id: &str, progress: &(dyn Fn(f32) -> bool + Sync)) -> Result<Self, DocumentError> {
-        let (keeper, kept) = Keeper::recover(folder, id)?;
-        Self::kept(Some(keeper), kept, progress)
+        let (autosave, kept) = Autosave::recover(folder, id)?;
+        Self::kept(Some(autosave), kept, progress)
     }
 
     fn kept(
-        keeper: Option<Keeper>,
-        kept: KeptDocument,
+        autosave: Option<Autosave>,
+        kept: RestoredDocument,
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> Result<Self, DocumentError> {
         let recovered = kept.recovered.clone();
@@ -236,7 +236,7 @@ impl Opened {
         let mut mended = state.scene.mend(&state.volumes, &bounds);
         if let Err(error) = poses.parts.check(&state.scene.explosion) {
             mended.push(format!("{error}; all parts that no hand holds are at rest until forces take them"));
-            poses = KeptPoses::default();
+            poses = SavedPoses::default();
         }
         // Parts are checked already, and not anew with each of the past's views.
         let whole = state.subjects().next().map(|subject| Explosion::whole(subject.grid()).into());
@@ -248,20 +248,20 @@ impl Opened {
         if let Some((path, reason)) = &recovered.set_aside {
             warnings.push(format!("the journal was damaged and put aside as {}: {reason}", path.display()));
         }
-        Ok(Self { state, poses, keeper, recovered, warnings, labels: None, selected_voxels: None })
+        Ok(Self { state, poses, autosave, recovered, warnings, labels: None, selected_voxels: None })
     }
 }
 
 impl Document {
     /// Shows what was read in place of what was open; past steps are forgotten. Answers as `volume.open` and `project.open` do.
-    pub fn take(&mut self, opened: Opened) -> Answer {
-        let Opened { state, poses, keeper, recovered, mut warnings, labels, selected_voxels } = opened;
+    pub fn take(&mut self, opened: ReadDocument) -> Answer {
+        let ReadDocument { state, poses, autosave, recovered, mut warnings, labels, selected_voxels } = opened;
         let volume = state.at(None).map(|subject| crate::document::apply::ask::volume(&subject)).ok();
         self.adopt(state);
         if let Some(state) = &self.state {
             self.motion.stand(state, poses);
         }
-        self.keeper = keeper;
+        self.autosave = autosave;
         self.unsaved = recovered.steps > 0;
         let stroke = self.finish_recovered(&recovered, &mut warnings);
         let Recovered { steps, last, torn_bytes, .. } = recovered;
@@ -278,10 +278,10 @@ impl Document {
             return StrokeFate::None;
         }
         self.no_stroke();
-        let keeper = self.keeper.take();
+        let autosave = self.autosave.take();
         let resolved = Resolved { samples: recovered.stroke.clone(), ..Resolved::default() };
         let begun = self.begin_stroke(&recovered.stroke_volumes, resolved);
-        self.keeper = keeper;
+        self.autosave = autosave;
         match begun.and_then(|_| self.finish_stroke()) {
             Ok(_) => StrokeFate::Painted,
             Err(error) => {

@@ -5,13 +5,13 @@
 //! all of it comes back.
 
 use crate::document::Document;
-use crate::document::apply::open::Opened;
+use crate::document::apply::open::ReadDocument;
 use crate::document::command::Command;
 use crate::document::command::answers::{Answer, ForgottenSaid, LostSaid, Said, Saved, SavedSaid};
 use crate::document::command::files::DensityKeeping;
 use crate::document::command::files::ProjectCommand;
 use crate::document::error::DocumentError;
-use crate::document::journal::autosave::Keeper;
+use crate::document::journal::autosave::Autosave;
 use crate::document::journal::recovery;
 use crate::document::paths::check_target;
 use crate::document::project::read::Wanted;
@@ -32,12 +32,12 @@ impl Document {
 
     /// The project's folder, once saved.
     pub fn project_dir(&self) -> Option<&Path> {
-        self.keeper.as_ref().and_then(Keeper::project_dir)
+        self.autosave.as_ref().and_then(Autosave::project_dir)
     }
 
     /// Whether steps are noted on disk as they are done.
     pub fn is_kept(&self) -> bool {
-        self.keeper.is_some()
+        self.autosave.is_some()
     }
 
     /// A document with nothing open that keeps what it must where this one does.
@@ -71,8 +71,8 @@ impl Document {
     /// # Errors
     /// If the system refuses.
     pub fn discard_unsaved(mut self) -> Result<(), DocumentError> {
-        match self.keeper.take() {
-            Some(keeper) => Ok(keeper.discard()?),
+        match self.autosave.take() {
+            Some(autosave) => Ok(autosave.discard()?),
             None => Ok(()),
         }
     }
@@ -83,8 +83,8 @@ impl Document {
     /// # Errors
     /// If the system refuses.
     pub fn leave_as_found(mut self) -> Result<(), DocumentError> {
-        match self.keeper.take() {
-            Some(keeper) => Ok(keeper.leave_as_found()?),
+        match self.autosave.take() {
+            Some(autosave) => Ok(autosave.leave_as_found()?),
             None => Ok(()),
         }
     }
@@ -94,12 +94,12 @@ impl Document {
             ProjectCommand::Open { path, source, generation } => {
                 let watch = self.watch.clone();
                 let wanted = Wanted { source: source.as_deref(), generation: *generation };
-                let opened = self.beside(path, || Opened::wanted(path, wanted, &|x| watch.go_on(x)))?;
+                let opened = self.beside(path, || ReadDocument::wanted(path, wanted, &|x| watch.proceed(x)))?;
                 Ok(self.take(opened))
             }
             ProjectCommand::Save { path, density } => {
                 let watch = self.watch.clone();
-                let saved = self.save(path.as_deref(), *density, &|x| watch.go_on(x))?;
+                let saved = self.save(path.as_deref(), *density, &|x| watch.proceed(x))?;
                 let path = self.project_dir().map(|dir| dir.display().to_string());
                 Ok(Said::from(SavedSaid { saved, path }).into())
             }
@@ -109,7 +109,7 @@ impl Document {
             }
             ProjectCommand::Recover { id } => {
                 let watch = self.watch.clone();
-                let opened = Opened::lost(&self.recovery_folder()?, id, &|x| watch.go_on(x))?;
+                let opened = ReadDocument::lost(&self.recovery_folder()?, id, &|x| watch.proceed(x))?;
                 Ok(self.take(opened))
             }
             ProjectCommand::Forget { id } => {
@@ -138,14 +138,14 @@ impl Document {
         }
         let poses = self.motion.kept(state);
         let kept = ToKeep { set_aside: self.history.set_aside(), ..ToKeep::active(state, density) };
-        let saved = match (&mut self.keeper, path) {
-            (Some(keeper), path) => {
-                keeper.note_poses(poses);
-                keeper.save_all(path, &kept, progress)?
+        let saved = match (&mut self.autosave, path) {
+            (Some(autosave), path) => {
+                autosave.note_poses(poses);
+                autosave.save_all(path, &kept, progress)?
             }
             (None, Some(path)) => {
-                let (keeper, saved) = Keeper::create_all(path, &kept, &poses, progress)?;
-                self.keeper = Some(keeper);
+                let (autosave, saved) = Autosave::create_all(path, &kept, &poses, progress)?;
+                self.autosave = Some(autosave);
                 saved
             }
             (None, None) => return Err(crate::document::disk::error::KeepError::NoPath.into()),
@@ -161,23 +161,23 @@ impl Document {
         touched: &[(FieldKey, BrickIndex)],
         synced: bool,
     ) -> Option<String> {
-        let (keeper, state) = (self.keeper.as_mut()?, self.state.as_ref()?);
-        let noted = keeper.record(command, state, touched, synced);
+        let (autosave, state) = (self.autosave.as_mut()?, self.state.as_ref()?);
+        let noted = autosave.record(command, state, touched, synced);
         noted.err().map(|e| format!("this step is done but not safe from a crash yet: {e}"))
     }
 
     /// Notes where parts stand, unless they stand where they did.
     pub(crate) fn note_poses(&mut self) {
-        let (Some(keeper), Some(state)) = (&mut self.keeper, &self.state) else { return };
-        if keeper.poses().parts != *self.motion.poses() {
-            keeper.note_poses(self.motion.kept(state));
+        let (Some(autosave), Some(state)) = (&mut self.autosave, &self.state) else { return };
+        if autosave.poses().parts != *self.motion.poses() {
+            autosave.note_poses(self.motion.kept(state));
         }
     }
 
     /// Another document is open: this one is closed in order, as by [`leave_as_found`](Self::leave_as_found). Whoever opens says
     /// before what becomes of unsaved work; what was not wanted must not come back as if it had been lost.
     pub(crate) fn leave_place(&mut self) {
-        if let Some(Err(error)) = self.keeper.take().map(Keeper::leave_as_found) {
+        if let Some(Err(error)) = self.autosave.take().map(Autosave::leave_as_found) {
             tracing::warn!("{error}");
         }
     }
@@ -187,17 +187,17 @@ impl Document {
     fn beside(
         &mut self,
         path: &Path,
-        open: impl FnOnce() -> Result<Opened, DocumentError>,
-    ) -> Result<Opened, DocumentError> {
+        open: impl FnOnce() -> Result<ReadDocument, DocumentError>,
+    ) -> Result<ReadDocument, DocumentError> {
         let same = |dir: &Path| matches!((dir.canonicalize(), path.canonicalize()), (Ok(a), Ok(b)) if a == b);
-        let Some(keeper) = self.keeper.take_if(|k| k.project_dir().is_some_and(same)) else { return open() };
-        if let Err(error) = keeper.let_go() {
-            self.keeper = Some(keeper);
+        let Some(autosave) = self.autosave.take_if(|k| k.project_dir().is_some_and(same)) else { return open() };
+        if let Err(error) = autosave.let_go() {
+            self.autosave = Some(autosave);
             return Err(error.into());
         }
         let opened = open();
-        match (&opened, keeper.hold_again()) {
-            (Err(_), Ok(())) => self.keeper = Some(keeper),
+        match (&opened, autosave.hold_again()) {
+            (Err(_), Ok(())) => self.autosave = Some(autosave),
             (Err(why), Err(gone)) => {
                 return Err(DocumentError::NotNow(format!(
                     "{why}; and what is done from here on is not safe from a crash until it is saved elsewhere: {gone}"

@@ -62,7 +62,7 @@ impl Document {
         let [across, down] = size.map(|s| s.div_ceil(edge));
         let mut image = Image::empty(size);
         for piece in 0..across * down {
-            if !self.watch.go_on(piece as f32 / (across * down) as f32) {
+            if !self.watch.proceed(piece as f32 / (across * down) as f32) {
                 return Err(DocumentError::Stopped);
             }
             let at = [piece % across * edge, piece / across * edge];

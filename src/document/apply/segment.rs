@@ -31,10 +31,10 @@ impl Document {
             }
             SegmentCommand::Import { path, component, frame, .. } => {
                 let opened = io::open(path)?;
-                let other = opened.source(*component, *frame, &|x| watch.go_on(x * 0.3))?;
-                edit.reads(&opened.files, &|| watch.go_on(0.3))?;
+                let other = opened.source(*component, *frame, &|x| watch.proceed(x * 0.3))?;
+                edit.reads(&opened.files, &|| watch.proceed(0.3))?;
                 let named = opened.labels_of(*component);
-                let imported = import(&subject, other.as_ref(), &named, &|x| watch.go_on(0.3 + x * 0.7))?;
+                let imported = import(&subject, other.as_ref(), &named, &|x| watch.proceed(0.3 + x * 0.7))?;
                 if let Some(segments) = state.scene.segments_mut(labels.volume) {
                     *segments = imported.segments;
                 }

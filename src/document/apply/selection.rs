@@ -39,9 +39,10 @@ impl Document {
                     return Err(DocumentError::invalid("soften_mm", soften_mm, format!("0 to {most} mm")));
                 }
                 let opened = io::open(path)?;
-                let other = opened.source(0, 0, &|x| watch.go_on(x * 0.3))?;
-                edit.reads(&opened.files, &|| watch.go_on(0.3))?;
-                let imported = import(&subject, other.as_ref(), threshold, soften_mm, &|x| watch.go_on(0.3 + x * 0.7))?;
+                let other = opened.source(0, 0, &|x| watch.proceed(x * 0.3))?;
+                edit.reads(&opened.files, &|| watch.proceed(0.3))?;
+                let imported =
+                    import(&subject, other.as_ref(), threshold, soften_mm, &|x| watch.proceed(0.3 + x * 0.7))?;
                 covered = Some(imported.covered);
                 warnings = Some([opened.warnings, imported.warnings].concat());
                 imported.changes

@@ -200,7 +200,8 @@ impl Document {
         let length_mm = running.on.first().map_or(0.0, |on| on.path.length_mm());
         let said = ExtendedSaid { dabs: count, missed, bricks_touched: bricks.len(), length_mm };
         let mut answer = Answer::from(Said::from(said));
-        let noted = if samples.is_empty() { None } else { self.keeper.as_mut().map(|k| k.samples(&volumes, &samples)) };
+        let noted =
+            if samples.is_empty() { None } else { self.autosave.as_mut().map(|k| k.samples(&volumes, &samples)) };
         if let Some(Err(error)) = noted {
             answer.trouble.push(error.to_string());
         }
@@ -225,7 +226,7 @@ impl Document {
 
     /// Says that no stroke runs any more.
     pub(crate) fn no_stroke(&mut self) {
-        if let Some(Err(error)) = self.keeper.as_mut().map(crate::document::journal::autosave::Keeper::no_stroke) {
+        if let Some(Err(error)) = self.autosave.as_mut().map(crate::document::journal::autosave::Autosave::no_stroke) {
             tracing::warn!("{error}");
         }
     }

@@ -30,7 +30,7 @@ const MOST_LOOKS_PER_PIXEL: f64 = 4096.0;
 const SAME_PX: f64 = 1e-6;
 
 /// A look and the pressure there.
-type Look = (Option<Seen>, f32);
+type SeenAt = (Option<Seen>, f32);
 
 /// Where a stroke in the 3D view has got to.
 #[derive(Clone, Debug)]
@@ -45,7 +45,7 @@ pub(crate) struct Trail {
     /// What the last whole pixel met.
     whole: Option<Seen>,
     /// Looks since.
-    rest: Vec<Look>,
+    rest: Vec<SeenAt>,
     /// Length of the way from the last look to the pointer, pixels.
     past: f64,
 }
@@ -218,12 +218,12 @@ impl Trail {
             if length > 0.0 { (self.px.distance(look) / length).min(1.0) as f32 } else { 1.0 }
         };
         let pressed = |i: usize| self.pressure + (pressure - self.pressure) * share(i);
-        let looks: Vec<Look> = hits.iter().enumerate().map(|(i, hit)| (hit.map(seen), pressed(i))).collect();
+        let looks: Vec<SeenAt> = hits.iter().enumerate().map(|(i, hit)| (hit.map(seen), pressed(i))).collect();
         self.rest.extend(looks);
         self.past = if hits.is_empty() { self.past + length } else { to.distance(px) };
         self.px = px;
         let whole = self.rest.len() - self.rest.len() % per_pixel.max(1.0) as usize;
-        let looks: Vec<Look> = self.rest.drain(..whole).collect();
+        let looks: Vec<SeenAt> = self.rest.drain(..whole).collect();
         let samples = self.rule.follow(self.whole, &looks, per_pixel.max(1.0) as usize);
         self.whole = looks.last().map_or(self.whole, |look| look.0);
         samples

@@ -7,7 +7,7 @@ use crate::document::error::DocumentError;
 use crate::document::history::step::Refreshed;
 
 impl Document {
-    pub(crate) fn travel(&mut self, command: &HistoryCommand) -> Result<Answer, DocumentError> {
+    pub(crate) fn undo_redo(&mut self, command: &HistoryCommand) -> Result<Answer, DocumentError> {
         let mut warnings = Vec::new();
         let said = match *command {
             HistoryCommand::Undo { steps } => self.walk(steps, true, &mut warnings)?,
@@ -51,7 +51,7 @@ impl Document {
         let steps = (steps as usize).min(there);
         let before = self.open()?.scene.explosion.clone();
         for done in 0..steps {
-            if steps > 1 && !self.watch.go_on(done as f32 / steps as f32) {
+            if steps > 1 && !self.watch.proceed(done as f32 / steps as f32) {
                 warnings.push(format!("stopped on request after {done} of {steps} steps"));
                 break;
             }

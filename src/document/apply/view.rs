@@ -22,7 +22,7 @@ impl Document {
         let State { scene, past, .. } = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
         // What the open group changed is behind or ahead now: the rest of it is a change of its own.
         self.past_group = PastGroup::default();
-        let walked = past.travel(scene, of, back);
+        let walked = past.walk(scene, of, back);
         let (behind, ahead) = past.counts(of);
         let (kind, name) = walked.unzip();
         let said = PastSaid {

@@ -1,7 +1,7 @@
 //! Commands on the volume as a whole.
 
 use crate::document::Document;
-use crate::document::apply::open::Opened;
+use crate::document::apply::open::ReadDocument;
 use crate::document::command::Command;
 use crate::document::command::answers::{AddedSaid, Answer, ExportedSaid, Said, VolumeRemovedSaid};
 use crate::document::command::files::VolumeCommand;
@@ -21,7 +21,8 @@ impl Document {
             VolumeCommand::Open { path, component, frame, range, open_as } => {
                 let origin = Origin { path, component, frame };
                 let watch = self.watch.clone();
-                let opened = Opened::volume(origin, range, open_as, self.unsaved_in.as_deref(), &|x| watch.go_on(x))?;
+                let opened =
+                    ReadDocument::volume(origin, range, open_as, self.unsaved_in.as_deref(), &|x| watch.proceed(x))?;
                 Ok(self.take(opened))
             }
             VolumeCommand::Add { path, component, frame, range, open_as, .. } if self.state.is_none() => {
@@ -41,7 +42,7 @@ impl Document {
                     subject.volume.grid(),
                     subject.segments(),
                     Compression::default(),
-                    &|x| self.watch.go_on(x),
+                    &|x| self.watch.proceed(x),
                 )?;
                 let warnings = exported.warnings.clone();
                 Ok(Said::from(ExportedSaid { exported, warnings }).into())
@@ -56,7 +57,7 @@ impl Document {
             VolumeCommand::Add { path, component, frame, range, open_as, name } => {
                 let watch = self.watch.clone();
                 let origin = Origin { path, component, frame };
-                let opened = Opened::volume(origin, range, open_as, None, &|x| watch.go_on(x))?;
+                let opened = ReadDocument::volume(origin, range, open_as, None, &|x| watch.proceed(x))?;
                 self.put_beside(opened, name, edit)
             }
             VolumeCommand::Remove { volume } => {
@@ -85,7 +86,12 @@ impl Document {
     }
 
     /// Puts a volume that was read as a document of its own beside those of this one.
-    fn put_beside(&mut self, opened: Opened, name: Option<String>, edit: &mut Edit) -> Result<Said, DocumentError> {
+    fn put_beside(
+        &mut self,
+        opened: ReadDocument,
+        name: Option<String>,
+        edit: &mut Edit,
+    ) -> Result<Said, DocumentError> {
         let (mut read, about) = opened.into_parts();
         let state = self.open_mut()?;
         let first = VolumeId::FIRST;

@@ -98,7 +98,7 @@ pub struct SavedSaid {
 /// A document that a crash left behind.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Lost {
-    /// Names it for `Keeper::recover` and `discard`.
+    /// Names it for `Autosave::recover` and `discard`.
     pub id: String,
     /// The file that was open.
     pub origin: PathBuf,

@@ -105,13 +105,13 @@ impl SourceFiles {
     ///
     /// # Errors
     /// If a file is not what it was, or `go_on` said no.
-    pub(crate) fn hashes(&self, go_on: &dyn Fn() -> bool) -> Result<Vec<String>, KeepError> {
+    pub(crate) fn hashes(&self, proceed: &dyn Fn() -> bool) -> Result<Vec<String>, KeepError> {
         let mut done = self.work.done.lock().unwrap_or_else(PoisonError::into_inner);
         loop {
             if let Some(done) = &*done {
                 return done.clone().map_err(Trouble::error);
             }
-            if !go_on() {
+            if !proceed() {
                 return Err(KeepError::Stopped);
             }
             done = self.work.told.wait_timeout(done, LOOK).unwrap_or_else(PoisonError::into_inner).0;
@@ -122,10 +122,10 @@ impl SourceFiles {
     ///
     /// # Errors
     /// As [`hashes`](Self::hashes).
-    pub(crate) fn unchanged(&self, go_on: &dyn Fn() -> bool) -> Result<Vec<String>, KeepError> {
-        let hashes = self.hashes(go_on)?;
+    pub(crate) fn unchanged(&self, proceed: &dyn Fn() -> bool) -> Result<Vec<String>, KeepError> {
+        let hashes = self.hashes(proceed)?;
         for (file, hash) in self.files.iter().zip(&hashes) {
-            still(file, hash, go_on)?;
+            still(file, hash, proceed)?;
         }
         Ok(hashes)
     }
@@ -138,13 +138,13 @@ impl Drop for SourceFiles {
 }
 
 /// Fails unless what lies at a file's place has the bytes that were opened.
-fn still(file: &FileMark, hash: &str, go_on: &dyn Fn() -> bool) -> Result<(), KeepError> {
+fn still(file: &FileMark, hash: &str, proceed: &dyn Fn() -> bool) -> Result<(), KeepError> {
     let now = FileMark::of(&file.path).map_err(|e| unreadable(&file.path, &e).error())?;
     // A name or a right that changed leaves the bytes what they are: they are looked at again.
     if now == *file {
         return Ok(());
     }
-    let stop = || !go_on();
+    let stop = || !proceed();
     match hash_one(&now, Some(hash), &stop) {
         Ok(Some(_)) => Ok(()),
         Ok(None) => Err(KeepError::Stopped),

@@ -52,9 +52,9 @@ impl Edit {
     ///
     /// # Errors
     /// If a file is not what it was when it was opened, or `go_on` said no.
-    pub(crate) fn reads(&mut self, files: &[FileMark], go_on: &dyn Fn() -> bool) -> Result<(), DocumentError> {
+    pub(crate) fn reads(&mut self, files: &[FileMark], proceed: &dyn Fn() -> bool) -> Result<(), DocumentError> {
         for mark in files {
-            let hash = hash_one(mark, None, &|| !go_on()).map_err(Trouble::error)?.ok_or(DocumentError::Stopped)?;
+            let hash = hash_one(mark, None, &|| !proceed()).map_err(Trouble::error)?.ok_or(DocumentError::Stopped)?;
             self.files.push(FileRead { path: mark.path.clone(), bytes: mark.bytes, blake3: hash });
         }
         Ok(())

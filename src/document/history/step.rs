@@ -5,7 +5,7 @@
 
 use crate::document::command::resolved::{ResolvedCommand, join};
 use crate::document::disk::source_files::SourceFiles;
-use crate::document::scene::components::Kept;
+use crate::document::scene::components::TakenBackBy;
 use crate::document::scene::volumes::VolumeLook;
 use crate::document::scene::{Components, Scene};
 use crate::document::state::State;
@@ -27,7 +27,7 @@ pub(crate) struct SceneDelta {
 impl SceneDelta {
     /// What `before` holds where `after` differs from it; how volumes are shown only `with_looks`.
     pub(crate) fn between(before: &Scene, after: &Scene, with_looks: bool) -> Self {
-        let mut delta = Self { held: Components::of(before, Kept::Undo), ..Self::default() };
+        let mut delta = Self { held: Components::of(before, TakenBackBy::Undo), ..Self::default() };
         if with_looks {
             let ids: BTreeSet<VolumeId> = before.shown.keys().chain(after.shown.keys()).copied().collect();
             delta.shown = ids.into_iter().map(|id| (id, before.shown.get(&id).cloned())).collect();

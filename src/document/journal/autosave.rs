@@ -9,17 +9,17 @@ use crate::document::command::files::DensityKeeping;
 use crate::document::disk::error::KeepError;
 use crate::document::disk::files::remove_dir;
 use crate::document::disk::lock::Lock;
-use crate::document::journal::loaded::KeptDocument;
+use crate::document::journal::loaded::RestoredDocument;
 use crate::document::journal::poses_file::PosesFile;
 use crate::document::journal::recovery;
 use crate::document::journal::replay::{Replay, free_aside};
 use crate::document::journal::{Beginning, Journal};
 use crate::document::project::MANIFEST;
 use crate::document::project::link::Link;
-use crate::document::project::manifest::{JOURNAL_HEADER, Kept, Manifest, VolumeRecord};
+use crate::document::project::manifest::{DensityPlace, JOURNAL_HEADER, Manifest, VolumeRecord};
 use crate::document::project::read::{Wanted, load, named, read_unsaved};
 use crate::document::project::store::{Committed, Store, ToKeep};
-use crate::document::scene::kept_poses::KeptPoses;
+use crate::document::scene::kept_poses::SavedPoses;
 use crate::document::state::State;
 use crate::explode::Poses;
 use crate::io::FileMark;
@@ -30,11 +30,11 @@ use std::path::{Path, PathBuf};
 
 /// Keeps one open document: its place on disk, the lock on it, and its journal.
 #[derive(Debug)]
-pub struct Keeper {
+pub struct Autosave {
     journal: Journal,
     place: Place,
     /// Where parts stand, as far as it was told.
-    poses: KeptPoses,
+    poses: SavedPoses,
     poses_file: PosesFile,
 }
 
@@ -44,7 +44,7 @@ enum Place {
     Project(Box<Store>),
 }
 
-impl Keeper {
+impl Autosave {
     /// Keeps a document that was never saved, from its present state on, below `state_dir`
     /// ([`recovery::state_dir`](crate::document::journal::recovery::state_dir)); the fields' edits so far are not kept.
     ///
@@ -58,16 +58,16 @@ impl Keeper {
                 Some(files) => Link::until_next_start(files.files())?,
                 None => Link::until_next_start(&[FileMark::of(path).map_err(KeepError::io("read", path))?])?,
             };
-            volumes.insert(subject.id, VolumeRecord::of(subject.volume, Kept::Linked(link), BTreeMap::new()));
+            volumes.insert(subject.id, VolumeRecord::of(subject.volume, DensityPlace::Linked(link), BTreeMap::new()));
         }
         let (dir, lock) = recovery::create(state_dir)?;
         let start = || {
-            let manifest = Manifest::of(0, state, &KeptPoses::at_rest(&state.scene, Poses::default()), volumes);
+            let manifest = Manifest::of(0, state, &SavedPoses::at_rest(&state.scene, Poses::default()), volumes);
             crate::document::disk::files::write_new(&dir.join(MANIFEST), &manifest.json()?)?;
             Journal::create(&dir.join(recovery::JOURNAL), Beginning { scene: &state.scene, ..Beginning::of(&manifest) })
         };
         match start() {
-            Ok(journal) => Ok(Self::over(journal, Place::Unsaved { dir, lock }, KeptPoses::default()).0),
+            Ok(journal) => Ok(Self::over(journal, Place::Unsaved { dir, lock }, SavedPoses::default()).0),
             Err(error) => {
                 remove_dir(&dir).unwrap_or_else(|e| tracing::warn!("{e}"));
                 Err(error)
@@ -75,7 +75,7 @@ impl Keeper {
         }
     }
 
-    fn over(journal: Journal, place: Place, poses: KeptPoses) -> (Self, Option<KeptPoses>) {
+    fn over(journal: Journal, place: Place, poses: SavedPoses) -> (Self, Option<SavedPoses>) {
         let (poses_file, beside) = PosesFile::beside(journal.path());
         (Self { journal, place, poses, poses_file }, beside)
     }
@@ -87,7 +87,7 @@ impl Keeper {
     pub fn create(
         path: &Path,
         state: &State,
-        poses: &KeptPoses,
+        poses: &SavedPoses,
         density: Option<DensityKeeping>,
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> Result<(Self, Saved), KeepError> {
@@ -98,7 +98,7 @@ impl Keeper {
     pub(crate) fn create_all(
         path: &Path,
         kept: &ToKeep<'_>,
-        poses: &KeptPoses,
+        poses: &SavedPoses,
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> Result<(Self, Saved), KeepError> {
         save_new(path, kept, poses, progress)
@@ -109,7 +109,7 @@ impl Keeper {
     /// # Errors
     /// If it is open elsewhere, or damaged. A damaged journal is set aside and told in
     /// [`Recovered`](crate::document::journal::loaded::Recovered); the generation opens without it.
-    pub fn open(dir: &Path) -> Result<(Self, KeptDocument), KeepError> {
+    pub fn open(dir: &Path) -> Result<(Self, RestoredDocument), KeepError> {
         Self::open_wanted(dir, Wanted::default())
     }
 
@@ -117,7 +117,7 @@ impl Keeper {
     ///
     /// # Errors
     /// As [`open`](Self::open).
-    pub fn open_wanted(dir: &Path, wanted: Wanted<'_>) -> Result<(Self, KeptDocument), KeepError> {
+    pub fn open_wanted(dir: &Path, wanted: Wanted<'_>) -> Result<(Self, RestoredDocument), KeepError> {
         let (store, loaded) = Store::open(dir, wanted)?;
         let path = dir.join(journal_name(store.generation()));
         if loaded.is_current {
@@ -138,13 +138,13 @@ impl Keeper {
             Some(resumed) => resumed,
             None => (Journal::create(&path, beginning())?, Replay::default()),
         };
-        let (mut keeper, beside) = Self::over(journal, Place::Project(Box::new(store)), KeptPoses::default());
-        let mut document = KeptDocument::new(loaded, replay, beside, &path)?;
+        let (mut autosave, beside) = Self::over(journal, Place::Project(Box::new(store)), SavedPoses::default());
+        let mut document = RestoredDocument::new(loaded, replay, beside, &path)?;
         if set_aside.is_some() {
             document.recovered.set_aside = set_aside;
         }
-        keeper.poses = document.poses.clone();
-        Ok((keeper, document))
+        autosave.poses = document.poses.clone();
+        Ok((autosave, document))
     }
 
     /// Reads a project as it was last kept, journal included, and leaves it alone: it may be open elsewhere or lie where nothing can
@@ -152,7 +152,7 @@ impl Keeper {
     ///
     /// # Errors
     /// As [`open`](Self::open); of a damaged journal is told what is lost.
-    pub fn look(dir: &Path) -> Result<KeptDocument, KeepError> {
+    pub fn look(dir: &Path) -> Result<RestoredDocument, KeepError> {
         Self::look_wanted(dir, Wanted::default())
     }
 
@@ -160,7 +160,7 @@ impl Keeper {
     ///
     /// # Errors
     /// As [`look`](Self::look).
-    pub fn look_wanted(dir: &Path, wanted: Wanted<'_>) -> Result<KeptDocument, KeepError> {
+    pub fn look_wanted(dir: &Path, wanted: Wanted<'_>) -> Result<RestoredDocument, KeepError> {
         loop {
             let mut loaded = load(dir, wanted)?;
             let generation = loaded.manifest.generation;
@@ -175,7 +175,7 @@ impl Keeper {
             // Whoever has it open may have saved meanwhile, and the journal went with it.
             if !loaded.is_current || named(dir)?.is_none_or(|now| now == generation) {
                 let beside = PosesFile::beside(&path).1;
-                return KeptDocument::new(loaded, replay.unwrap_or_default(), beside, &path);
+                return RestoredDocument::new(loaded, replay.unwrap_or_default(), beside, &path);
             }
         }
     }
@@ -184,7 +184,7 @@ impl Keeper {
     ///
     /// # Errors
     /// If it is gone or open elsewhere, or the file that it was opened from is not as it was.
-    pub fn recover(state_dir: &Path, id: &str) -> Result<(Self, KeptDocument), KeepError> {
+    pub fn recover(state_dir: &Path, id: &str) -> Result<(Self, RestoredDocument), KeepError> {
         let dir = recovery::folder(state_dir, id)?;
         let lock = Lock::take(&dir)?;
         let loaded = read_unsaved(&dir)?;
@@ -192,10 +192,10 @@ impl Keeper {
         let resumed = Journal::resume(&path, Beginning::of(&loaded.manifest))?;
         let (journal, replay) =
             resumed.ok_or_else(|| KeepError::io("open", &path)(std::io::ErrorKind::NotFound.into()))?;
-        let (mut keeper, beside) = Self::over(journal, Place::Unsaved { dir, lock }, KeptPoses::default());
-        let document = KeptDocument::new(loaded, replay, beside, &path)?;
-        keeper.poses = document.poses.clone();
-        Ok((keeper, document))
+        let (mut autosave, beside) = Self::over(journal, Place::Unsaved { dir, lock }, SavedPoses::default());
+        let document = RestoredDocument::new(loaded, replay, beside, &path)?;
+        autosave.poses = document.poses.clone();
+        Ok((autosave, document))
     }
 
     /// Notes a command that is done. `command` has its places resolved to world millimetres; `touched` are the bricks whose texels
@@ -215,13 +215,13 @@ impl Keeper {
     }
 
     /// Where it was told that parts stand.
-    pub fn poses(&self) -> &KeptPoses {
+    pub fn poses(&self) -> &SavedPoses {
         &self.poses
     }
 
     /// Notes where parts stand now, for the next save and, without waiting for the disk, for whoever finds the document after a crash.
     /// What cannot be noted is found again.
-    pub fn note_poses(&mut self, poses: KeptPoses) {
+    pub fn note_poses(&mut self, poses: SavedPoses) {
         if poses != self.poses {
             self.poses_file.write(&poses).unwrap_or_else(|e| tracing::warn!("where parts stand is not noted: {e}"));
             self.poses = poses;
@@ -353,7 +353,7 @@ impl Keeper {
 fn save_into(
     store: &mut Store,
     kept: &ToKeep<'_>,
-    poses: &KeptPoses,
+    poses: &SavedPoses,
     progress: &(dyn Fn(f32) -> bool + Sync),
 ) -> Result<Committed<Journal>, KeepError> {
     let dir = store.dir().to_owned();
@@ -383,14 +383,14 @@ fn save_into(
 fn save_new(
     path: &Path,
     kept: &ToKeep<'_>,
-    poses: &KeptPoses,
+    poses: &SavedPoses,
     progress: &(dyn Fn(f32) -> bool + Sync),
-) -> Result<(Keeper, Saved), KeepError> {
+) -> Result<(Autosave, Saved), KeepError> {
     let mut store = Store::create(path)?;
     match save_into(&mut store, kept, poses, progress) {
         Ok(Committed { doubt: Some(error), .. }) => Err(error),
         Ok(Committed { saved, made, .. }) => {
-            Ok((Keeper::over(made, Place::Project(Box::new(store)), poses.clone()).0, saved))
+            Ok((Autosave::over(made, Place::Project(Box::new(store)), poses.clone()).0, saved))
         }
         Err(error) => {
             store.abandon();

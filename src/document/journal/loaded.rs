@@ -7,7 +7,7 @@ use crate::document::journal::replay::Replay;
 use crate::document::project::fields::Edits;
 use crate::document::project::manifest::VolumeRecord;
 use crate::document::project::read::{Loaded, LoadedDensity, LoadedVolume, density_of};
-use crate::document::scene::kept_poses::{KeptPoses, poses_of_before};
+use crate::document::scene::kept_poses::{SavedPoses, poses_of_before};
 use crate::document::scene::past::Past;
 use crate::document::scene::volumes::VolumeSettings;
 use crate::document::scene::{Origin, Scene};
@@ -23,7 +23,7 @@ use std::sync::Arc;
 
 /// A volume as it was kept.
 #[derive(Clone, Debug)]
-pub struct KeptVolume {
+pub struct RestoredVolume {
     /// As its source calls it.
     pub name: String,
     /// The lattice, where its source has it.
@@ -44,15 +44,15 @@ pub struct KeptVolume {
 
 /// A document as it was kept, before its sources are opened: scene, painted bricks, and where density comes from.
 #[derive(Clone, Debug)]
-pub struct KeptDocument {
+pub struct RestoredDocument {
     /// Everything but voxels.
     pub scene: Scene,
     /// Earlier views and looks.
     pub past: Past,
     /// Where forces had taken the parts.
-    pub poses: KeptPoses,
+    pub poses: SavedPoses,
     /// The volumes.
-    pub volumes: BTreeMap<VolumeId, KeptVolume>,
+    pub volumes: BTreeMap<VolumeId, RestoredVolume>,
     /// What came back from the journal.
     pub recovered: Recovered,
 }
@@ -77,7 +77,7 @@ pub struct Recovered {
     pub told: Vec<String>,
 }
 
-impl KeptVolume {
+impl RestoredVolume {
     fn new(
         record: &VolumeRecord,
         (density, files): (LoadedDensity, Option<Arc<SourceFiles>>),
@@ -116,12 +116,12 @@ impl KeptVolume {
     }
 }
 
-impl KeptDocument {
+impl RestoredDocument {
     /// `beside` are the poses that lie beside the journal.
     pub(crate) fn new(
         loaded: Loaded,
         replay: Replay,
-        beside: Option<KeptPoses>,
+        beside: Option<SavedPoses>,
         journal: &Path,
     ) -> Result<Self, KeepError> {
         let Loaded { dirs: [project, at], manifest, volumes: mut held, mut told, .. } = loaded;
@@ -132,14 +132,14 @@ impl KeptDocument {
             if let (false, Some(LoadedVolume { density, edits, files })) =
                 (replay.volumes.contains_key(&id), held.remove(&id))
             {
-                volumes.insert(id, KeptVolume::new(record, (density, files), edits));
+                volumes.insert(id, RestoredVolume::new(record, (density, files), edits));
             }
         }
         for (&id, record) in &replay.volumes {
             if let Some(record) = record {
                 record.check(journal, &format!("volumes.{id}"))?;
                 let density = density_of(&project, &at, &manifest, id, record, None)?;
-                volumes.insert(id, KeptVolume::new(record, density, BTreeMap::new()));
+                volumes.insert(id, RestoredVolume::new(record, density, BTreeMap::new()));
             }
         }
         for (id, map) in replay.maps {
@@ -184,7 +184,7 @@ impl KeptDocument {
             }
         }
         // Journals of before have poses too.
-        let moved = (!moved.is_empty()).then(|| KeptPoses::at_rest(&scene, moved));
+        let moved = (!moved.is_empty()).then(|| SavedPoses::at_rest(&scene, moved));
         Ok(Self {
             poses: beside.or(moved).or_else(|| manifest.poses.clone()).unwrap_or_default(),
             scene,

@@ -22,7 +22,7 @@ use crate::document::journal::record::{
     BrickEntry, Kind, RECORD_HEAD, SamplesHead, StepHead, decode, encode, encode_brick, of_first_volume, runs,
 };
 use crate::document::project::link::Link;
-use crate::document::project::manifest::{JOURNAL_HEADER, Kept, Manifest, VolumeRecord};
+use crate::document::project::manifest::{DensityPlace, JOURNAL_HEADER, Manifest, VolumeRecord};
 use crate::document::scene::past::{Past, PastDelta};
 use crate::document::scene::{Scene, components};
 use crate::document::state::State;
@@ -174,8 +174,8 @@ impl Now {
                 Some(_) => drop(maps.insert(id, *volume.density.map())),
                 None => {
                     let kept = match state.files.get(&id) {
-                        _ if self.held.contains(&id) => Kept::Whole,
-                        Some(files) => Kept::Linked(Link::until_next_start(files.files())?),
+                        _ if self.held.contains(&id) => DensityPlace::Whole,
+                        Some(files) => DensityPlace::Linked(Link::until_next_start(files.files())?),
                         None => return Err(KeepError::NoPath),
                     };
                     volumes.insert(id, Some(VolumeRecord::of(volume, kept, BTreeMap::new())));
@@ -239,7 +239,7 @@ impl Journal {
         let noted = command.effects().journal;
         let ends_stroke = noted == Noted::Stroke;
         // Looking about is no step of work. In what was opened and never saved it is nothing to lose: the first step takes it along.
-        let known_parts = changed.keys().all(|part| Scene::kept(part).is_some_and(components::Kept::is_idle));
+        let known_parts = changed.keys().all(|part| Scene::kept(part).is_some_and(components::TakenBackBy::is_idle));
         let is_plain = maps.is_empty() && volumes.is_empty() && touched.is_empty();
         let looks_about = known_parts && !ends_stroke && is_plain;
         if looks_about && self.generation == 0 && self.now.steps == 0 && !self.stroke_runs {

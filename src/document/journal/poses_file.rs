@@ -4,7 +4,7 @@
 //! rest: a moving explosion writes nothing. Owns the file; knows nothing of what moved the parts.
 
 use crate::document::disk::inside;
-use crate::document::scene::kept_poses::KeptPoses;
+use crate::document::scene::kept_poses::SavedPoses;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -21,7 +21,7 @@ pub(crate) struct PosesFile {
 
 impl PosesFile {
     /// The file beside a journal, and the poses in it if they can be read.
-    pub(crate) fn beside(journal: &Path) -> (Self, Option<KeptPoses>) {
+    pub(crate) fn beside(journal: &Path) -> (Self, Option<SavedPoses>) {
         let path = journal.with_extension("poses");
         let (dir, name) = (path.parent().unwrap_or(Path::new("")), path.file_name().unwrap_or_default());
         let found = inside::read(dir, &name.to_string_lossy(), MOST_BYTES).ok();
@@ -30,7 +30,7 @@ impl PosesFile {
     }
 
     /// Writes poses in the place of what is there.
-    pub(crate) fn write(&self, kept: &KeptPoses) -> std::io::Result<()> {
+    pub(crate) fn write(&self, kept: &SavedPoses) -> std::io::Result<()> {
         self.put(&sealed(kept)?)
     }
 
@@ -62,14 +62,14 @@ impl PosesFile {
 }
 
 /// JSON behind a line with its hash.
-fn sealed(kept: &KeptPoses) -> std::io::Result<Vec<u8>> {
+fn sealed(kept: &SavedPoses) -> std::io::Result<Vec<u8>> {
     let json = serde_json::to_vec(kept)?;
     let mut bytes = format!("{}\n", blake3::hash(&json).to_hex()).into_bytes();
     bytes.extend(json);
     Ok(bytes)
 }
 
-fn unsealed(bytes: &[u8]) -> Option<KeptPoses> {
+fn unsealed(bytes: &[u8]) -> Option<SavedPoses> {
     let end = bytes.iter().position(|&b| b == b'\n')?;
     let (hash, json) = (&bytes[..end], &bytes[end + 1..]);
     if hash != blake3::hash(json).to_hex().as_bytes() {

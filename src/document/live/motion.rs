@@ -9,11 +9,11 @@ use crate::document::history::step::Refreshed;
 use crate::document::live::graphics::Graphics;
 use crate::document::live::stood::{Found, Points, Standing, Stood};
 use crate::document::scene::cause::{Cause, has_same_bodies, mark_of_parts, mark_of_scene};
-use crate::document::scene::kept_poses::KeptPoses;
+use crate::document::scene::kept_poses::SavedPoses;
 use crate::document::state::State;
 use crate::document::subject::Subject;
 use crate::document::watch::Watch;
-use crate::explode::{Explosion, Measured, Octrees, Poses, Progress, Search, Settled, Simulation, settle_with_gain};
+use crate::explode::{Explosion, Measured, Octrees, Poses, Search, SearchStep, Settled, Simulation, settle_with_gain};
 use crate::math::Pose;
 use crate::volume::{BrickIndex, FieldKey, FieldKind, LiveCells, TransferFunction, VolumeId};
 use std::sync::Arc;
@@ -207,13 +207,13 @@ impl Motion {
     }
 
     /// What is kept beside the scene.
-    pub(crate) fn kept(&self, state: &State) -> KeptPoses {
+    pub(crate) fn kept(&self, state: &State) -> SavedPoses {
         let rest_of = (!self.must_move(state)).then(|| mark_of_scene(&state.scene));
-        KeptPoses { rest_of, parts: self.poses.clone() }
+        SavedPoses { rest_of, parts: self.poses.clone() }
     }
 
     /// Parts stand where they were kept.
-    pub(crate) fn stand(&mut self, state: &State, kept: KeptPoses) {
+    pub(crate) fn stand(&mut self, state: &State, kept: SavedPoses) {
         let rests = kept.rest_of.is_some_and(|mark| mark == mark_of_scene(&state.scene));
         self.poses = kept.parts;
         self.found = rests.then(|| {
@@ -248,8 +248,8 @@ impl Motion {
         let points = self.points(state)?;
         let (explosion, camera) = (&*state.scene.explosion, state.scene.views.camera);
         let mut look = |poses: &[Pose]| measure(state, graphics, poses);
-        let mut go_on = |share| if watch.go_on(share) { Ok(()) } else { Err(DocumentError::Stopped) };
-        let settled = settle_with_gain(explosion, &points, &camera, &mut look, &mut go_on)?;
+        let mut proceed = |share| if watch.proceed(share) { Ok(()) } else { Err(DocumentError::Stopped) };
+        let settled = settle_with_gain(explosion, &points, &camera, &mut look, &mut proceed)?;
         let (cause, poses) = (Cause::of(&state.scene, self.voxels), settled.poses.clone());
         self.poses = Poses::found(&explosion.parts, &poses);
         self.found = Some(Arc::new(Found { cause, points: Some(points), poses, visible: settled.visible }));
@@ -324,8 +324,8 @@ impl Motion {
         for _ in 0..steps.max(1) {
             let Some(Sought { search, .. }) = &mut self.sought else { break };
             match search.advance(slice) {
-                Progress::Moving => {}
-                Progress::Measure(poses) => {
+                SearchStep::Moving => {}
+                SearchStep::Measure(poses) => {
                     // A change of parts since the search began makes its measurement meaningless, not wrong.
                     let measured = if poses.len() == explosion.parts.len() {
                         measure(state, graphics, &poses)?
@@ -334,7 +334,7 @@ impl Motion {
                     };
                     search.measured(&measured);
                 }
-                Progress::Done => {
+                SearchStep::Done => {
                     let Settled { poses, visible, .. } = search.settled();
                     let done = self.sought.take().map(|Sought { cause, points, .. }| (cause, Some(points)));
                     self.found = done.map(|(cause, points)| Arc::new(Found { cause, points, poses, visible }));

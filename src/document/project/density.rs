@@ -28,7 +28,7 @@ pub(super) struct Linked {
 impl Linked {
     /// The file that the scene's origin names, if it has the very voxels that the project holds: whatever else lies there now must
     /// not take their place.
-    pub(super) fn to_equal(subject: Subject<'_>, go_on: &dyn Fn() -> bool) -> Result<Self, KeepError> {
+    pub(super) fn to_equal(subject: Subject<'_>, proceed: &dyn Fn() -> bool) -> Result<Self, KeepError> {
         let origin = &subject.settings.origin;
         let refused = |found: String| KeepError::LinkLost {
             path: origin.path.clone(),
@@ -47,7 +47,7 @@ impl Linked {
         }
         let dims = ours.grid().dims;
         for z in (0..dims[2]).step_by(BRICK as usize) {
-            if !go_on() {
+            if !proceed() {
                 return Err(KeepError::Stopped);
             }
             let (lo, size) = ([0, 0, z], [dims[0], dims[1], BRICK.min(dims[2] - z)]);

@@ -39,8 +39,8 @@ struct Known {
 
 impl Link {
     /// A link that lasts, from a project's folder to files that are as they were opened; waits for their hash.
-    pub(crate) fn to(files: &SourceFiles, project: &Path, go_on: &dyn Fn() -> bool) -> Result<Self, KeepError> {
-        let hashes = files.unchanged(go_on)?;
+    pub(crate) fn to(files: &SourceFiles, project: &Path, proceed: &dyn Fn() -> bool) -> Result<Self, KeepError> {
+        let hashes = files.unchanged(proceed)?;
         let known =
             |(mark, hash): (&FileMark, String)| Known { bytes: mark.bytes, modified_ns: None, blake3: Some(hash) };
         let mut all = files.files().iter().zip(hashes).map(known);

@@ -8,7 +8,7 @@ use crate::document::project::fields::Shards;
 use crate::document::project::first_format;
 use crate::document::project::link::Link;
 use crate::document::scene::Scene;
-use crate::document::scene::kept_poses::{KeptPoses, poses_of_before};
+use crate::document::scene::kept_poses::{SavedPoses, poses_of_before};
 use crate::document::scene::past::Past;
 use crate::document::state::State;
 use crate::math::{DAffine3, DMat3, DVec3};
@@ -59,7 +59,7 @@ pub(crate) struct Manifest {
     pub past: Past,
     /// Where forces had taken the parts, so that they stand there at once; `None` where they had taken none anywhere.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub poses: Option<KeptPoses>,
+    pub poses: Option<SavedPoses>,
 }
 
 /// A volume beside its arrays.
@@ -74,7 +74,7 @@ pub(crate) struct VolumeRecord {
     /// Slope and intercept.
     pub scaling: [f64; 2],
     pub map: DensityMap,
-    pub kept: Kept,
+    pub kept: DensityPlace,
     pub statistics: StatisticsRecord,
     pub histogram: HistogramRecord,
     /// By array, the hashes of each file that is there.
@@ -85,7 +85,7 @@ pub(crate) struct VolumeRecord {
 /// Where the density is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(crate) enum Kept {
+pub(crate) enum DensityPlace {
     Whole,
     Linked(Link),
 }
@@ -119,7 +119,7 @@ pub(crate) struct HistogramRecord {
 
 impl VolumeRecord {
     /// What is to be said of a volume.
-    pub(crate) fn of(volume: &Volume, kept: Kept, shards: BTreeMap<String, Shards>) -> Self {
+    pub(crate) fn of(volume: &Volume, kept: DensityPlace, shards: BTreeMap<String, Shards>) -> Self {
         let grid = volume.grid();
         let number = |v: f64| v.is_finite().then_some(v);
         let Statistics { min, max, sum, nan_count, infinite_count, exact } = volume.statistics;
@@ -226,7 +226,7 @@ impl Manifest {
     pub(crate) fn of(
         generation: u64,
         state: &State,
-        poses: &KeptPoses,
+        poses: &SavedPoses,
         volumes: BTreeMap<VolumeId, VolumeRecord>,
     ) -> Self {
         Self {
@@ -254,7 +254,7 @@ impl Manifest {
     /// The volumes whose density the generation holds.
     pub(crate) fn holds(&self) -> BTreeSet<VolumeId> {
         let all = self.volumes.iter().chain(&self.set_aside);
-        all.filter(|(_, volume)| volume.kept == Kept::Whole).map(|(id, _)| *id).collect()
+        all.filter(|(_, volume)| volume.kept == DensityPlace::Whole).map(|(id, _)| *id).collect()
     }
 
     /// The file's bytes, checked to come back as what they were.
@@ -285,7 +285,7 @@ impl Manifest {
         if manifest.poses.is_none() {
             let all: Value = parse(path, &bytes, "JSON")?;
             let before = poses_of_before(&all["scene"]["explosion"]);
-            manifest.poses = Some(KeptPoses::at_rest(&manifest.scene, before));
+            manifest.poses = Some(SavedPoses::at_rest(&manifest.scene, before));
         }
         for (name, volumes) in [("volumes", &manifest.volumes), ("set_aside", &manifest.set_aside)] {
             for (id, volume) in volumes {

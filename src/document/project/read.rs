@@ -8,7 +8,7 @@ use crate::document::disk::inside;
 use crate::document::disk::source_files::SourceFiles;
 use crate::document::project::MANIFEST;
 use crate::document::project::fields::{DENSITY, EDITED, Edits, array_name, read_edited, read_field};
-use crate::document::project::manifest::{Kept, Manifest, PROJECT, VolumeRecord, read_project};
+use crate::document::project::manifest::{DensityPlace, Manifest, PROJECT, VolumeRecord, read_project};
 use crate::document::project::source::ZarrSource;
 use crate::volume::{FieldKind, VolumeId};
 use std::collections::BTreeMap;
@@ -160,7 +160,7 @@ fn read_generation(dir: &Path, generation: u64, given: Option<&Path>) -> Result<
         return Err(KeepError::malformed(&path, "generation", found, generation.to_string()));
     }
     let mut told = Vec::new();
-    let linked = manifest.volumes.values().filter(|volume| matches!(volume.kept, Kept::Linked(_))).count();
+    let linked = manifest.volumes.values().filter(|volume| matches!(volume.kept, DensityPlace::Linked(_))).count();
     if given.is_some() && linked == 0 {
         told.push("the project holds its volume: the source that was given is not used".into());
     }
@@ -169,7 +169,7 @@ fn read_generation(dir: &Path, generation: u64, given: Option<&Path>) -> Result<
     for (&id, record) in &manifest.volumes {
         let (density, files) = match (&record.kept, given) {
             // Of several the one that the given file is.
-            (Kept::Linked(link), Some(file)) if linked > 1 => match link.find(dir, Some(file)) {
+            (DensityPlace::Linked(link), Some(file)) if linked > 1 => match link.find(dir, Some(file)) {
                 Ok(files) => {
                     given = None;
                     (LoadedDensity::Linked(files.path().to_owned()), Some(files))
@@ -202,7 +202,7 @@ pub(crate) fn density_of(
     given: Option<&Path>,
 ) -> Result<(LoadedDensity, Option<Arc<SourceFiles>>), KeepError> {
     match &record.kept {
-        Kept::Whole => {
+        DensityPlace::Whole => {
             let (scaling, place) = ((record.scaling[0], record.scaling[1]), manifest.place(id));
             let held = manifest.volumes.get(&id).or_else(|| manifest.set_aside.get(&id)).unwrap_or(record);
             let shards = held.shards_of(DENSITY);
@@ -210,7 +210,7 @@ pub(crate) fn density_of(
             let source = ZarrSource::open(at, name, grid, record.voxel_type, scaling, &place, shards)?;
             Ok((LoadedDensity::Whole(Arc::new(source)), None))
         }
-        Kept::Linked(link) => {
+        DensityPlace::Linked(link) => {
             let files = link.find(project, given)?;
             Ok((LoadedDensity::Linked(files.path().to_owned()), Some(files)))
         }
@@ -222,7 +222,7 @@ pub(crate) fn read_unsaved(dir: &Path) -> Result<Loaded, KeepError> {
     let manifest = Manifest::read(dir)?;
     let mut volumes = BTreeMap::new();
     for (&id, record) in &manifest.volumes {
-        if record.kept == Kept::Whole {
+        if record.kept == DensityPlace::Whole {
             let (field, expected) = (format!("volumes.{id}.kept"), "a link to the file that was opened");
             return Err(KeepError::malformed(&dir.join(MANIFEST), field, "whole", expected));
         }

@@ -20,7 +20,7 @@ pub struct ZarrSource {
     name: String,
     grid: Grid,
     scaling: (f64, f64),
-    opened: RwLock<Arc<Opened>>,
+    opened: RwLock<Arc<OpenArray>>,
     voxel_type: VoxelType,
     /// Hashes of its files by place, as far as they are known, and which of them were looked at.
     hashes: HashMap<[u32; 3], String>,
@@ -30,7 +30,7 @@ pub struct ZarrSource {
     cache: Mutex<Cache>,
 }
 
-struct Opened {
+struct OpenArray {
     dir: PathBuf,
     layout: Layout,
     array: Array<Files>,
@@ -58,7 +58,7 @@ impl ZarrSource {
         }
         let known = |file: [u32; 3]| Some((file, shards.get(&place_name(file))?.file()?.to_owned()));
         let hashes = layout.files().filter_map(known).collect();
-        let opened = RwLock::new(Arc::new(Opened::new(dir, layout)?));
+        let opened = RwLock::new(Arc::new(OpenArray::new(dir, layout)?));
         let (instead, looked_at, cache) = (RwLock::default(), Mutex::default(), Mutex::default());
         Ok(Self { name, grid, scaling, opened, voxel_type, hashes, looked_at, instead, cache })
     }
@@ -66,7 +66,7 @@ impl ZarrSource {
     /// Reads from another generation's folder from now on, below `place` in it; its density is the same.
     pub(crate) fn move_to(&self, dir: &Path, place: &str) -> Result<(), KeepError> {
         let layout = density_layout(place, self.voxel_type, self.grid.dims);
-        let opened = Arc::new(Opened::new(dir, layout)?);
+        let opened = Arc::new(OpenArray::new(dir, layout)?);
         *self.opened.write().unwrap_or_else(PoisonError::into_inner) = opened;
         *self.instead.write().unwrap_or_else(PoisonError::into_inner) = None;
         Ok(())
@@ -100,7 +100,7 @@ impl ZarrSource {
     }
 
     /// Whether the file of a chunk has the bytes that were written, once for each.
-    fn look_at(&self, opened: &Opened, chunk: [u32; 3]) -> Result<(), SourceError> {
+    fn look_at(&self, opened: &OpenArray, chunk: [u32; 3]) -> Result<(), SourceError> {
         let file = opened.layout.file_of(chunk);
         let Some(expected) = self.hashes.get(&file) else { return Ok(()) };
         let mut looked_at = lock(&self.looked_at);
@@ -115,7 +115,7 @@ impl ZarrSource {
         Ok(())
     }
 
-    fn damaged(&self, opened: &Opened, chunk: [u32; 3], reason: &str) -> SourceError {
+    fn damaged(&self, opened: &OpenArray, chunk: [u32; 3], reason: &str) -> SourceError {
         let path = opened.dir.join(opened.layout.file_name(opened.layout.file_of(chunk)));
         let length = std::fs::metadata(&path).map_or(0, |m| m.len() as usize);
         let reason = damaged_chunk(&path, length, reason).to_string();
@@ -123,7 +123,7 @@ impl ZarrSource {
     }
 }
 
-impl Opened {
+impl OpenArray {
     fn new(dir: &Path, layout: Layout) -> Result<Self, KeepError> {
         let array = layout.open(dir)?;
         Ok(Self { dir: dir.to_owned(), layout, shards: ArrayShardedReadableExtCache::new(&array), array })

@@ -23,13 +23,13 @@ use crate::document::project::density::{Linked, link_density, write_density};
 use crate::document::project::fields::{DENSITY, EDITED, Shards, array_name, write_edited, write_field};
 use crate::document::project::link::Link;
 use crate::document::project::manifest::{
-    JOURNAL_HEADER, Kept, Manifest, PROJECT, VERSION, VolumeRecord, project_json, volume_place,
+    DensityPlace, JOURNAL_HEADER, Manifest, PROJECT, VERSION, VolumeRecord, project_json, volume_place,
 };
 use crate::document::project::read::{
     Loaded, LoadedDensity, Wanted, check_project, described, generation_name, generation_of, load,
 };
 use crate::document::project::source::ZarrSource;
-use crate::document::scene::kept_poses::KeptPoses;
+use crate::document::scene::kept_poses::SavedPoses;
 use crate::document::state::State;
 use crate::volume::{FieldKind, Volume, VolumeId};
 use std::collections::BTreeMap;
@@ -133,7 +133,7 @@ impl Store {
     pub(crate) fn save<T>(
         &mut self,
         kept: &ToKeep<'_>,
-        poses: &KeptPoses,
+        poses: &SavedPoses,
         before: impl FnOnce(u64, &Manifest) -> Result<T, KeepError>,
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> Result<Committed<T>, KeepError> {
@@ -194,7 +194,7 @@ impl Store {
         writer: &Writer,
         generation: u64,
         kept: &ToKeep<'_>,
-        poses: &KeptPoses,
+        poses: &SavedPoses,
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> Result<(Manifest, BTreeMap<VolumeId, Linked>), KeepError> {
         let state = kept.state;
@@ -208,13 +208,13 @@ impl Store {
             let share = done.fetch_add(1, Ordering::Relaxed) as f32 / (total + 1) as f32;
             if progress(share.min(0.99)) { Ok(()) } else { Err(KeepError::Stopped) }
         };
-        let go_on = || progress(0.0);
+        let proceed = || progress(0.0);
         let group = group_json(serde_json::Map::new())?;
         writer.write_or_link("zarr.json", &group)?;
         writer.write_or_link("volumes/zarr.json", &group)?;
         let (mut records, mut linked) = (BTreeMap::new(), BTreeMap::new());
         for (&id, volume) in &state.volumes {
-            let (record, link) = self.write_volume(writer, id, kept, volume, &tick, &go_on)?;
+            let (record, link) = self.write_volume(writer, id, kept, volume, &tick, &proceed)?;
             records.insert(id, record);
             linked.extend(link.map(|link| (id, link)));
         }
@@ -225,7 +225,7 @@ impl Store {
             if let Some(old) = old.filter(|_| !state.volumes.contains_key(&id)) {
                 let shards = link_density(writer, id, volume.source.as_ref(), old)?;
                 let shards = BTreeMap::from([(DENSITY.to_owned(), shards)]);
-                manifest.set_aside.insert(id, VolumeRecord::of(volume, Kept::Whole, shards));
+                manifest.set_aside.insert(id, VolumeRecord::of(volume, DensityPlace::Whole, shards));
             }
         }
         writer.write(MANIFEST, &manifest.json()?)?;
@@ -239,7 +239,7 @@ impl Store {
         kept: &ToKeep<'_>,
         volume: &Volume,
         tick: &(dyn Fn() -> Result<(), KeepError> + Sync),
-        go_on: &dyn Fn() -> bool,
+        proceed: &dyn Fn() -> bool,
     ) -> Result<(VolumeRecord, Option<Linked>), KeepError> {
         let (state, grid, source) = (kept.state, *volume.grid(), volume.source.as_ref());
         let place = volume_place(id);
@@ -248,7 +248,7 @@ impl Store {
         let record = old.and_then(|old| old.volumes.get(&id));
         let keeping = kept.keeping.filter(|(of, _)| *of == id).map(|(_, keeping)| keeping);
         let keeping = keeping.unwrap_or(match record.map(|record| &record.kept) {
-            Some(Kept::Linked(_)) => DensityKeeping::Linked,
+            Some(DensityPlace::Linked(_)) => DensityKeeping::Linked,
             _ => DensityKeeping::Whole,
         });
         let mut shards = BTreeMap::new();
@@ -256,20 +256,20 @@ impl Store {
         let is_kept = match (keeping, old.filter(|old| old.holds().contains(&id))) {
             (DensityKeeping::Whole, Some(old)) => {
                 shards.insert(DENSITY.to_owned(), link_density(writer, id, source, old)?);
-                Kept::Whole
+                DensityPlace::Whole
             }
             (DensityKeeping::Whole, None) => {
                 shards.insert(DENSITY.to_owned(), write_density(writer, id, source, tick)?);
-                Kept::Whole
+                DensityPlace::Whole
             }
             (DensityKeeping::Linked, _) => {
                 let known = match state.files.get(&id).or(self.files.get(&id)) {
                     Some(files) => Linked { files: Some(files.clone()), file: None },
-                    None => Linked::to_equal(state.subject(id).ok_or(KeepError::NoPath)?, go_on)?,
+                    None => Linked::to_equal(state.subject(id).ok_or(KeepError::NoPath)?, proceed)?,
                 };
-                let link = Link::to(known.files.as_ref().ok_or(KeepError::NoPath)?, &self.dir, go_on)?;
+                let link = Link::to(known.files.as_ref().ok_or(KeepError::NoPath)?, &self.dir, proceed)?;
                 linked = Some(known);
-                Kept::Linked(link)
+                DensityPlace::Linked(link)
             }
         };
         let none = Shards::new();

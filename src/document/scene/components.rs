@@ -1,11 +1,11 @@
 //! The components of the scene, from one list of them: what holds them, what keeps some of them, and how they begin.
 //!
 //! The list is in the scene's own file. A component that is added there is saved, journaled, copied for a pointer, taken back by whom
-//! the list says, and what it is in a document that was just opened. Owns [`Kept`]; knows no component by name.
+//! the list says, and what it is in a document that was just opened. Owns [`TakenBackBy`]; knows no component by name.
 
 /// Who takes back what was changed of a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kept {
+pub(crate) enum TakenBackBy {
     /// A step of history.
     Undo,
     /// `view.back`, as a change of looks.
@@ -16,7 +16,7 @@ pub(crate) enum Kept {
     Tool,
 }
 
-impl Kept {
+impl TakenBackBy {
     /// Whether a change is no step of work: looking about, and taking up a tool.
     pub(crate) fn is_idle(self) -> bool {
         matches!(self, Self::Views | Self::Tool)
@@ -44,9 +44,9 @@ macro_rules! components {
             }
 
             /// Who takes back a component; `None` if there is none of the name.
-            pub(crate) fn kept(name: &str) -> Option<crate::document::scene::components::Kept> {
+            pub(crate) fn kept(name: &str) -> Option<crate::document::scene::components::TakenBackBy> {
                 match name {
-                    $(stringify!($name) => Some(crate::document::scene::components::Kept::$kept),)*
+                    $(stringify!($name) => Some(crate::document::scene::components::TakenBackBy::$kept),)*
                     _ => None,
                 }
             }
@@ -63,9 +63,9 @@ macro_rules! components {
 
         impl Components {
             /// All that a scene holds of one kind.
-            pub(crate) fn of(scene: &Scene, kept: crate::document::scene::components::Kept) -> Self {
+            pub(crate) fn of(scene: &Scene, kept: crate::document::scene::components::TakenBackBy) -> Self {
                 Self {
-                    $($name: (crate::document::scene::components::Kept::$kept == kept).then(|| scene.$name.clone()),)*
+                    $($name: (crate::document::scene::components::TakenBackBy::$kept == kept).then(|| scene.$name.clone()),)*
                 }
             }
 

@@ -10,7 +10,7 @@ use serde_json::Value;
 
 /// Where parts stand.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct KeptPoses {
+pub struct SavedPoses {
     /// Names the scene whose forces they are at rest under; `None` if they were on their way.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rest_of: Option<String>,
@@ -18,7 +18,7 @@ pub struct KeptPoses {
     pub parts: Poses,
 }
 
-impl KeptPoses {
+impl SavedPoses {
     /// Poses that a scene's parts rest in.
     pub(crate) fn at_rest(scene: &Scene, parts: Poses) -> Self {
         Self { rest_of: Some(mark_of_scene(scene)), parts }

@@ -87,7 +87,7 @@ impl<T: Clone + PartialEq> Line<T> {
     }
 
     /// Exchanges what is seen with what was before (or comes after a `back`); answers the change's name.
-    fn travel(&mut self, back: bool, number: u64, exchange: impl FnOnce(&mut T)) -> Option<String> {
+    fn walk(&mut self, back: bool, number: u64, exchange: impl FnOnce(&mut T)) -> Option<String> {
         let (from, to) = if back { (&mut self.back, &mut self.forward) } else { (&mut self.forward, &mut self.back) };
         let mut change = from.pop()?;
         change.number = number;
@@ -153,11 +153,11 @@ impl Past {
 
     /// Exchanges what is seen with what was before (or comes after a `back`); sizes in pixels stay. Answers what was walked and the
     /// change's name, `None` if there is none.
-    pub(crate) fn travel(&mut self, scene: &mut Scene, of: Option<PastOf>, back: bool) -> Option<(PastOf, String)> {
+    pub(crate) fn walk(&mut self, scene: &mut Scene, of: Option<PastOf>, back: bool) -> Option<(PastOf, String)> {
         let of = self.which(of, back)?;
         self.changes = self.changes.saturating_add(1);
         let name = match of {
-            PastOf::Views => self.views.travel(back, self.changes, |other| {
+            PastOf::Views => self.views.walk(back, self.changes, |other| {
                 let now: &mut Views = &mut scene.views;
                 other.size = now.size;
                 for (slice, now) in other.slices.iter_mut().zip(&now.slices) {
@@ -165,7 +165,7 @@ impl Past {
                 }
                 std::mem::swap(now, other);
             }),
-            PastOf::Looks => self.looks.travel(back, self.changes, |other| other.exchange(scene)),
+            PastOf::Looks => self.looks.walk(back, self.changes, |other| other.exchange(scene)),
         };
         name.map(|name| (of, name))
     }

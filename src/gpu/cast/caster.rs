@@ -5,9 +5,9 @@
 
 use crate::gpu::cast::forms::{Begins, Form, Forms, Groups, Share, Work};
 use crate::gpu::cast::looks::{Kind, Looks, MOST_LOOKS, ROW, entries, integrals, rows};
-use crate::gpu::cast::merging::{Drawn, drawn, resolve};
+use crate::gpu::cast::merging::{MergedBody, resolve, unite};
 use crate::gpu::cast::tiles::{Tiles, Window};
-use crate::gpu::cast::uniforms::{BodyMatter, CastBody, Scene, View};
+use crate::gpu::cast::uniforms::{BodyMatter, CastBody, FrameUniforms, View};
 use crate::gpu::device::constants::{LIST_WIDTH, MOST_BODIES, MOST_PLANES};
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
@@ -161,7 +161,7 @@ impl Caster {
         frame: &Frame,
         window: &Window,
     ) -> Result<Image, GpuError> {
-        let drawn = drawn(frame, fields, pools, self.shortcuts)?;
+        let drawn = unite(frame, fields, pools, self.shortcuts)?;
         gpu.scoped("a picture", || {
             let targets = Targets::new(gpu, window.size);
             let scene = self.scene(gpu, pools, fields, frame, &drawn, window)?;
@@ -179,9 +179,9 @@ impl Caster {
         pools: &mut FieldPools,
         fields: &Fields<'_>,
         frame: &Frame,
-        drawn: &[Drawn],
+        drawn: &[MergedBody],
         window: &Window,
-    ) -> Result<Scene, GpuError> {
+    ) -> Result<FrameUniforms, GpuError> {
         let looks = Looks::of(frame, drawn);
         if looks.rows.len() > MOST_LOOKS {
             return Err(GpuError::TooManyLooks { looks: looks.rows.len(), most: MOST_LOOKS });
@@ -189,7 +189,7 @@ impl Caster {
         let matters: Vec<_> = drawn.iter().map(|d| d.matter(frame)).collect();
         pools.bind(gpu, &frame.volumes())?;
         let skips = pools.skip_maps(gpu, fields, &matters)?;
-        Scene::new(frame, fields, pools, window, drawn, looks, &skips)
+        FrameUniforms::new(frame, fields, pools, window, drawn, looks, &skips)
     }
 
     /// Submits a window of the picture.
@@ -198,8 +198,8 @@ impl Caster {
         gpu: &Gpu,
         pools: &FieldPools,
         frame: &Frame,
-        drawn: &[Drawn],
-        mut scene: Scene,
+        drawn: &[MergedBody],
+        mut scene: FrameUniforms,
         targets: &Targets,
     ) -> Result<(), GpuError> {
         self.set_looks(gpu, pools, frame, &scene);
@@ -246,7 +246,7 @@ impl Caster {
         &mut self,
         gpu: &Gpu,
         frame: &Frame,
-        scene: &Scene,
+        scene: &FrameUniforms,
         lists: &[wgpu::Texture; 2],
         size: [u32; 2],
     ) -> Result<Option<DrawnLayers>, GpuError> {
@@ -265,13 +265,13 @@ impl Caster {
         gpu: &Gpu,
         pools: &FieldPools,
         frame: &Frame,
-        (drawn, looks): (&[Drawn], &Looks),
+        (drawn, looks): (&[MergedBody], &Looks),
         capacity: u32,
         resume: bool,
         continues: bool,
     ) -> Vec<&'static str> {
         let painted = |kind, opacity: fn(&Overlay) -> f32| {
-            let shows = |d: &Drawn| pools.texture(FieldKey::new(d.volume, kind)).is_some();
+            let shows = |d: &MergedBody| pools.texture(FieldKey::new(d.volume, kind)).is_some();
             drawn.iter().any(|d| opacity(frame.overlay_of(d.volume)) > 0.0 && shows(d))
         };
         let lit = looks.lit;
@@ -313,7 +313,7 @@ impl Caster {
     }
 
     /// Has the tables of a frame's looks, labels and segment colours.
-    pub(crate) fn set_looks(&mut self, gpu: &Gpu, pools: &FieldPools, frame: &Frame, scene: &Scene) {
+    pub(crate) fn set_looks(&mut self, gpu: &Gpu, pools: &FieldPools, frame: &Frame, scene: &FrameUniforms) {
         let looks = &scene.looks;
         if looks.own {
             self.set_rows(gpu, frame, looks);
@@ -386,7 +386,7 @@ impl Caster {
     }
 
     /// Writes bodies and planes; answers textures of the tiles' heads and lists.
-    pub(crate) fn upload(&self, gpu: &Gpu, scene: &Scene) -> [wgpu::Texture; 2] {
+    pub(crate) fn upload(&self, gpu: &Gpu, scene: &FrameUniforms) -> [wgpu::Texture; 2] {
         gpu.queue.write_buffer(&self.bodies, 0, bytemuck::cast_slice(&scene.bodies));
         gpu.queue.write_buffer(&self.matters, 0, bytemuck::cast_slice(&scene.matters));
         gpu.queue.write_buffer(&self.planes, 0, bytemuck::cast_slice(&scene.planes));

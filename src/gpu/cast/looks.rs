@@ -3,7 +3,7 @@
 //! Owns what is common to a picture's looks: whether one serves all of it, the mode or modes, and the textures' content. A row is
 //! a table of colour and opacity with the look's light and its surface's opacity behind it. Knows no fields.
 
-use crate::gpu::cast::merging::Drawn;
+use crate::gpu::cast::merging::MergedBody;
 use crate::gpu::device::constants::{MODE_DVR, MODE_ISO, MODE_MIP, NO_ROWS};
 use crate::gpu::picture::frame::{Frame, LabelLooks, LookRef};
 use crate::volume::{Mode, Segments, TABLE_ENTRIES, TransferFunction, VolumeId};
@@ -64,7 +64,7 @@ fn rows_of(segments: &Segments) -> u32 {
 
 impl Looks {
     /// Of the marched bodies of a frame.
-    pub(crate) fn of(frame: &Frame, drawn: &[Drawn]) -> Self {
+    pub(crate) fn of(frame: &Frame, drawn: &[MergedBody]) -> Self {
         let mut rows: Vec<Option<usize>> = Vec::new();
         let mut tables: Vec<(Arc<LabelLooks>, VolumeId)> = Vec::new();
         let mut place = BTreeMap::new();
@@ -134,7 +134,7 @@ impl Looks {
     }
 
     /// The first row of a body's labels and the last label that it has.
-    pub(crate) fn labels_of(&self, d: &Drawn) -> (u32, u32) {
+    pub(crate) fn labels_of(&self, d: &MergedBody) -> (u32, u32) {
         let Some(labels) = &d.labels else { return (NO_ROWS, 0) };
         let at = self.tables.iter().position(|t| Arc::ptr_eq(&t.0, labels) && t.1 == d.volume);
         at.map_or((NO_ROWS, 0), |at| self.firsts[at])

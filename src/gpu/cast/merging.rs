@@ -4,7 +4,7 @@
 //! the other part of the same matter. The parts of an unexploded volume therefore cost what the volume costs and give its
 //! picture exactly. Which of the united bodies a pixel belongs to is found afterwards, on the host.
 
-use crate::gpu::cast::solid::Solid;
+use crate::gpu::cast::solid::Polyhedron;
 use crate::gpu::cast::tiles::Window;
 use crate::gpu::device::error::GpuError;
 use crate::gpu::fields::matter::{LabelValues, Matter, Showing};
@@ -22,11 +22,11 @@ use std::sync::Arc;
 
 /// One or several bodies, marched as one.
 #[derive(Clone, Debug)]
-pub(crate) struct Drawn {
+pub(crate) struct MergedBody {
     /// Whose matter it is.
     pub volume: VolumeId,
     /// In world mm, as posed.
-    pub solid: Solid,
+    pub solid: Polyhedron,
     pub pose: Pose,
     /// At rest; those that cut nothing off the box are left out.
     pub planes: Vec<Plane>,
@@ -45,7 +45,7 @@ pub(crate) struct Drawn {
     pub selected: Option<u32>,
 }
 
-impl Drawn {
+impl MergedBody {
     /// What of its volume it shows.
     pub(crate) fn matter(&self, frame: &Frame) -> Matter {
         let values = |row| VisibleValues::of_look(frame.look(row));
@@ -77,7 +77,7 @@ impl Drawn {
 struct Block {
     grid: Grid,
     /// Its box.
-    solid: Solid,
+    solid: Polyhedron,
     /// Where anything may be selected.
     selected: Option<Aabb>,
 }
@@ -88,7 +88,7 @@ impl Block {
         let running = pools.pinned(FieldKey::new(id, FieldKind::Selection));
         Ok(Self {
             grid: volume.grid,
-            solid: Solid::hexahedron(&volume.grid.world_corners()),
+            solid: Polyhedron::hexahedron(&volume.grid.world_corners()),
             selected: selected_bounds(volume.selection, &volume.grid, &running),
         })
     }
@@ -98,12 +98,12 @@ impl Block {
 ///
 /// # Errors
 /// If `fields` has not the volume of a body.
-pub(crate) fn drawn(
+pub(crate) fn unite(
     frame: &Frame,
     fields: &Fields<'_>,
     pools: &FieldPools,
     unite_bodies: bool,
-) -> Result<Vec<Drawn>, GpuError> {
+) -> Result<Vec<MergedBody>, GpuError> {
     let blocks = frame.volumes().into_iter().map(|id| Ok((id, Block::of(fields, pools, id)?)));
     let blocks = blocks.collect::<Result<BTreeMap<_, _>, GpuError>>()?;
     // In the order of their names: sums of what overlaps, and so the picture's last bits, depend on no other order.
@@ -122,7 +122,7 @@ pub(crate) fn drawn(
         let mut solid = if bounds == whole {
             block.clone()
         } else {
-            Solid::hexahedron(&bounds.corners().map(|c| grid.world_from_index.transform_point3(c)))
+            Polyhedron::hexahedron(&bounds.corners().map(|c| grid.world_from_index.transform_point3(c)))
         };
         let mut planes = Vec::new();
         for plane in &body.region {
@@ -134,7 +134,7 @@ pub(crate) fn drawn(
         let members = vec![(body.id, planes.clone().into())];
         let (pose, tint) = (body.pose, body.tint);
         let (look, labels) = (body.look, body.labels.clone());
-        Some(Drawn {
+        Some(MergedBody {
             volume: body.volume,
             solid: solid.posed(&pose),
             pose,
@@ -149,13 +149,13 @@ pub(crate) fn drawn(
             selected: None,
         })
     });
-    let single: Vec<Drawn> = single.collect();
+    let single: Vec<MergedBody> = single.collect();
     let list = if unite_bodies { unite_matter(unite_regions(single, &blocks)) } else { single };
     Ok(list.into_iter().filter_map(|d| clipped(d, &frame.layers.clips)).collect())
 }
 
 /// What planes of the world leave of a posed body.
-fn clipped(mut body: Drawn, clips: &[Plane]) -> Option<Drawn> {
+fn clipped(mut body: MergedBody, clips: &[Plane]) -> Option<MergedBody> {
     for clip in clips.iter().filter(|c| !body.solid.is_inside(c)).collect::<Vec<_>>() {
         body.solid = body.solid.cut(clip)?;
         body.clips.push(*clip);
@@ -164,10 +164,10 @@ fn clipped(mut body: Drawn, clips: &[Plane]) -> Option<Drawn> {
 }
 
 /// Unites bodies of one pose, look and mask that lie apart and together fill the box.
-fn unite_regions(single: Vec<Drawn>, blocks: &BTreeMap<VolumeId, Block>) -> Vec<Drawn> {
-    let mut groups: Vec<Vec<Drawn>> = Vec::new();
+fn unite_regions(single: Vec<MergedBody>, blocks: &BTreeMap<VolumeId, Block>) -> Vec<MergedBody> {
+    let mut groups: Vec<Vec<MergedBody>> = Vec::new();
     for drawn in single {
-        let same = |g: &&mut Vec<Drawn>| {
+        let same = |g: &&mut Vec<MergedBody>| {
             let g = &g[0];
             (g.volume, g.mask, g.tint) == (drawn.volume, drawn.mask, drawn.tint)
                 && (g.look, &g.labels) == (drawn.look, &drawn.labels)
@@ -179,7 +179,7 @@ fn unite_regions(single: Vec<Drawn>, blocks: &BTreeMap<VolumeId, Block>) -> Vec<
             None => groups.push(vec![drawn]),
         }
     }
-    let fills = |group: &[Drawn], block: &Solid| {
+    let fills = |group: &[MergedBody], block: &Polyhedron| {
         let box_volume = block.volume();
         let sum: f64 = group.iter().map(|d| d.solid.volume()).sum();
         (sum - box_volume).abs() <= 1e-9 * box_volume
@@ -203,7 +203,7 @@ fn unite_regions(single: Vec<Drawn>, blocks: &BTreeMap<VolumeId, Block>) -> Vec<
 }
 
 /// Unites the selected and the other part of the same matter: s·τ + (1 − s)·τ = τ.
-fn unite_matter(mut list: Vec<Drawn>) -> Vec<Drawn> {
+fn unite_matter(mut list: Vec<MergedBody>) -> Vec<MergedBody> {
     let mut at = 0;
     while at < list.len() {
         let partner = (list[at].mask == Mask::Selection).then(|| {
@@ -259,7 +259,7 @@ fn selected_bounds(selection: &Field, grid: &Grid, running: &[BrickIndex]) -> Op
 }
 
 /// Turns the shaders' codes into objects: twice a body's place plus 2, 1 more for selected matter, the label above.
-pub(crate) fn resolve(image: &mut Image, codes: &[u32], drawn: &[Drawn], frame: &Frame, window: &Window) {
+pub(crate) fn resolve(image: &mut Image, codes: &[u32], drawn: &[MergedBody], frame: &Frame, window: &Window) {
     let mut hint = 0;
     let width = image.size[0] as usize;
     for (i, &code) in codes.iter().enumerate().filter(|(_, code)| **code != 0) {

@@ -4,19 +4,19 @@
 //! parts are sorted as objects). Solids that overlap, or interlock in a ring, have no order; the tiles in which such a pair
 //! shows merge intervals instead.
 
-use crate::gpu::cast::solid::Solid;
+use crate::gpu::cast::solid::Polyhedron;
 use crate::math::{Camera, DVec3, Plane, Projection};
 
 /// Where rays come from.
 #[derive(Clone, Copy, Debug)]
-pub enum Sight {
+pub enum RayOrigin {
     /// All from one point.
     Eye(DVec3),
     /// All along one direction.
     Along(DVec3),
 }
 
-impl Sight {
+impl RayOrigin {
     /// The rays of a camera.
     pub fn of(camera: &Camera) -> Self {
         match camera.projection {
@@ -49,7 +49,7 @@ impl Order {
     }
 
     /// Sorts solids by sight.
-    pub fn of(solids: &[Solid], sight: Sight) -> Self {
+    pub fn of(solids: &[Polyhedron], sight: RayOrigin) -> Self {
         let count = solids.len();
         let mut clashes = vec![false; count * count];
         let mut after: Vec<Vec<usize>> = vec![Vec::new(); count];
@@ -76,8 +76,8 @@ impl Order {
         let nearness = |i: usize| {
             let centre = solids[i].corners().iter().sum::<DVec3>() / solids[i].corners().len() as f64;
             match sight {
-                Sight::Eye(eye) => centre.distance_squared(eye),
-                Sight::Along(direction) => centre.dot(direction),
+                RayOrigin::Eye(eye) => centre.distance_squared(eye),
+                RayOrigin::Along(direction) => centre.dot(direction),
             }
         };
         let nearness: Vec<f64> = (0..count).map(nearness).collect();

@@ -8,7 +8,7 @@ use crate::math::{DVec3, Plane, Pose};
 
 /// A closed convex polyhedron in whatever space its maker names.
 #[derive(Clone, Debug)]
-pub struct Solid {
+pub struct Polyhedron {
     /// Outward.
     planes: Vec<Plane>,
     corners: Vec<DVec3>,
@@ -16,7 +16,7 @@ pub struct Solid {
     slack: f64,
 }
 
-impl Solid {
+impl Polyhedron {
     /// The hexahedron of eight corners, bit 0 of the index choosing the first axis, bit 1 the second, bit 2 the third.
     pub fn hexahedron(corners: &[DVec3; 8]) -> Self {
         let centre = corners.iter().sum::<DVec3>() / 8.0;

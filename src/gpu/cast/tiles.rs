@@ -4,7 +4,7 @@
 //! the few bodies it can meet without asking all of them. Tiles that hold a pair without an order are marked.
 
 use crate::gpu::cast::order::Order;
-use crate::gpu::cast::solid::Solid;
+use crate::gpu::cast::solid::Polyhedron;
 use crate::gpu::device::constants::{MERGE_MARK, TILE};
 use crate::math::{Camera, DVec2};
 
@@ -46,7 +46,7 @@ pub struct Tiles {
 
 impl Tiles {
     /// Lists for solids in world mm.
-    pub fn of(solids: &[Solid], order: &Order, camera: &Camera, window: &Window) -> Self {
+    pub fn of(solids: &[Polyhedron], order: &Order, camera: &Camera, window: &Window) -> Self {
         let dims = window.size.map(|s| s.div_ceil(TILE));
         let mut per_tile: Vec<Vec<u32>> = vec![Vec::new(); (dims[0] * dims[1]) as usize];
         for &solid in &order.sequence {
@@ -109,7 +109,7 @@ impl Tiles {
 }
 
 /// The tiles that a solid's silhouette meets: per row of tiles the first and the last column.
-fn spans(solid: &Solid, camera: &Camera, window: &Window, dims: [u32; 2]) -> Vec<Option<(u32, u32)>> {
+fn spans(solid: &Polyhedron, camera: &Camera, window: &Window, dims: [u32; 2]) -> Vec<Option<(u32, u32)>> {
     let projected: Option<Vec<DVec2>> =
         solid.corners().iter().map(|&p| camera.project(p, window.picture).map(|(px, _)| px - window.origin)).collect();
     // A corner at or behind the eye: its silhouette has no outline, so it may show anywhere.

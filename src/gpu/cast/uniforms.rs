@@ -4,8 +4,8 @@
 //! eye in f64 here, before the GPU's f32 sees them.
 
 use crate::gpu::cast::looks::{Looks, Meaning, number_of};
-use crate::gpu::cast::merging::Drawn;
-use crate::gpu::cast::order::{Order, Sight};
+use crate::gpu::cast::merging::MergedBody;
+use crate::gpu::cast::order::{Order, RayOrigin};
 use crate::gpu::cast::tiles::{Tiles, Window};
 use crate::gpu::device::constants::{MASK_BACKGROUND, MASK_SELECTION, MOST_BODIES, MOST_PLANES};
 use crate::gpu::device::error::GpuError;
@@ -131,7 +131,7 @@ shared_struct! {
 }
 
 /// Everything that group 0 is filled with.
-pub(crate) struct Scene {
+pub(crate) struct FrameUniforms {
     pub view: View,
     pub looks: Looks,
     pub bodies: Vec<CastBody>,
@@ -142,7 +142,7 @@ pub(crate) struct Scene {
     pub passes: Vec<[f32; 2]>,
 }
 
-impl Scene {
+impl FrameUniforms {
     /// `skips`: the first cell of each body's map of empty space. The volumes must be bound.
     ///
     /// # Errors
@@ -152,7 +152,7 @@ impl Scene {
         fields: &Fields<'_>,
         pools: &FieldPools,
         window: &Window,
-        drawn: &[Drawn],
+        drawn: &[MergedBody],
         looks: Looks,
         skips: &[[u32; 3]],
     ) -> Result<Self, GpuError> {
@@ -219,7 +219,7 @@ impl Scene {
             }
         }
         let solids: Vec<_> = drawn.iter().map(|d| d.solid.clone()).collect();
-        let sight = Sight::of(camera);
+        let sight = RayOrigin::of(camera);
         let tiles = Tiles::of(&solids, &Order::of(&solids, sight), camera, window);
         let passes = passes(drawn, sight, eye, frame.step_mm, &tiles, looks.refines);
         let view = view(frame, window, drawn.first(), pools);
@@ -232,7 +232,7 @@ fn narrow(v: DVec3) -> [f32; 3] {
 }
 
 /// The view, with the look of the first body, which is all bodies' if they have none of their own.
-fn view(frame: &Frame, window: &Window, first: Option<&Drawn>, pools: &FieldPools) -> View {
+fn view(frame: &Frame, window: &Window, first: Option<&MergedBody>, pools: &FieldPools) -> View {
     let look = frame.look(first.and_then(|d| d.look));
     let meaning = Meaning::of(look, first.map_or((0.0, 1.0), |d| pools.value_of_texel(d.volume)));
     let overlay = first.map_or(&frame.overlay, |d| frame.overlay_of(d.volume));
@@ -269,11 +269,18 @@ fn view(frame: &Frame, window: &Window, first: Option<&Drawn>, pools: &FieldPool
 }
 
 /// Divides the lattice so that no invocation loops too often.
-fn passes(drawn: &[Drawn], sight: Sight, eye: DVec3, step_mm: f64, tiles: &Tiles, refine: bool) -> Vec<[f32; 2]> {
+fn passes(
+    drawn: &[MergedBody],
+    sight: RayOrigin,
+    eye: DVec3,
+    step_mm: f64,
+    tiles: &Tiles,
+    refine: bool,
+) -> Vec<[f32; 2]> {
     let corners = || drawn.iter().flat_map(|d| d.solid.corners());
     let far = |p: &DVec3| match sight {
-        Sight::Eye(_) => p.distance(eye),
-        Sight::Along(direction) => (*p - eye).dot(direction),
+        RayOrigin::Eye(_) => p.distance(eye),
+        RayOrigin::Along(direction) => (*p - eye).dot(direction),
     };
     // Beyond that a sample's number is no whole number in 32-bit float, and a step of 1 leads nowhere.
     const LAST: f64 = 16_777_216.0;
@@ -281,8 +288,8 @@ fn passes(drawn: &[Drawn], sight: Sight, eye: DVec3, step_mm: f64, tiles: &Tiles
     // Nothing lies nearer than the plane through the nearest corner that rays cross: square to all of them in orthographic
     // projection; from an eye any will do, best one across the mean direction.
     let along = match sight {
-        Sight::Eye(_) => (corners().sum::<DVec3>() / corners().count().max(1) as f64 - eye).normalize_or_zero(),
-        Sight::Along(direction) => direction,
+        RayOrigin::Eye(_) => (corners().sum::<DVec3>() / corners().count().max(1) as f64 - eye).normalize_or_zero(),
+        RayOrigin::Along(direction) => direction,
     };
     let nearest = corners().map(|p| (*p - eye).dot(along)).fold(f64::INFINITY, f64::min);
     // A sample before it, since the GPU's narrower numbers may enter a body there.

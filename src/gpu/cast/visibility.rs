@@ -5,7 +5,7 @@
 use crate::gpu::cast::caster::Caster;
 use crate::gpu::cast::counting::Counter;
 use crate::gpu::cast::looks::Looks;
-use crate::gpu::cast::merging::drawn;
+use crate::gpu::cast::merging::unite;
 use crate::gpu::cast::tiles::Window;
 use crate::gpu::device::constants::TILE;
 use crate::gpu::device::error::GpuError;
@@ -52,7 +52,7 @@ impl Caster {
     ) -> Result<Visibility, GpuError> {
         let hiders = frame.bodies.iter().filter(|b| b.mask != Mask::Selection);
         let mut answer = Visibility { hidden_by: hiders.map(|b| (b.id, 0)).collect(), ..Default::default() };
-        let list = drawn(frame, fields, pools, false)?;
+        let list = unite(frame, fields, pools, false)?;
         if frame.size.contains(&0) || !list.iter().any(|d| d.mask == Mask::Selection) {
             return Ok(answer);
         }

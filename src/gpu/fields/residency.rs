@@ -33,7 +33,7 @@ impl Need<'_, '_> {
 /// The answer: bricks with more than one value to be held, the most urgent first and every brick after those above it, and
 /// bricks of one value that take part in the cut.
 #[derive(Debug)]
-pub(crate) struct Cut {
+pub(crate) struct LevelCut {
     pub(crate) held: Vec<SlotKey>,
     pub(crate) uniform: HashSet<SlotKey>,
 }
@@ -57,7 +57,7 @@ impl PartialOrd for Candidate {
 }
 
 /// Chooses the cut.
-pub(crate) fn choose(need: &Need<'_, '_>) -> Cut {
+pub(crate) fn choose(need: &Need<'_, '_>) -> LevelCut {
     // For every brick above a needed one: the greatest urgency below it, and its children.
     let mut most: HashMap<SlotKey, f32> = HashMap::new();
     let mut children: HashMap<SlotKey, Vec<SlotKey>> = HashMap::new();
@@ -122,5 +122,5 @@ pub(crate) fn choose(need: &Need<'_, '_>) -> Cut {
     }
     let chosen = order.into_iter().filter(|key| chosen.contains(key));
     let (held, uniform) = chosen.partition::<Vec<_>, _>(|key| need.cost(key) == 1);
-    Cut { held, uniform: uniform.into_iter().collect() }
+    LevelCut { held, uniform: uniform.into_iter().collect() }
 }

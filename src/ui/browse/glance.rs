@@ -36,9 +36,9 @@ pub enum Glance {
 }
 
 /// Looks at a file; `go_on` is asked now and then.
-pub fn glance(path: &Path, go_on: &(dyn Fn() -> bool + Sync)) -> Glance {
+pub fn glance(path: &Path, proceed: &(dyn Fn() -> bool + Sync)) -> Glance {
     let begun = Instant::now();
-    let in_time = |_| begun.elapsed() < MOMENT && go_on();
+    let in_time = |_| begun.elapsed() < MOMENT && proceed();
     let Ok(opened) = io::open(path) else { return Glance::Image };
     let named = path.file_name().is_some_and(|name| ends_with(name, &[".seg.nrrd"]));
     if named || !opened.labels.is_empty() {
@@ -60,7 +60,7 @@ struct Seen {
     equal: u64,
 }
 
-fn looks_like_regions(source: &dyn BrickSource, go_on: &dyn Fn() -> bool) -> bool {
+fn looks_like_regions(source: &dyn BrickSource, proceed: &dyn Fn() -> bool) -> bool {
     let [nx, ny, nz] = source.grid().dims;
     let size = [nx.min(EDGE), ny.min(EDGE), 1];
     let lo = |z: u32| [(nx - size[0]) / 2, (ny - size[1]) / 2, z];
@@ -71,7 +71,7 @@ fn looks_like_regions(source: &dyn BrickSource, go_on: &dyn Fn() -> bool) -> boo
         let z = (u64::from(nz) * (2 * u64::from(i) + 1) / (2 * u64::from(count))) as u32;
         let Ok(voxels) = source.read(lo(z), size) else { return false };
         let regions = with_voxels!(&voxels, v => seen.take(v, size[0] as usize, slope, intercept));
-        if !regions || !go_on() {
+        if !regions || !proceed() {
             return false;
         }
     }

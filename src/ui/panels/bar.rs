@@ -50,7 +50,7 @@ impl App {
             let clicked =
                 ui.add_enabled_ui(names.is_some(), |ui| icon_button(ui, Face::tool(icon, name, &tip, false)).clicked());
             if clicked.inner {
-                self.travel(command);
+                self.undo_redo(command);
             }
         }
     }

@@ -61,8 +61,8 @@ impl App {
             }
         });
         match jump {
-            Some(i) if i < done => self.travel(HistoryCommand::Undo { steps: (done - i) as u32 }),
-            Some(i) => self.travel(HistoryCommand::Redo { steps: (i - done) as u32 }),
+            Some(i) if i < done => self.undo_redo(HistoryCommand::Undo { steps: (done - i) as u32 }),
+            Some(i) => self.undo_redo(HistoryCommand::Redo { steps: (i - done) as u32 }),
             None => {}
         }
     }

@@ -211,8 +211,8 @@ impl App {
                     self.send_view(ViewCommand::Scroll { view, voxels });
                 }
             }
-            Action::Undo => self.travel(HistoryCommand::Undo { steps: 1 }),
-            Action::Redo => self.travel(HistoryCommand::Redo { steps: 1 }),
+            Action::Undo => self.undo_redo(HistoryCommand::Undo { steps: 1 }),
+            Action::Redo => self.undo_redo(HistoryCommand::Redo { steps: 1 }),
             Action::Save => self.save(),
             Action::SaveAs => {
                 self.after_save = None;

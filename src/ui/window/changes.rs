@@ -66,7 +66,7 @@ impl App {
     }
 
     /// Undo or redo, unless a drag is under way.
-    pub(crate) fn travel(&mut self, command: HistoryCommand) {
+    pub(crate) fn undo_redo(&mut self, command: HistoryCommand) {
         if self.group.is_none() && self.interaction.gesture().is_none() {
             self.send(Command::History(command));
         }

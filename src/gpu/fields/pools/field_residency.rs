@@ -22,7 +22,7 @@ use std::collections::{BTreeMap, BTreeSet, HashSet};
 pub(crate) struct FieldResidency {
     /// Bricks of level 0 that take a slot each: the needed ones of more than one value, and those being painted.
     finest: BTreeSet<(VolumeId, usize)>,
-    cut: Option<Cut>,
+    cut: Option<HeldCut>,
     /// Bricks whose page may be another, of every volume that lies in the pool.
     dirty: BTreeMap<VolumeId, DirtyBricks>,
     /// Another cut may be due.
@@ -32,7 +32,7 @@ pub(crate) struct FieldResidency {
 }
 
 #[derive(Debug)]
-struct Cut {
+struct HeldCut {
     held: HashSet<SlotKey>,
     uniform: HashSet<SlotKey>,
 }
@@ -190,7 +190,7 @@ impl FieldPools {
                 let room = pool.most().saturating_sub(pool.pinned().len());
                 let cut = residency::choose(&Need { field_of: &field_of, finest: &finest, urgency: &urgency, room });
                 let held = cut.held.iter().copied().collect();
-                (cut.held, Some(Cut { held, uniform: cut.uniform }))
+                (cut.held, Some(HeldCut { held, uniform: cut.uniform }))
             };
             pool.release_all();
             residency.pending = !few(&target, pool);
