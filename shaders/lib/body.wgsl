@@ -6,7 +6,7 @@
 // whole shader anew for every draw, and keeps each one, a megabyte and more, as long as the pipeline lives.
 
 #import burin::constants::{MOST_BODIES, MOST_PLANES, TILE, LIST_WIDTH, MERGE_MARK, MODE_DVR}
-#import burin::field::{enter_volume, info}
+#import burin::field::{enter_volume, last_cell, info}
 
 struct View {
     corner: vec3<f32>,          // ray through the picture's corner: from the eye, before it is given length 1
@@ -89,6 +89,9 @@ struct BodyRay {
     cell_i: vec3<f32>,          // 1 / cell_d
     within: vec2<f32>,          // where it is inside the body, in steps, once that is known
     skip_place: vec3<u32>,
+    cell_last: vec3<f32>,       // its last cell
+    world: mat3x3<f32>,         // transposed it takes gradients to the world
+    tint: vec3<f32>,
 }
 
 #ifdef OWN_LOOKS
@@ -96,12 +99,18 @@ struct BodyRay {
 var<private> meaning: BodyMatter;
 #endif
 
+#ifndef OWN_LOOKS
+// Read once: where lanes part software Vulkan reads a uniform's member lane by lane.
+var<private> table_map: vec2<f32>;
+var<private> light_of: vec4<f32>;
+#endif
+
 // Entry of the table for a texel of the body whose ray was made last.
 fn table_place(texel: f32) -> f32 {
 #ifdef OWN_LOOKS
     return texel * meaning.table_scale + meaning.table_bias;
 #else
-    return texel * view.table_scale + view.table_bias;
+    return texel * table_map.x + table_map.y;
 #endif
 }
 
@@ -110,7 +119,7 @@ fn table_x(texel: f32) -> f32 {
 #ifdef OWN_LOOKS
     return texel * meaning.table_scale + (meaning.table_bias - 0.5);
 #else
-    return texel * view.table_scale + (view.table_bias - 0.5);
+    return texel * table_map.x + (table_map.y - 0.5);
 #endif
 }
 
@@ -207,6 +216,13 @@ fn body_ray(b: u32, ray: Ray) -> BodyRay {
 #endif
     var r: BodyRay;
     r.skip_place = matters[b].skip_place;
+    r.cell_last = last_cell();
+    r.world = m;
+    r.tint = bodies[b].tint;
+#ifndef OWN_LOOKS
+    table_map = vec2<f32>(view.table_scale, view.table_bias);
+    light_of = view.lighting;
+#endif
     r.body = b;
     r.mask = bodies[b].mask;
     r.o = bodies[b].eye + m * ray.start;

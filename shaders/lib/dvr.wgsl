@@ -8,7 +8,7 @@
 
 #import burin::constants::{CLEAR_END, FAR}
 #import burin::field::{selection_at, selected}
-#import burin::body::{Ray, BodyRay, view, bodies, body_ray}
+#import burin::body::{Ray, BodyRay, view, body_ray}
 #import burin::look::{table_at, share, opacity_of_share, painted}
 #ifdef REFINE
 #import burin::look::{Matter, integrals_at, shows_between, matter_between, colour_of_entry}
@@ -117,7 +117,7 @@ fn evaluate(r: BodyRay, run: Run, k: f32, texel: f32, c: vec4<f32>) -> vec4<f32>
     s = selected(p);
     extinction *= share(r.mask, s);
 #endif
-    var colour = painted(colour_of_entry(matter.entry), p, s) * bodies[r.body].tint;
+    var colour = painted(colour_of_entry(matter.entry), p, s) * r.tint;
 #ifdef LIT
     let slope = slope_of(r, gradient(run.page, r.o + r.d * ends_at), texel);
     let before = select(slope, lit_end, lit_at == begins_at);
@@ -156,7 +156,7 @@ fn evaluate(r: BodyRay, run: Run, k: f32, texel: f32, c: vec4<f32>) -> vec4<f32>
         out.a = opacity_of_share(c.a, share(r.mask, s));
     }
 #endif
-    var colour = painted(c.rgb, p, s) * bodies[r.body].tint;
+    var colour = painted(c.rgb, p, s) * r.tint;
 #ifdef LIT
     colour = lit(colour, facing(r, gradient(run.page, p), texel));
 #endif

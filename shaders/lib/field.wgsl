@@ -36,7 +36,8 @@ var<private> info: FieldInfo;
 @group(1) @binding(5) var label_pool: texture_3d<u32>;
 @group(1) @binding(6) var pages: texture_2d<u32>;
 @group(1) @binding(7) var skip_maps: texture_3d<u32>;
-@group(1) @binding(8) var linear_sampler: sampler;
+@group(1) @binding(8) var pair_layers: texture_2d_array<f32>;
+@group(1) @binding(9) var linear_sampler: sampler;
 
 // All that follows is of this volume from here on, by its place in the list of those that the picture shows.
 fn enter_volume(place: u32) {
@@ -111,6 +112,13 @@ fn density_page(brick: vec3<i32>) -> Page {
     page.off = 1.5 * info.density_texel;
     page.first = 0.5 * info.density_texel;
     page.last = 1.0 - (0.5 + 1.0 / 256.0) * info.density_texel;
+#ifdef PAIRS
+    // Along z in layers, of which the first has its centre at 0.
+    page.first.z = 0.0;
+    page.last.z = 1.0 / info.density_texel.z - (1.0 + 1.0 / 256.0);
+    page.scale.z = 1.0;
+    page.off.z = 1.0;
+#endif
     return page;
 }
 #else
@@ -157,7 +165,19 @@ fn float_at(q: vec3<f32>) -> f32 {
 #endif
 }
 
+#ifdef PAIRS
+// Between two layers on end.
+fn paired(q: vec3<f32>) -> f32 {
+    let layer = floor(q.z);
+    let pair = textureSampleLevel(pair_layers, linear_sampler, q.xy, i32(layer), 0.0).rg;
+    return pair.r + (q.z - layer) * (pair.g - pair.r);
+}
+#endif
+
 fn pooled(q: vec3<f32>) -> f32 {
+#ifdef PAIRS
+    return paired(q);
+#else
 #ifdef MANY_VOLUMES
 #ifdef FLOAT_POOL
 #ifdef CODE_POOL
@@ -176,6 +196,7 @@ fn pooled(q: vec3<f32>) -> f32 {
     return filtered(density_pool, q);
 #else
     return textureSampleLevel(density_pool, linear_sampler, q, 0.0).r;
+#endif
 #endif
 #endif
 }
@@ -266,6 +287,15 @@ fn cell_of(p: vec3<f32>) -> vec3<i32> {
 
 // `place` is the first cell of a map in the texture of all maps. Cells beside the volume are those at its faces.
 fn skip_at(place: vec3<u32>, cell: vec3<i32>) -> u32 {
-    let last = vec3<i32>((info.dims - 1u) / info.cell);
-    return textureLoad(skip_maps, vec3<i32>(place) + clamp(cell, vec3<i32>(0), last), 0).r;
+    return skip_within(place, last_cell(), vec3<f32>(cell));
+}
+
+// The same for who knows the last cell already: whole numbers divide slowly.
+fn skip_within(place: vec3<u32>, last: vec3<f32>, cell: vec3<f32>) -> u32 {
+    return textureLoad(skip_maps, vec3<i32>(place) + vec3<i32>(clamp(cell, vec3<f32>(0.0), last)), 0).r;
+}
+
+// The last cell of a volume's maps.
+fn last_cell() -> vec3<f32> {
+    return vec3<f32>((info.dims - 1u) / info.cell);
 }

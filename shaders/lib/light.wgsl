@@ -2,7 +2,7 @@
 // Light on matter: the gradient as its normal, a headlight, lit on both sides.
 
 #import burin::field::{Page, density_texel, selection_at, address, is_nan}
-#import burin::body::{BodyRay, view, matrix_of}
+#import burin::body::{BodyRay, view}
 #import burin::look::look_light
 
 fn difference(a: f32, b: f32) -> f32 {
@@ -55,7 +55,7 @@ const LIGHTS: u32 = 6u;
 // A gradient in index space as one of the world, and its part along the ray; nothing where `facing` finds none.
 fn slope_of(r: BodyRay, g: vec3<f32>, texel: f32) -> vec4<f32> {
     let largest = max(abs(g.x), max(abs(g.y), abs(g.z)));
-    let slope = vec4<f32>(g * matrix_of(r.body), dot(g, r.d) / view.step_mm);
+    let slope = vec4<f32>(g * r.world, dot(g, r.d) / view.step_mm);
     return select(slope, vec4<f32>(0.0), largest <= 2.4e-7 * abs(texel));
 }
 
@@ -84,5 +84,5 @@ fn facing(r: BodyRay, g: vec3<f32>, texel: f32) -> f32 {
     }
     let n = g / largest;
     // World normal = transpose(index_from_world) · gradient; r.d is index_from_world · ray · step.
-    return dot(n, r.d) / (length(n * matrix_of(r.body)) * view.step_mm);
+    return dot(n, r.d) / (length(n * r.world) * view.step_mm);
 }

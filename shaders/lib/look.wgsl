@@ -6,6 +6,8 @@
 #import burin::body::{view, table_place, table_x, table_row, iso_texel, overlay_strengths, selection_colour, first_segments}
 #ifdef OWN_LOOKS
 #import burin::body::meaning
+#else
+#import burin::body::light_of
 #endif
 
 @group(0) @binding(5) var table: texture_2d<f32>;
@@ -88,7 +90,7 @@ fn look_light() -> vec4<f32> {
 #ifdef OWN_LOOKS
     return textureLoad(table, vec2<i32>(i32(LOOK_LIGHT), max(table_row(), 0)), 0);
 #else
-    return view.lighting;
+    return light_of;
 #endif
 }
 

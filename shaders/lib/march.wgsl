@@ -43,14 +43,29 @@
 
 // Where a run shows something next.
 struct Found {
+#ifdef REFINE
     at: f32,
+#endif
     k: f32,                     // the sample to meet next
     texel: f32,
     colour: vec4<f32>,          // what it is to the mode; clear if nothing more shows
 }
 
+// The sample that was found.
+fn place_found(found: Found) -> f32 {
+#ifdef REFINE
+    return found.at;
+#else
+    return found.k - 1.0;
+#endif
+}
+
 fn seek(r: BodyRay, run: Run, first: f32) -> Found {
+#ifdef REFINE
     var found = Found(first, first, 0.0, vec4<f32>(0.0));
+#else
+    var found = Found(first, 0.0, vec4<f32>(0.0));
+#endif
 #ifdef LABEL_LOOKS
     // A loop of its own, since a branch in the other one would cost every sample a look at its label.
     loop {
@@ -60,7 +75,9 @@ fn seek(r: BodyRay, run: Run, first: f32) -> Found {
         take_label(label_in(run.labels, run.brick, r.o + r.d * found.k));
         found.texel = run_texel(run, found.k);
         found.colour = mode::meet(r, run, found.k, found.texel);
+#ifdef REFINE
         found.at = found.k;
+#endif
         found.k = mode::after(found.k);
         if (found.colour.a > 0.0) {
             break;
@@ -79,7 +96,9 @@ fn seek(r: BodyRay, run: Run, first: f32) -> Found {
 #endif
         found.texel = run_texel(run, found.k);
         found.colour = mode::meet(r, run, found.k, found.texel);
+#ifdef REFINE
         found.at = found.k;
+#endif
         found.k = mode::after(found.k);
         if (found.colour.a > 0.0) {
             break;
@@ -124,7 +143,7 @@ fn march(r: BodyRay, k0: f32, k1: f32) {
             let found = seek(r, run, k);
             k = found.k;
             if (found.colour.a > 0.0) {
-                mode::add(r, run, found.at, found.texel, found.colour);
+                mode::add(r, run, place_found(found), found.texel, found.colour);
             }
 #else
             let texel = run_texel(run, k);

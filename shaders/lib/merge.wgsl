@@ -12,7 +12,7 @@
 #import burin::dvr::inside
 #endif
 #import burin::span::{next_sample, run_from}
-#import burin::march::{march, seek, further, begin_run}
+#import burin::march::{march, seek, place_found, further, begin_run}
 #ifdef MODES
 #import burin::constants::{MODE_DVR, MODE_ISO}
 #import burin::body::{view, body_mode}
@@ -68,8 +68,8 @@ fn gather(r: BodyRay, first: f32, k0: f32, k1: f32) {
             let found = seek(r, run, k);
             k = found.k;
             if (found.colour.a > 0.0) {
-                let c = evaluate(r, run, found.at, found.texel, found.colour);
-                mix_in(c, u32(ceil(found.at) - first), r.body);
+                let c = evaluate(r, run, place_found(found), found.texel, found.colour);
+                mix_in(c, u32(ceil(place_found(found)) - first), r.body);
             }
             if (k >= run.end) {
                 break;

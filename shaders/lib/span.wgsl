@@ -6,7 +6,7 @@
 // as many samples as its caller says, whichever comes first, and ignores the borders of cells.
 
 #import burin::constants::BRICK
-#import burin::field::{Page, brick_of, density_page, density_texel, address, selection_page, skip_at, label_entry, has_labels, info}
+#import burin::field::{Page, brick_of, density_page, density_texel, address, selection_page, skip_within, label_entry, has_labels, info}
 #import burin::body::{BodyRay, view}
 #import burin::look::{goes_by_label, take_label}
 
@@ -43,8 +43,7 @@ fn next_sample(r: BodyRay, first: f32, k1: f32) -> f32 {
 #else
         let cell = floor(r.cell_o + r.cell_d * k);
 #endif
-        let at = vec3<i32>(cell);
-        let distance = skip_at(r.skip_place, at);
+        let distance = skip_within(r.skip_place, r.cell_last, cell);
         if (distance == 0u) {
             break;
         }

@@ -2,6 +2,7 @@
 
 mod clicks;
 mod live;
+mod pictures;
 mod reference;
 mod several;
 mod slots;

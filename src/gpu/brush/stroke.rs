@@ -255,12 +255,17 @@ impl Stroke {
     }
 
     /// Puts all slots back.
-    pub(crate) fn restore(&self, gpu: &Gpu, pools: &FieldPools) -> Result<(), GpuError> {
+    pub(crate) fn restore(&self, gpu: &Gpu, pools: &mut FieldPools) -> Result<(), GpuError> {
         self.copy(gpu, pools, "a cancelled stroke", &self.touched(), StrokeBuffers::restore)
     }
 
     /// Lets the slots of touched bricks show what they held at the stroke's start, until [`show_painted`](Self::show_painted).
-    pub(crate) fn show_start(&mut self, gpu: &Gpu, pools: &FieldPools, bricks: &[BrickIndex]) -> Result<(), GpuError> {
+    pub(crate) fn show_start(
+        &mut self,
+        gpu: &Gpu,
+        pools: &mut FieldPools,
+        bricks: &[BrickIndex],
+    ) -> Result<(), GpuError> {
         let held: BTreeSet<_> = bricks.iter().filter_map(|brick| Some(self.slots.get(brick)?.buffers)).collect();
         held.into_iter().try_for_each(|number| self.buffers[number].make_aside(gpu))?;
         // All before the first is put back: slots in place share their aprons.
@@ -269,7 +274,12 @@ impl Stroke {
     }
 
     /// Lets them show the stroke again.
-    pub(crate) fn show_painted(&self, gpu: &Gpu, pools: &FieldPools, bricks: &[BrickIndex]) -> Result<(), GpuError> {
+    pub(crate) fn show_painted(
+        &self,
+        gpu: &Gpu,
+        pools: &mut FieldPools,
+        bricks: &[BrickIndex],
+    ) -> Result<(), GpuError> {
         self.copy(gpu, pools, "a stroke put back", bricks, StrokeBuffers::put_back)
     }
 
@@ -277,11 +287,12 @@ impl Stroke {
     fn copy(
         &self,
         gpu: &Gpu,
-        pools: &FieldPools,
+        pools: &mut FieldPools,
         what: &str,
         bricks: &[BrickIndex],
         copy: impl Fn(&StrokeBuffers, &mut wgpu::CommandEncoder, &StrokeSlot, &wgpu::Texture),
     ) -> Result<(), GpuError> {
+        pools.wrote_slots(self.key(), bricks);
         let Some(texture) = pools.texture(self.key()) else { return Ok(()) };
         let slots: Vec<_> = bricks.iter().filter_map(|brick| self.slots.get(brick)).collect();
         gpu.scoped(what, || {

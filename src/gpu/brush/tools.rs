@@ -82,6 +82,7 @@ impl Tools {
         }
         let new: Vec<_> = bricks.iter().copied().filter(|b| !stroke.slots.contains_key(b)).collect();
         let origins = if new.is_empty() { Vec::new() } else { pools.pin(&self.gpu, key, target, &new)? };
+        pools.wrote(key, footprints.iter().map(|f| f.bounds));
         let (texture, variant) = shown(stroke, pools, target)?;
         let begins = stroke.slots.is_empty();
         self.lock(stroke, begins);
@@ -165,6 +166,7 @@ impl Tools {
         self.gpu.check()?;
         let touched = stroke.touched();
         if !touched.is_empty() {
+            pools.wrote_slots(stroke.key(), &touched);
             let (texture, variant) = shown(stroke, pools, fields.get(stroke.kind()))?;
             let pipeline = self.kernel.pipeline(&self.gpu, &kernel::conditions(variant, true), &[], &[])?;
             let label = wgpu::CommandEncoderDescriptor { label: Some("dabs taken back") };

@@ -188,6 +188,7 @@ impl Caster {
         }
         let matters: Vec<_> = drawn.iter().map(|d| d.matter(frame)).collect();
         pools.bind(gpu, &frame.volumes())?;
+        pools.pair(gpu)?;
         let skips = pools.skip_maps(gpu, fields, &matters)?;
         FrameUniforms::new(frame, fields, pools, window, drawn, looks, &skips)
     }
@@ -293,6 +294,7 @@ impl Caster {
             ("LABEL_LOOKS", looks.by_label),
             ("TELLS_LABELS", labelled),
             ("LIT", lit),
+            ("PAIRS", pools.reads_pairs()),
             ("COLOUR", colour),
             ("LABELS", labels),
             ("SELECTION", selection),

@@ -43,18 +43,20 @@ shared_struct! {
 }
 
 /// What group 1 binds besides buffers and sampler: density, density as floats (many volumes), colour, selection, labels, pages,
-/// maps of empty space.
-pub(crate) type Textures<'a> = [&'a wgpu::Texture; 7];
+/// maps of empty space, density's pairs of voxels.
+pub(crate) type Textures<'a> = [&'a wgpu::Texture; 8];
 
-/// A texel of zero as float and as integer.
-pub(crate) fn nothing(gpu: &Gpu) -> [wgpu::Texture; 2] {
-    [wgpu::TextureFormat::R8Unorm, wgpu::TextureFormat::R8Uint].map(|format| {
+/// A texel of zero as float and as integer, and as float in a layer.
+pub(crate) fn nothing(gpu: &Gpu) -> [wgpu::Texture; 3] {
+    use wgpu::TextureDimension::{D2, D3};
+    use wgpu::TextureFormat::{R8Uint, R8Unorm};
+    [(R8Unorm, D3), (R8Uint, D3), (R8Unorm, D2)].map(|(format, dimension)| {
         gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("nothing"),
             size: pool::extent([1; 3]),
             mip_level_count: 1,
             sample_count: 1,
-            dimension: wgpu::TextureDimension::D3,
+            dimension,
             format,
             usage: wgpu::TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
@@ -82,7 +84,7 @@ pub(crate) fn linear_sampler(gpu: &Gpu) -> wgpu::Sampler {
 
 /// `first_filters`: whether a sampler may filter what is bound as density.
 pub(crate) fn layout(gpu: &Gpu, first_filters: bool) -> wgpu::BindGroupLayout {
-    use wgpu::TextureViewDimension::{D2, D3};
+    use wgpu::TextureViewDimension::{D2, D2Array, D3};
     let visibility = wgpu::ShaderStages::FRAGMENT | wgpu::ShaderStages::COMPUTE;
     let entry = |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
     let texture =
@@ -104,6 +106,7 @@ pub(crate) fn layout(gpu: &Gpu, first_filters: bool) -> wgpu::BindGroupLayout {
         texture(uint, D3),
         texture(uint, D2),
         texture(uint, D3),
+        texture(float(true), D2Array),
         wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
     ];
     let entries: Vec<_> = (0..).zip(types).map(|(binding, ty)| entry(binding, ty)).collect();
@@ -117,10 +120,13 @@ pub(crate) fn group(
     sampler: &wgpu::Sampler,
     textures: Textures<'_>,
 ) -> wgpu::BindGroup {
-    let views = textures.map(|t| t.create_view(&wgpu::TextureViewDescriptor::default()));
+    let mut views = textures.map(|t| t.create_view(&wgpu::TextureViewDescriptor::default()));
+    let layers =
+        wgpu::TextureViewDescriptor { dimension: Some(wgpu::TextureViewDimension::D2Array), ..Default::default() };
+    views[7] = textures[7].create_view(&layers);
     let mut entries = vec![
         wgpu::BindGroupEntry { binding: 0, resource: info.as_entire_binding() },
-        wgpu::BindGroupEntry { binding: 8, resource: wgpu::BindingResource::Sampler(sampler) },
+        wgpu::BindGroupEntry { binding: 9, resource: wgpu::BindingResource::Sampler(sampler) },
     ];
     entries.extend(
         (1..)

@@ -6,12 +6,14 @@
 
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
+use crate::gpu::fields::pool::pairs::Pairs;
 use crate::gpu::fields::pool::slots::{grow_grid, limit, places, slots_texture, texels};
 use crate::gpu::fields::pool::upload::Upload;
 use crate::gpu::fields::slot_key::SlotKey;
 use crate::volume::{BRICK, BrickIndex, BrickKey, Field, SLOT, TexelFormat, VolumeId};
 use std::collections::{HashMap, HashSet};
 
+pub(crate) mod pairs;
 pub(crate) mod slots;
 pub(crate) mod upload;
 
@@ -36,6 +38,9 @@ pub(crate) struct Pool {
     in_place: Option<(VolumeId, [u32; 3])>,
     budget: u64,
     pub(crate) texture: wgpu::Texture,
+    pub(crate) pairs: Option<Pairs>,
+    /// There are to be no pairs, or there is no room for them.
+    unpaired: bool,
     grid: [u32; 3],
     limit: [u32; 3],
     held: HashMap<SlotKey, Held>,
@@ -86,6 +91,8 @@ impl Pool {
             in_place,
             budget,
             texture,
+            pairs: None,
+            unpaired: false,
             grid: [1; 3],
             limit,
             held: HashMap::new(),

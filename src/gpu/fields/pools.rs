@@ -11,6 +11,7 @@ use crate::gpu::fields::demand::{Asked, Demand, SliceCut};
 use crate::gpu::fields::importance::Viewing;
 use crate::gpu::fields::page_tables::PageTables;
 use crate::gpu::fields::pool::Pool;
+use crate::gpu::fields::pool::pairs::PairsKernel;
 use crate::gpu::fields::pools::field_residency::FieldResidency;
 use crate::gpu::fields::skip_maps::SkipMaps;
 use crate::gpu::fields::slot_key::{SlotKey, brick_of};
@@ -26,6 +27,7 @@ pub(crate) mod binding;
 pub(crate) mod cells;
 pub(crate) mod edit;
 pub(crate) mod field_residency;
+pub(crate) mod pairs;
 pub(crate) mod sharing;
 
 /// Pools by what they hold: density as codes, density as floats, colour, selection, labels.
@@ -54,6 +56,7 @@ pub struct FieldPools {
     residency: [FieldResidency; POOLS],
     pages: PageTables,
     skips: SkipMaps,
+    pairs: PairsKernel,
     /// Slots that hold what the next refresh of their field brings.
     painted: BTreeMap<FieldKey, HashSet<BrickKey>>,
     /// Bricks of a pool that one call may upload.
@@ -69,7 +72,7 @@ pub struct FieldPools {
     infos: Vec<FieldInfo>,
     info: wgpu::Buffer,
     sampler: wgpu::Sampler,
-    nothing: [wgpu::Texture; 2],
+    nothing: [wgpu::Texture; 3],
     layout: wgpu::BindGroupLayout,
     group: wgpu::BindGroup,
 }
@@ -97,8 +100,8 @@ impl FieldPools {
             let layout = bindings::layout(gpu, true);
             let info = bindings::info_buffer(gpu);
             let sampler = bindings::linear_sampler(gpu);
-            let [float, uint] = &nothing;
-            let textures = [float, float, float, float, uint, &pages.texture, &skips.texture];
+            let [float, uint, layer] = &nothing;
+            let textures = [float, float, float, float, uint, &pages.texture, &skips.texture, layer];
             let group = bindings::group(gpu, &layout, &info, &sampler, textures);
             Ok(Self {
                 budget: budget_bytes,
@@ -109,6 +112,7 @@ impl FieldPools {
                 residency: Default::default(),
                 pages,
                 skips,
+                pairs: PairsKernel::new(gpu),
                 painted: BTreeMap::new(),
                 limit: None,
                 stale: true,

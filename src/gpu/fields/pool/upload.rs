@@ -64,6 +64,11 @@ impl Pool {
         }
         self.written = true;
         self.uploaded += uploads.len() as u64;
+        for Upload { slot, part, .. } in uploads {
+            let origin = self.origin(*slot);
+            let at = |v: [u32; 3]| std::array::from_fn(|a| origin[a] + v[a]);
+            self.wrote(Region { lo: at(part.lo), end: at(part.end) });
+        }
         Ok(())
     }
 

@@ -91,7 +91,7 @@ impl FieldPools {
         };
         let filters = one.and_then(|at| self.pools[at].as_ref());
         let filters = filters.is_none_or(|p| p.format() != TexelFormat::R32Float || gpu.filters_float());
-        let [float, uint] = &self.nothing;
+        let [float, uint, layer] = &self.nothing;
         let of = |at: Option<usize>| at.and_then(|at| self.pools[at].as_ref()).map(|pool| &pool.texture);
         let textures = [
             of(one).unwrap_or(float),
@@ -101,6 +101,7 @@ impl FieldPools {
             of(Some(4)).unwrap_or(uint),
             &self.pages.texture,
             &self.skips.texture,
+            self.pairs_of(volumes).unwrap_or(layer),
         ];
         (self.layout, self.group) = gpu.scoped("the fields' bindings", || {
             let layout = bindings::layout(gpu, filters);
