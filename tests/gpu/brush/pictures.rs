@@ -21,8 +21,9 @@ fn of_field(gpu: &Gpu, canvas: &Canvas, density: &Field, frame: &Frame) -> Image
 
 /// Density as the running stroke shows it.
 fn shown(canvas: &Canvas) -> Field {
-    let live = |b: BrickIndex| Some((b, Some(canvas.painter.live(&canvas.pools, &fields_of(canvas), b).unwrap()?)));
-    let bricks = canvas.painter.touched().into_iter().filter_map(live).collect();
+    let fields = fields_of(canvas);
+    let live = |b| Some((b, Some(canvas.painter.live(&canvas.pools, &fields, VolumeId::FIRST, b).unwrap()?)));
+    let bricks = touched(&canvas.painter).into_iter().filter_map(live).collect();
     let mut field = canvas.density.clone();
     field.swap(bricks).unwrap();
     field
@@ -56,11 +57,11 @@ fn what_is_painted_taken_back_or_looked_past_shows_in_the_very_next_picture() {
         let Canvas { density, colour, selection, labels, painter, pools, .. } = &mut canvas;
         let fields = one_volume(&grid, density, colour, selection, labels);
         let look = |pools: &mut FieldPools| Caster::new(&gpu).unwrap().image(&gpu, pools, &fields, &frame);
-        let before = painter.at_start(pools, |_| true, look).unwrap();
+        let before = painter.at_start(pools, |_, _| true, look).unwrap();
         assert!(before == start, "{mode:?}: the start of a running stroke");
         assert!(now(&mut canvas) == painted, "{mode:?}: the stroke shows again");
 
-        let refresh = canvas.painter.cancel(&mut canvas.pools).unwrap();
+        let refresh = of_one(canvas.painter.cancel(&mut canvas.pools).unwrap());
         canvas.pools.refresh_painted(&gpu, FieldKind::Density, &canvas.density, &refresh).unwrap();
         assert!(now(&mut canvas) == start, "{mode:?}: a cancelled stroke leaves nothing");
 
