@@ -87,6 +87,7 @@ impl Stage {
 fn snapshot(document: &Document) -> Result<Snapshot, Failure> {
     let volume = document.state().ok_or("nothing is open")?.at(None)?;
     let open = OpenDocument {
+        opening: 1,
         scene: Arc::new(volume.scene.clone()),
         poses: Arc::new(document.poses().clone()),
         grid: *volume.grid(),

@@ -84,6 +84,7 @@ pub struct Document {
     save_to: Option<PathBuf>,
     unsaved: bool,
     revision: u64,
+    opening: u64,
 }
 
 impl Document {
@@ -96,6 +97,7 @@ impl Document {
     pub fn adopt(&mut self, state: State) {
         self.drop_stroke();
         self.state = Some(state);
+        self.opening += 1;
         self.graphics.forget();
         self.motion.forget();
         self.leave_place();
@@ -128,6 +130,11 @@ impl Document {
     /// Changes whenever the document did: whoever shows it draws again.
     pub fn revision(&self) -> u64 {
         self.revision
+    }
+
+    /// Tells documents apart that were open one after another: another number for each.
+    pub fn opening(&self) -> u64 {
+        self.opening
     }
 
     /// Does a command and answers what it did; `step` names the new step of history, or is null.

@@ -94,6 +94,7 @@ impl Window {
         let histogram =
             Histogram { min: 0.0, max: 100.0, bins: (0..50).map(|i| 1000 / (i + 1)).collect(), ..Histogram::default() };
         let opened = OpenDocument {
+            opening: 1,
             scene: Arc::new(self.scene.clone()),
             poses: Arc::default(),
             grid,

@@ -2,10 +2,12 @@
 
 use super::driver::{SMALL, Window};
 use super::replies::lost;
+use super::volumes::two_volumes;
 use burin::document::ViewName;
 use burin::math::DVec3;
 use burin::ui::style::theme;
 use burin::ui::{Canvas, Picture, Report};
+use burin::volume::VolumeId;
 use eframe::egui_wgpu::{RenderState, RendererOptions};
 use egui::Color32;
 use egui_kittest::kittest::Queryable;
@@ -231,4 +233,34 @@ fn a_stroke_thinner_than_any_pixel_is_drawn_at_once_too() {
         assert!((-2..=2).any(green), "{share} of the way");
         assert!(!green(-9) && !green(9), "beside it, {share} of the way");
     }
+}
+
+#[test]
+fn pictures_and_panels_stay_while_volumes_are_chosen_and_removed_and_go_with_another_document() {
+    let Some(state) = render_state() else { return };
+    let canvas = Canvas::new(&state).unwrap();
+    let mut window = Window::painted(SMALL, state, canvas);
+    two_volumes(&mut window);
+    window.report(Report::Picture(Box::new(plain(&window, ViewName::ThreeD, [30, 20], [60, 0, 90]))));
+    let view = window.harness.get_by_label("3D view").rect();
+    let shown = |window: &mut Window| {
+        let image = window.harness.render().unwrap();
+        let [r, g, b, _] = image.get_pixel((view.left() + view.width() * 0.3) as u32, (view.top() + 40.0) as u32).0;
+        [r, g, b]
+    };
+    assert_eq!(shown(&mut window), [60, 0, 90]);
+    let brush = window.rect("Section Brush");
+    // Every word of the document comes with a histogram of its own, as one of another volume does.
+    window.scene.volumes.active = VolumeId(1);
+    window.snapshot(|_| {});
+    assert_eq!(shown(&mut window), [60, 0, 90], "another volume is active");
+    assert_eq!(window.rect("Section Brush"), brush);
+    window.scene.volumes.active = VolumeId::FIRST;
+    window.scene.volumes.all.remove(&VolumeId(1));
+    window.scene.shown.remove(&VolumeId(1));
+    window.snapshot(|_| {});
+    assert_eq!(shown(&mut window), [60, 0, 90], "the other one is removed");
+    assert_eq!(window.rect("Section Brush"), brush, "nothing moves under the hand");
+    window.snapshot(|s| s.open.as_mut().unwrap().opening += 1);
+    assert_eq!(shown(&mut window), [0, 0, 0], "another document");
 }

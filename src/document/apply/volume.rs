@@ -93,6 +93,10 @@ impl Document {
         edit: &mut Edit,
     ) -> Result<Said, DocumentError> {
         let (mut read, about) = opened.into_parts();
+        let watch = self.watch.clone();
+        for files in read.files.values() {
+            edit.has_read(files, &|| watch.go_on(1.0))?;
+        }
         let state = self.open_mut()?;
         let first = VolumeId::FIRST;
         let (Some(volume), Some(mut settings)) = (read.volumes.remove(&first), read.scene.volumes.all.remove(&first))

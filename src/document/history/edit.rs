@@ -1,7 +1,8 @@
 //! What one command changes while it runs: the recording that becomes a step, or is taken back if the command fails.
 
 use crate::document::command::resolved::{FileRead, ResolvedCommand};
-use crate::document::disk::source_files::{Trouble, hash_one};
+use crate::document::disk::error::KeepError;
+use crate::document::disk::source_files::{SourceFiles, Trouble, hash_one};
 use crate::document::error::DocumentError;
 use crate::document::history::step::{Bare, Refreshed, SceneDelta, Step, remap};
 use crate::document::scene::Scene;
@@ -57,6 +58,21 @@ impl Edit {
             let hash = hash_one(mark, None, &|| !proceed()).map_err(Trouble::error)?.ok_or(DocumentError::Stopped)?;
             self.files.push(FileRead { path: mark.path.clone(), bytes: mark.bytes, blake3: hash });
         }
+        Ok(())
+    }
+
+    /// Notes files that a volume was read from, once their hashes are known.
+    ///
+    /// # Errors
+    /// As [`reads`](Self::reads).
+    pub(crate) fn has_read(&mut self, files: &SourceFiles, go_on: &dyn Fn() -> bool) -> Result<(), DocumentError> {
+        let hashes = files.hashes(go_on).map_err(|error| match error {
+            KeepError::Stopped => DocumentError::Stopped,
+            other => other.into(),
+        })?;
+        let read =
+            |(mark, hash): (&FileMark, String)| FileRead { path: mark.path.clone(), bytes: mark.bytes, blake3: hash };
+        self.files.extend(files.files().iter().zip(hashes).map(read));
         Ok(())
     }
 

@@ -1,6 +1,7 @@
 //! The list of volumes: which one is painted and which besides, name, visibility, strength, place.
 //!
-//! It takes room only where there is something to choose: a document of one volume as it was opened has no list.
+//! It takes room only where there is something to choose: a document of one volume as it was opened has no list. It stays when volumes
+//! are removed, so that nothing below it moves under the hand.
 
 use crate::document::{BrushCommand, Command, VolumeCommand, VolumeSettings};
 use crate::interact::{Tool, readout};
@@ -45,11 +46,11 @@ impl Given {
 }
 
 impl App {
-    /// Whether there is something to choose: several volumes, or one that was hidden, weakened or moved.
+    /// Whether there is something to choose: several volumes, one that is left of several, or one that was hidden, weakened or moved.
     pub(super) fn lists_volumes(&self) -> bool {
         let Some(scene) = &self.scene else { return false };
         let as_opened = |v: &VolumeSettings| v.visible && v.opacity == 1.0 && v.pose == Pose::IDENTITY;
-        scene.volumes.all.len() > 1 || scene.volumes.all.values().any(|volume| !as_opened(volume))
+        scene.volumes.next > 1 || scene.volumes.all.values().any(|volume| !as_opened(volume))
     }
 
     pub(super) fn volume_panel(&mut self, ui: &mut Ui) {

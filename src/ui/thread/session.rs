@@ -78,6 +78,8 @@ impl Snapshot {
 /// The open volume.
 #[derive(Clone, Debug)]
 pub struct OpenDocument {
+    /// Another number for each document that was opened.
+    pub opening: u64,
     /// Everything but voxels.
     pub scene: Arc<Scene>,
     /// Where its parts stand.
@@ -90,7 +92,7 @@ pub struct OpenDocument {
     pub voxel_type: VoxelType,
     /// Of the source's values.
     pub statistics: Statistics,
-    /// Of the source's values; the same as long as the same document is open, and no longer.
+    /// Of the active volume's values; the same as long as it is active, and no longer.
     pub histogram: Arc<Histogram>,
 }
 

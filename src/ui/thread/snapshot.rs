@@ -17,6 +17,7 @@ pub(super) fn open_document(document: &Document, known: Option<&Arc<Histogram>>)
         _ => Arc::new(subject.histogram.clone()),
     };
     Some(OpenDocument {
+        opening: document.opening(),
         scene: Arc::new(subject.scene.clone()),
         poses: Arc::new(document.poses().clone()),
         grid: *subject.grid(),

@@ -9,7 +9,7 @@ use crate::ui::browse::names::shown;
 use crate::ui::state::dialog::Dialog;
 use crate::ui::state::dialog::Lost;
 use crate::ui::state::transfer_editor::TransferEditor;
-use crate::ui::thread::session::{Report, Severity};
+use crate::ui::thread::session::{Report, Severity, Snapshot};
 use crate::ui::window::app::{App, Busy};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -24,7 +24,7 @@ impl App {
                 Report::Snapshot(snapshot) => {
                     let caught_up = snapshot.serial >= self.session.serial();
                     let opened_anew = match (&snapshot.open, &self.snapshot.open) {
-                        (Some(new), Some(old)) => !Arc::ptr_eq(&new.histogram, &old.histogram),
+                        (Some(new), Some(old)) => new.opening != old.opening,
                         (new, old) => new.is_some() != old.is_some(),
                     };
                     if opened_anew {
@@ -33,6 +33,10 @@ impl App {
                         self.backdrop.forget();
                         self.trail.clear();
                         self.viewports.forget_sizes();
+                    }
+                    let histogram = |s: &Snapshot| s.open.as_ref().map(|open| Arc::as_ptr(&open.histogram));
+                    if opened_anew || histogram(&snapshot) != histogram(&self.snapshot) {
+                        // The panels show another volume; pictures show all of them anyway.
                         self.transfer = TransferEditor::default();
                     }
                     if caught_up || opened_anew {
