@@ -95,7 +95,7 @@ impl Document {
         let (mut read, about) = opened.into_parts();
         let watch = self.watch.clone();
         for files in read.files.values() {
-            edit.has_read(files, &|| watch.go_on(1.0))?;
+            edit.has_read(files, &|| watch.proceed(1.0))?;
         }
         let state = self.open_mut()?;
         let first = VolumeId::FIRST;

@@ -65,8 +65,8 @@ impl Edit {
     ///
     /// # Errors
     /// As [`reads`](Self::reads).
-    pub(crate) fn has_read(&mut self, files: &SourceFiles, go_on: &dyn Fn() -> bool) -> Result<(), DocumentError> {
-        let hashes = files.hashes(go_on).map_err(|error| match error {
+    pub(crate) fn has_read(&mut self, files: &SourceFiles, proceed: &dyn Fn() -> bool) -> Result<(), DocumentError> {
+        let hashes = files.hashes(proceed).map_err(|error| match error {
             KeepError::Stopped => DocumentError::Stopped,
             other => other.into(),
         })?;
