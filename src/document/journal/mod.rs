@@ -8,7 +8,9 @@
 //! in memory and goes first the next time.
 
 pub(crate) mod autosave;
+pub(crate) mod generation;
 pub(crate) mod loaded;
+pub(crate) mod now;
 pub(crate) mod poses_file;
 pub(crate) mod record;
 pub mod recovery;
@@ -18,20 +20,20 @@ use crate::document::command::Command;
 use crate::document::command::effects::Noted;
 use crate::document::disk::error::KeepError;
 use crate::document::disk::files::sync_dir;
+use crate::document::journal::now::{Beginning, Now, parts};
 use crate::document::journal::record::{
     BrickEntry, Kind, RECORD_HEAD, SamplesHead, StepHead, decode, encode, encode_brick, of_first_volume, runs,
 };
-use crate::document::project::link::Link;
-use crate::document::project::manifest::{DensityPlace, JOURNAL_HEADER, Manifest, VolumeRecord};
-use crate::document::scene::past::{Past, PastDelta};
+use crate::document::project::manifest::JOURNAL_HEADER;
+use crate::document::scene::past::PastDelta;
 use crate::document::scene::{Scene, components};
 use crate::document::state::State;
 use crate::io::disk;
 use crate::paint::Sample;
-use crate::volume::{BrickIndex, DensityMap, FieldKey, FieldKind, VolumeId};
+use crate::volume::{BrickIndex, FieldKey, FieldKind, VolumeId};
 use rayon::prelude::*;
 use serde_json::{Map, Value};
-use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
+use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -66,128 +68,6 @@ pub(crate) struct Journal {
     /// Its length when it was opened; `None` once what was found then is gathered with what came later.
     pub(crate) found: Option<u64>,
 }
-
-/// See [`Journal::now`].
-#[derive(Debug)]
-pub(crate) struct Now {
-    /// The scene's fields by name.
-    scene: Map<String, Value>,
-    maps: BTreeMap<VolumeId, DensityMap>,
-    past: Past,
-    /// Volumes whose density the generation holds.
-    held: BTreeSet<VolumeId>,
-    /// What of scene, maps and volumes differs from the generation's.
-    pub changed: Map<String, Value>,
-    pub new_maps: BTreeMap<VolumeId, DensityMap>,
-    pub volumes: BTreeMap<VolumeId, Option<VolumeRecord>>,
-    /// Whether the past differs too.
-    pub new_past: bool,
-    pub steps: u64,
-    pub last: Value,
-}
-
-/// What a journal begins with: what its generation holds.
-#[derive(Debug)]
-pub(crate) struct Beginning<'a> {
-    pub generation: u64,
-    pub scene: &'a Scene,
-    pub past: &'a Past,
-    pub maps: BTreeMap<VolumeId, DensityMap>,
-    /// Volumes whose density lies in the generation.
-    pub held: BTreeSet<VolumeId>,
-}
-
-impl<'a> Beginning<'a> {
-    /// That of a generation.
-    pub(crate) fn of(manifest: &'a Manifest) -> Self {
-        let Manifest { generation, scene, past, .. } = manifest;
-        Self { generation: *generation, scene, past, maps: manifest.maps(), held: manifest.holds() }
-    }
-}
-
-impl Now {
-    pub(crate) fn new(beginning: Beginning<'_>) -> Result<Self, KeepError> {
-        let Beginning { scene, past, maps, held, .. } = beginning;
-        Ok(Self {
-            scene: parts(scene)?,
-            maps,
-            past: past.clone(),
-            held,
-            changed: Map::new(),
-            new_maps: BTreeMap::new(),
-            volumes: BTreeMap::new(),
-            new_past: false,
-            steps: 0,
-            last: Value::Null,
-        })
-    }
-
-    /// The past now.
-    pub(crate) fn past(&self) -> &Past {
-        &self.past
-    }
-
-    /// The scene now, by the names of its parts.
-    pub(crate) fn scene(&self) -> &Map<String, Value> {
-        &self.scene
-    }
-
-    /// The map of a volume's density now.
-    pub(crate) fn map(&self, volume: VolumeId) -> Option<&DensityMap> {
-        self.maps.get(&volume)
-    }
-
-    /// Takes in a record's head.
-    pub(crate) fn take(&mut self, head: StepHead) {
-        self.scene.extend(head.scene.clone());
-        self.changed.extend(head.scene);
-        for (id, volume) in head.volumes {
-            match &volume {
-                Some(record) => drop(self.maps.insert(id, record.map)),
-                None => drop(self.maps.remove(&id)),
-            }
-            self.new_maps.remove(&id);
-            self.volumes.insert(id, volume);
-        }
-        self.new_maps.extend(&head.maps);
-        self.maps.extend(head.maps);
-        if let Some(delta) = head.past {
-            delta.apply(&mut self.past);
-            self.new_past = true;
-        }
-        self.steps += head.steps;
-        if !head.command.is_null() {
-            self.last = head.command;
-        }
-    }
-
-    /// What is to be written of volumes that came or went, and of maps that are other ones.
-    fn difference(&self, state: &State) -> Result<(Arrivals, BTreeMap<VolumeId, DensityMap>), KeepError> {
-        let mut volumes = Arrivals::new();
-        for id in self.maps.keys().filter(|id| !state.volumes.contains_key(id)) {
-            volumes.insert(*id, None);
-        }
-        let mut maps = BTreeMap::new();
-        for (&id, volume) in &state.volumes {
-            match self.maps.get(&id) {
-                Some(map) if map == volume.density.map() => {}
-                Some(_) => drop(maps.insert(id, *volume.density.map())),
-                None => {
-                    let kept = match state.files.get(&id) {
-                        _ if self.held.contains(&id) => DensityPlace::Whole,
-                        Some(files) => DensityPlace::Linked(Link::until_next_start(files.files())?),
-                        None => return Err(KeepError::NoPath),
-                    };
-                    volumes.insert(id, Some(VolumeRecord::of(volume, kept, BTreeMap::new())));
-                }
-            }
-        }
-        Ok((volumes, maps))
-    }
-}
-
-/// Volumes that came, and `None` for those that went.
-type Arrivals = BTreeMap<VolumeId, Option<VolumeRecord>>;
 
 impl Journal {
     /// An empty journal for a generation that has all this. Replaces a file of that name.
@@ -227,7 +107,7 @@ impl Journal {
         synced: bool,
     ) -> Result<(), KeepError> {
         let scene = parts(&state.scene)?;
-        let known = &self.now.scene;
+        let known = self.now.scene();
         let changed: Map<String, Value> =
             scene.iter().filter(|(k, v)| known.get(*k) != Some(v)).map(|(k, v)| (k.clone(), v.clone())).collect();
         if !changed.is_empty() {
@@ -248,7 +128,7 @@ impl Journal {
         // What a file was opened as is read again from the file, and no step of work either.
         let opens = noted == Noted::Opening;
         let command = serde_json::to_value(command).map_err(|e| KeepError::Scene { reason: e.to_string() })?;
-        let past = PastDelta::between(&self.now.past, &state.past);
+        let past = PastDelta::between(self.now.past(), &state.past);
         let head = StepHead { command, steps: u64::from(!looks_about && !opens), scene: changed, maps, volumes, past };
         let bytes = head_bytes(&head)?;
         let mut places: BTreeSet<(FieldKey, BrickIndex)> = touched.iter().copied().collect();
@@ -375,7 +255,7 @@ impl Journal {
             scene: now.changed.clone(),
             maps: now.new_maps.clone(),
             volumes: now.volumes.clone(),
-            past: now.new_past.then(|| PastDelta::whole(&now.past)),
+            past: now.new_past.then(|| PastDelta::whole(now.past())),
         };
         let mut places: Vec<_> = self.live.values().copied().collect();
         places.sort_unstable();
@@ -413,15 +293,6 @@ impl Journal {
 
 fn head_bytes(head: &impl serde::Serialize) -> Result<Vec<u8>, KeepError> {
     serde_json::to_vec(head).map_err(|e| KeepError::Scene { reason: e.to_string() })
-}
-
-/// The scene's fields by name.
-fn parts(scene: &Scene) -> Result<Map<String, Value>, KeepError> {
-    match serde_json::to_value(scene) {
-        Ok(Value::Object(parts)) => Ok(parts),
-        Ok(_) => Err(KeepError::Scene { reason: "it is no object".into() }),
-        Err(error) => Err(KeepError::Scene { reason: error.to_string() }),
-    }
 }
 
 /// A new file with its header, synced.

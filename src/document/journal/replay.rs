@@ -5,11 +5,12 @@
 
 use crate::document::disk::error::KeepError;
 use crate::document::disk::inside;
+use crate::document::journal::now::{Beginning, Now};
 use crate::document::journal::record::{
     BrickEntry, Kind, RECORD_HEAD, Record, SamplesHead, StepHead, checksum, decode, decode_brick, of_first_format,
     of_first_volume,
 };
-use crate::document::journal::{Beginning, Journal, MAGIC, Now, ONE_VOLUME, VERSION};
+use crate::document::journal::{Journal, MAGIC, ONE_VOLUME, VERSION};
 use crate::document::project::manifest::{JOURNAL_HEADER, VolumeRecord};
 use crate::document::scene::past::Past;
 use crate::volume::{Brick, BrickIndex, DensityMap, FieldKey, VolumeId};
