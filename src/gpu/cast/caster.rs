@@ -4,7 +4,8 @@
 //! numbers in `uniforms`; what a pixel costs is in `shaders/cast/picture.wgsl` (after Bruckner and Gröller 2006, section 4).
 
 use crate::gpu::cast::forms::{Begins, Form, Forms, Groups, Share, Work};
-use crate::gpu::cast::looks::{Kind, Looks, MOST_LOOKS, ROW, entries, integrals, rows};
+use crate::gpu::cast::look_tables::{LookTables, LookTextures};
+use crate::gpu::cast::looks::{Kind, Looks, MOST_LOOKS};
 use crate::gpu::cast::merging::{MergedBody, resolve, unite};
 use crate::gpu::cast::tiles::{Tiles, Window};
 use crate::gpu::cast::uniforms::{BodyMatter, CastBody, FrameUniforms, View};
@@ -12,28 +13,14 @@ use crate::gpu::device::constants::{LIST_WIDTH, MOST_BODIES, MOST_PLANES};
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::device::kernel::{Binding, group, group_layout};
-use crate::gpu::device::textures::{COLOUR, OBJECT, Targets, data, write};
+use crate::gpu::device::textures::{OBJECT, Targets, data, write};
 use crate::gpu::fields::pools::FieldPools;
 use crate::gpu::fields::volumes::Fields;
 use crate::gpu::layers::{DrawnLayers, LayerRaster, Rays};
-use crate::gpu::picture::frame::{Frame, Look, LookRef, Mask, Overlay};
+use crate::gpu::picture::frame::{Frame, Mask, Overlay};
 use crate::gpu::picture::image::Image;
 use crate::math::DVec2;
-use crate::volume::{FieldKey, FieldKind, TABLE_ENTRIES};
-use rayon::prelude::*;
-
-/// Tables of looks that are kept.
-const TABLES: usize = 2;
-
-/// Rows of looks on the GPU.
-#[derive(Debug)]
-struct LookTable {
-    step_mm: f64,
-    /// Rows of a look.
-    each: usize,
-    rows: Vec<Option<Look>>,
-    texture: wgpu::Texture,
-}
+use crate::volume::{FieldKey, FieldKind};
 
 /// Makes pictures, picks and measurements of [`Frame`]s: keeps the kernels, the buffers that a frame is written into and the tables
 /// of looks, so that the next picture costs only what changed. Lives as long as its device.
@@ -44,11 +31,7 @@ pub struct Caster {
     pub(crate) bodies: wgpu::Buffer,
     pub(crate) planes: wgpu::Buffer,
     matters: wgpu::Buffer,
-    table: (Vec<[f32; 4]>, wgpu::Texture),
-    /// Rows of looks, by the step that they were made for; pictures and picks take turns.
-    tables: Vec<LookTable>,
-    label_looks: (Vec<[f32; 4]>, wgpu::Texture),
-    segments: (Vec<[u8; 4]>, wgpu::Texture),
+    looks: LookTables,
     pub(crate) nothing: Targets,
     forms: Forms,
     /// Made when a picture first holds a mesh.
@@ -79,10 +62,7 @@ impl Caster {
                 bodies: uniform("caster bodies", MOST_BODIES as usize * size_of::<CastBody>()),
                 planes: uniform("caster planes", MOST_PLANES as usize * 16),
                 matters: uniform("caster matters", MOST_BODIES as usize * size_of::<BodyMatter>()),
-                table: (Vec::new(), data(gpu, "transfer table", [TABLE_ENTRIES as u32, 2], COLOUR)),
-                tables: Vec::new(),
-                label_looks: (Vec::new(), data(gpu, "labels' looks", [256, 1], COLOUR)),
-                segments: (Vec::new(), data(gpu, "segment colours", [256, 1], wgpu::TextureFormat::Rgba8Unorm)),
+                looks: LookTables::new(gpu),
                 nothing: Targets::new(gpu, [1; 2]),
                 forms: Forms::new(gpu),
                 layers: None,
@@ -316,75 +296,7 @@ impl Caster {
 
     /// Has the tables of a frame's looks, labels and segment colours.
     pub(crate) fn set_looks(&mut self, gpu: &Gpu, pools: &FieldPools, frame: &Frame, scene: &FrameUniforms) {
-        let looks = &scene.looks;
-        if looks.own {
-            self.set_rows(gpu, frame, looks);
-        } else {
-            let look = frame.look(looks.rows.first().copied().flatten());
-            let mut entries = entries(look, frame.step_mm);
-            if looks.refines {
-                entries.extend(integrals(look, frame.step_mm));
-            }
-            entries.resize(2 * TABLE_ENTRIES, [0.0; 4]);
-            if self.table.0 != entries {
-                write(gpu, &self.table.1, bytemuck::cast_slice(&entries), 16);
-                self.table.0 = entries;
-            }
-        }
-        if looks.by_label {
-            let texels = looks.label_texels(frame, &|id| pools.value_of_texel(id));
-            if self.label_looks.0 != texels {
-                let size = [256, texels.len() as u32 / 256];
-                self.label_looks.1 = data(gpu, "labels' looks", size, COLOUR);
-                write(gpu, &self.label_looks.1, bytemuck::cast_slice(&texels), 16);
-                self.label_looks.0 = texels;
-            }
-        }
-        let colours = looks.segment_colours(frame);
-        if self.segments.0 != colours {
-            let size = [256, colours.len() as u32 / 256];
-            self.segments.1 = data(gpu, "segment colours", size, wgpu::TextureFormat::Rgba8Unorm);
-            write(gpu, &self.segments.1, bytemuck::cast_slice(&colours), 4);
-            self.segments.0 = colours;
-        }
-    }
-
-    /// The table of looks, of which only rows that changed are made anew.
-    fn set_rows(&mut self, gpu: &Gpu, frame: &Frame, looks: &Looks) {
-        let each = looks.rows_each();
-        let serves = |t: &LookTable| (t.step_mm, t.each) == (frame.step_mm, each) && t.rows.len() >= looks.rows.len();
-        let at = self.tables.iter().position(serves);
-        let mut table = match at {
-            Some(at) => self.tables.remove(at),
-            None => {
-                self.tables.truncate(TABLES - 1);
-                let rows = looks.rows.len().next_power_of_two();
-                LookTable {
-                    step_mm: frame.step_mm,
-                    each,
-                    rows: vec![None; rows],
-                    texture: data(gpu, "looks", [ROW as u32, (rows * each) as u32], COLOUR),
-                }
-            }
-        };
-        let wanted = looks.rows.iter().map(|&row| frame.look(row));
-        let stale = |(i, look): (usize, LookRef<'_>)| !table.rows[i].as_ref().is_some_and(|old| look.is(old));
-        let stale: Vec<usize> = wanted.enumerate().filter(|at| stale(*at)).map(|(i, _)| i).collect();
-        let make = |&i: &usize| (i, rows(frame.look(looks.rows[i]), frame.step_mm, looks.refines));
-        let made: Vec<_> = stale.par_iter().map(make).collect();
-        for (i, texels) in made {
-            gpu.queue.write_texture(
-                wgpu::TexelCopyTextureInfo {
-                    origin: wgpu::Origin3d { x: 0, y: (i * each) as u32, z: 0 },
-                    ..table.texture.as_image_copy()
-                },
-                bytemuck::cast_slice(&texels),
-                wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(16 * ROW as u32), rows_per_image: None },
-                wgpu::Extent3d { width: ROW as u32, height: each as u32, depth_or_array_layers: 1 },
-            );
-            table.rows[i] = Some(frame.look(looks.rows[i]).to_look());
-        }
-        self.tables.insert(0, table);
+        self.looks.set(gpu, pools, frame, &scene.looks);
     }
 
     /// Writes bodies and planes; answers textures of the tiles' heads and lists.
@@ -404,13 +316,13 @@ impl Caster {
 
     /// Group 0. `own`: bodies have looks of their own.
     pub(crate) fn group(&self, gpu: &Gpu, lists: &[wgpu::Texture; 2], own: bool, before: &Targets) -> wgpu::BindGroup {
-        let table = self.tables.first().filter(|_| own).map_or(&self.table.1, |t| &t.texture);
+        let LookTextures { table, label_looks, segments } = self.looks.textures(own);
         let view = |t: &wgpu::Texture| t.create_view(&wgpu::TextureViewDescriptor::default());
-        let textures = [&lists[0], &lists[1], table, &self.segments.1, &before.colour, &before.depth, &before.object];
+        let textures = [&lists[0], &lists[1], table, segments, &before.colour, &before.depth, &before.object];
         let views = textures.map(view);
         let buffers = [&self.view, &self.bodies, &self.planes].map(|b| b.as_entire_binding());
         let textures = views.iter().map(wgpu::BindingResource::TextureView);
-        let label_looks = view(&self.label_looks.1);
+        let label_looks = view(label_looks);
         let label_looks = wgpu::BindingResource::TextureView(&label_looks);
         let resources = buffers.into_iter().chain(textures).chain([self.matters.as_entire_binding(), label_looks]);
         group(gpu, "caster", &self.layout, resources)
