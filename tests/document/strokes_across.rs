@@ -739,3 +739,137 @@ fn random_strokes_on_both_volumes_come_back_by_undo_redo_and_after_a_crash() {
         assert!(all(&document) == last, "{seed}: recovered");
     }
 }
+
+/// Volumes as nobody would wish for them: thin as one voxel, mirrored, sheared, of a hundredth of a millimetre and of forty.
+fn odd_grids() -> [Grid; 5] {
+    let sheared = DMat3::from_cols(DVec3::X * 0.9, DVec3::new(0.3, -1.1, 0.1), DVec3::new(-0.4, 0.5, 1.6));
+    let turned = DMat3::from_axis_angle(DVec3::new(-1.0, 0.4, 2.0).normalize(), 2.1);
+    [
+        centred([18, 14, 1], turned * DMat3::from_diagonal(DVec3::new(1.0, 1.3, 5.0))),
+        centred([12, 35, 9], sheared),
+        centred([13, 9, 34], DMat3::from_diagonal(DVec3::new(0.01, -0.01, 0.02))),
+        centred([3, 2, 4], turned * 40.0),
+        centred([1, 1, 1], DMat3::from_diagonal(DVec3::splat(-3.0))),
+    ]
+}
+
+/// A brush and a stroke that goes to and fro near one of the volumes.
+fn any_stroke(rng: &mut ChaCha8Rng, document: &Document) -> (Value, Value, Vec<u32>) {
+    let state = document.state().unwrap();
+    let ids: Vec<u32> = state.volumes.keys().map(|id| id.0).collect();
+    let near = state.subject(VolumeId(ids[rng.random_range(0..ids.len())])).unwrap();
+    let grid = *near.grid();
+    let points: Vec<_> = (0..rng.random_range(1..4))
+        .map(|_| {
+            let at = DVec3::from_array(grid.dims.map(|n| rng.random_range(-1.0..f64::from(n))));
+            let mm = grid.world_from_index.transform_point3(at).to_array();
+            // Where a disc faces is said: left out it is the axial slice of the first volume.
+            let normal = [0.2, -0.3, 0.9];
+            let (pressure, breaks) = (rng.random_range(0.2..1.0), rng.random_bool(0.1));
+            json!({"at": {"mm": mm}, "pressure": pressure, "breaks": breaks, "normal": normal})
+        })
+        .collect();
+    let target = match rng.random_range(0..4) {
+        0 => json!({"selection": 1.0}),
+        1 => json!({"label": rng.random_range(1..5)}),
+        2 => json!({"colour": [0.5, 0.25, 1.0, rng.random_range(1..5) as f64 / 4.0]}),
+        _ => json!({"density": rng.random_range(-400..40_000) as f64 / 8.0}),
+    };
+    let mut name = |names: &[&str]| json!(names[rng.random_range(0..names.len())]);
+    let (falloff, tip) = (name(&["hard", "linear", "smooth"]), name(&["wash", "build_up"]));
+    let (shape, operation) = (name(&["sphere", "disc"]), name(&["replace", "blend", "add", "subtract", "restore"]));
+    let radius = grid.voxel_mm() * rng.random_range(0.4..5.0);
+    let mut brush = json!({"target": target, "radius_mm": radius, "strength": rng.random_range(0.2..1.0), "spacing": 0.25,
+        "falloff": falloff, "tip": tip, "operation": operation, "shape": shape, "erase": rng.random_bool(0.2)});
+    match rng.random_bool(0.2) {
+        true => brush["range"] = json!([0, 30]),
+        false => brush["any_value"] = json!(true),
+    }
+    let mut painted = ids;
+    while painted.len() > 1 && rng.random_bool(0.4) {
+        painted.remove(rng.random_range(0..painted.len()));
+    }
+    if rng.random_bool(0.5) {
+        painted.reverse();
+    }
+    (json!({"brush": {"set": brush}}), json!({"points": points}), painted)
+}
+
+#[test]
+fn odd_volumes_get_at_once_what_they_get_one_after_another() {
+    let (mut strokes, mut several) = (0, 0);
+    for seed in 0..2 {
+        let dir = tempfile::tempdir().unwrap();
+        if crate::common::gpu::gpu().is_none() {
+            return;
+        }
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut document = Document::new();
+        document.keep_unsaved_in(dir.path().join("unsaved"));
+        for (i, grid) in odd_grids().iter().enumerate() {
+            let verb = if i == 0 { "open" } else { "add" };
+            say(&mut document, json!({"volume": {verb: {"path": file(dir.path(), &format!("{i}.nrrd"), grid)}}}));
+        }
+        for _ in 0..12 {
+            if rng.random_bool(0.3) {
+                let turn: [f64; 3] = std::array::from_fn(|_| rng.random_range(-3.0..3.0));
+                let rotation = burin::math::DQuat::from_scaled_axis(DVec3::from_array(turn)).to_array();
+                let translation: [f64; 3] = std::array::from_fn(|_| rng.random_range(-3.0..3.0));
+                let pose = json!({"rotation": rotation, "translation": translation});
+                say(&mut document, json!({"volume": {"set": {"volume": rng.random_range(0..5), "pose": pose}}}));
+            }
+            let (brush, points, painted) = any_stroke(&mut rng, &document);
+            say(&mut document, brush.clone());
+            let before = all(&document);
+            let stroke = |key: &str, which: Value| {
+                let mut stroke = points.clone();
+                stroke[key] = which;
+                json!({"stroke": {"paint": stroke}})
+            };
+            let at_once = run(&mut document, &stroke("volumes", json!(painted)).to_string());
+            let told = format!("{seed}: {brush} {points} on {painted:?}");
+            let Ok(answer) = at_once else {
+                assert!(all(&document) == before, "{told} was refused and changed something");
+                continue;
+            };
+            let after = all(&document);
+            strokes += 1;
+            if answer["step"].is_string() {
+                say(&mut document, json!({"history": {"undo": {}}}));
+                assert!(all(&document) == before, "{told} taken back");
+                say(&mut document, json!({"history": {"redo": {}}}));
+                assert!(all(&document) == after, "{told} done again");
+                say(&mut document, json!({"history": {"undo": {}}}));
+            }
+            // Each by itself; the dabs' distance is the brush's own on all of them.
+            let own = 0.25 * brush["brush"]["set"]["radius_mm"].as_f64().unwrap();
+            let thinnest = if painted.contains(&3) { 40.0 } else { 3.0 };
+            if own < thinnest / 64.0 {
+                say(&mut document, stroke("volumes", json!(painted)));
+                continue;
+            }
+            several += u32::from(painted.len() > 1);
+            for id in &painted {
+                run(&mut document, &stroke("volume", json!(id)).to_string())
+                    .unwrap_or_else(|e| panic!("{told} {id}: {e}"));
+            }
+            for ((now, then), id) in all(&document).iter().zip(&after).zip(0..) {
+                assert!(now.0 == then.0, "{told}: volume {id} alone");
+            }
+            if rng.random_bool(0.3) {
+                use burin::document::ViewName::{Axial, Sagittal, ThreeD};
+                for view in [ThreeD, Axial, Sagittal] {
+                    document.picture(view, [24, 16], None).unwrap();
+                }
+            }
+        }
+        let last = all(&document);
+        drop(document);
+        let mut document = Document::new();
+        document.keep_unsaved_in(dir.path().join("unsaved"));
+        let lost = say(&mut document, json!({"project": {"lost": {}}}))["lost"].clone();
+        say(&mut document, json!({"project": {"recover": {"id": lost[0]["id"]}}}));
+        assert!(all(&document) == last, "{seed}: recovered");
+    }
+    assert!(strokes > 12 && several > 2, "{strokes} strokes, {several} on several volumes and each by itself");
+}

@@ -54,7 +54,8 @@ pub enum StrokeCommand {
         /// What is painted, if it is one. Without `volume` and `volumes` the active one, and those that `brush.also` names.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         volume: Option<VolumeId>,
-        /// What is painted, if it is several. Places in index or on slices are those of the first; pixels of the 3D view are what it
+        /// What is painted, if it is several. Places in index or on slices, and where a disc
+        /// faces that nobody says, are those of the first; pixels of the 3D view are what it
         /// shows there, of whatever volume.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         volumes: Option<Vec<VolumeId>>,
