@@ -128,7 +128,8 @@ impl App {
         let on = scene.also.contains(&id);
         let name = format!("Paint volume {called} too");
         let does = if on { "Strokes paint this volume as well" } else { "Let strokes paint this volume as well" };
-        if sign(ui, (Icon::Add, true), (Role::CheckBox, on), (&name, does)).clicked() {
+        let icon = if on { Icon::Tool(Tool::Brush) } else { Icon::Add };
+        if sign(ui, (icon, true), (Role::CheckBox, on), (&name, does)).clicked() {
             let mut also = scene.also.clone();
             if !also.remove(&id) {
                 also.insert(id);
