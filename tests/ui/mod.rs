@@ -12,6 +12,7 @@ mod files;
 mod glance;
 mod interact;
 mod layout;
+mod look_menu;
 mod looks;
 mod meaning;
 mod names;

@@ -140,7 +140,11 @@ fn wishes(ui: &mut Ui, wish: &mut Wish, scene: &Scene) {
     });
     let formats = [
         (false, "PNG", "For documents and the web"),
-        (true, "EXR", "Linear light, with depth in mm and the number of the part at each pixel"),
+        (
+            true,
+            "EXR",
+            "Linear light; each pixel of the 3D view also has its depth in mm and says its volume, part, segment and whether it is selected",
+        ),
     ];
     row(ui, "Format", |ui| {
         if let Some(exr) = choice(ui, "Format", Some(wish.exr), &formats) {

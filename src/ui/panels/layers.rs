@@ -2,9 +2,10 @@
 
 use crate::document::{Command, Layer, LayerChange, ViewCommand, Window};
 use crate::interact::readout;
+use crate::ui::state::look_of::LookOf;
 use crate::ui::style::icons::Icon;
 use crate::ui::style::theme;
-use crate::ui::style::theme::{LABEL, ROW};
+use crate::ui::style::theme::{GAP, LABEL, ROW};
 use crate::ui::style::widgets::{Face, Scale, icon_button, menu, number, slider};
 use crate::ui::window::app::App;
 use crate::volume::{FieldKind, VolumeId};
@@ -63,9 +64,17 @@ impl App {
                 self.window_fields(ui, window);
                 return;
             }
+            // All sliders end where that of the selection has its menu, and density's fields theirs.
+            let end = ui.available_width() - ROW - GAP;
             let mut opacity = f64::from(layer.opacity);
             let about = (&*format!("Opacity of layer {name}"), "How strongly it lies over the grey values");
-            let response = slider(ui, about, &mut opacity, 0.0..=1.0, Scale::PERCENT);
+            let slid = ui.allocate_ui(vec2(end, ROW), |ui| slider(ui, about, &mut opacity, 0.0..=1.0, Scale::PERCENT));
+            let response = slid.inner;
+            if layer.field == FieldKind::Selection
+                && let Some(active) = self.scene.as_ref().map(|scene| scene.volumes.active)
+            {
+                self.look_menu(ui, LookOf::Selection(active), "the selection");
+            }
             if response.changed() {
                 let layer = Layer { opacity: opacity as f32, ..layer };
                 self.edit(&response, Command::View(ViewCommand::Layer(LayerChange { volume, ..layer.into() })));

@@ -2,6 +2,7 @@
 
 use crate::document::{Command, ViewCommand};
 use crate::interact::readout;
+use crate::ui::panels::look_menu::whose_line;
 use crate::ui::style::colour::colour_button;
 use crate::ui::style::theme;
 use crate::ui::style::theme::ROW;
@@ -29,14 +30,15 @@ fn sampling(step_voxels: Option<f64>, refine: bool) -> Command {
 impl App {
     pub(super) fn look_panel(&mut self, ui: &mut Ui) {
         let (Some(scene), Some(open)) = (&self.scene, &self.snapshot.open) else { return };
-        let now = *scene.look;
+        let now = scene.look_of(scene.volumes.active);
+        whose_line(ui, scene, "Whose look this is in 3D");
         let [min, max] = open.ends();
         let kind = match now.mode {
             Mode::Dvr => Kind::Dvr,
             Mode::Iso(_) => Kind::Iso,
             Mode::Mip => Kind::Mip,
         };
-        let first = scene.transfer.first_surface(&open.histogram);
+        let first = scene.transfer_of(scene.volumes.active).first_surface(&open.histogram);
         ui.horizontal(|ui| {
             let options = [
                 (Kind::Dvr, "Volume", "Every value with the colour and opacity of the transfer function"),

@@ -10,6 +10,7 @@ pub(crate) mod history;
 pub(crate) mod keys;
 pub(crate) mod layers;
 pub(crate) mod look;
+pub(crate) mod look_menu;
 pub(crate) mod messages;
 pub(crate) mod parts;
 pub(crate) mod segments;

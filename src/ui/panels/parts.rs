@@ -2,6 +2,7 @@
 
 use crate::document::{Command, PartCommand};
 use crate::explode::Part;
+use crate::ui::state::look_of::LookOf;
 use crate::ui::style::colour::{colour_button_with, strike_out};
 use crate::ui::style::icons::Icon;
 use crate::ui::style::naming::{Named, name_field};
@@ -67,7 +68,7 @@ impl App {
                 } else if response.changed() {
                     self.edit(&response, set(None, Some(colour), false, None, None));
                 }
-                let width = ui.available_width() - 2.0 * 26.0;
+                let width = ui.available_width() - 3.0 * 26.0;
                 let about = (&*format!("Name of part {}", id.0), "Double-click to rename this part");
                 if let Some(Named::Anew(name)) = name_field(ui, about, &part.name, width) {
                     self.send(set(Some(name), None, false, None, None));
@@ -85,6 +86,7 @@ impl App {
                     if icon_button(ui, Face::small(icon, &show, "Show or hide this part").tint(tint)).clicked() {
                         self.send(set(None, None, false, Some(!part.visible), None));
                     }
+                    self.look_menu(ui, LookOf::Part(id), &part.name);
                 });
             });
             if ui.rect_contains_pointer(row.response.rect) {

@@ -1,13 +1,15 @@
-//! The table of segments: colour, name, visibility, lock.
+//! The table of segments: colour, name, look, visibility, lock, and which of them 3D shows alone.
 
 use crate::document::{Command, SegmentCommand};
 use crate::paint::Target;
+use crate::ui::state::left_out::{ShownAlone, show_only};
+use crate::ui::state::look_of::LookOf;
 use crate::ui::style::colour::colour_button;
 use crate::ui::style::icons::Icon;
 use crate::ui::style::naming::{Named, name_field};
 use crate::ui::style::theme;
 use crate::ui::style::theme::ROW;
-use crate::ui::style::widgets::{Face, empty, from_right, icon_button, list};
+use crate::ui::style::widgets::{Face, button, empty, from_right, icon_button, line, list, tick};
 use crate::ui::window::app::App;
 use crate::volume::Segment;
 use egui::{Rect, Sense, Ui, vec2};
@@ -15,22 +17,48 @@ use egui::{Rect, Sense, Ui, vec2};
 impl App {
     pub(super) fn segment_panel(&mut self, ui: &mut Ui, height: f32) {
         let Some(scene) = &self.scene else { return };
+        let alone = ShownAlone::of(scene, scene.volumes.active);
         let segments = scene.segments().0.clone();
         let painted = match scene.brush.target {
             Target::Label(id) => Some(id),
             _ => None,
         };
+        let top = ui.cursor().top();
+        if let Some(alone) = &alone {
+            self.left_out_rows(ui, alone);
+        }
+        let height = (height - (ui.cursor().top() - top)).max(0.0);
         let place = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), height));
         self.backdrop.detail(ui, place, theme::DEEP);
         // Hundreds of segments are normal: only the rows in sight are laid out.
         list(ui, "segments", height, ROW, segments.len(), false, |ui, range| {
             for segment in &segments[range] {
-                self.segment_row(ui, segment, painted == Some(segment.id));
+                self.segment_row(ui, segment, painted == Some(segment.id), alone.as_ref());
             }
         });
         if segments.is_empty() {
             let mut hint = ui.new_child(egui::UiBuilder::new().max_rect(place.shrink(theme::GAP)));
             empty(&mut hint, "None yet. Paint a label (1 … 9), or add one with +.");
+        }
+    }
+
+    /// Says that 3D leaves some out, and brings them back.
+    fn left_out_rows(&mut self, ui: &mut Ui, alone: &ShownAlone) {
+        ui.horizontal(|ui| {
+            let button_width = 70.0;
+            let width = ui.available_width() - button_width - theme::GAP;
+            line(ui, (&alone.words(), "What 3D leaves out"), width, theme::WARNING);
+            let tip = "Shows all segments in 3D again; nothing of them was changed";
+            if button(ui, vec2(button_width, ROW), "Show all", tip)
+                && let Some(scene) = &self.scene
+            {
+                self.send(show_only(None, scene.volumes.active));
+            }
+        });
+        let mut rest = alone.shows(0);
+        let tip = "Whether 3D shows the matter that no segment has, around those that are shown";
+        if tick(ui, &mut rest, "Also what has no label", tip) {
+            self.send(alone.with(0, rest));
         }
     }
 
@@ -57,7 +85,8 @@ impl App {
         }
     }
 
-    fn segment_row(&mut self, ui: &mut Ui, segment: &Segment, painted: bool) {
+    fn segment_row(&mut self, ui: &mut Ui, segment: &Segment, painted: bool, alone: Option<&ShownAlone>) {
+        let Some(volume) = self.scene.as_ref().map(|scene| scene.volumes.active) else { return };
         let id = segment.id;
         let same = |name, colour, visible, locked| {
             Command::Segment(SegmentCommand::Set { id, name, colour, visible, locked, look: None, volume: None })
@@ -87,7 +116,8 @@ impl App {
                 if response.changed() {
                     self.edit(&response, same(None, Some(colour), None, None));
                 }
-                let width = ui.available_width() - 3.0 * 26.0;
+                let icons = if alone.is_some() { 5.0 } else { 4.0 };
+                let width = ui.available_width() - icons * 26.0;
                 let about =
                     (&*format!("Name of segment {id}"), "Click to paint this segment, double-click to rename it");
                 match name_field(ui, about, &segment.name, width) {
@@ -114,6 +144,19 @@ impl App {
                     let tint = if segment.visible { theme::TEXT } else { theme::TEXT_WEAK };
                     if icon_button(ui, Face::small(icon, &show, "Show or hide this segment").tint(tint)).clicked() {
                         self.send(same(None, None, Some(!segment.visible), None));
+                    }
+                    self.look_menu(ui, LookOf::Segment(volume, id), &segment.name);
+                    if let Some(alone) = alone {
+                        let shown = alone.shows(id);
+                        let show = format!("Show {} in 3D", segment.name);
+                        let (tint, tip) = match shown {
+                            true => (theme::ACCENT, "It is among those that 3D shows alone: click to hide it there"),
+                            false => (theme::TEXT_WEAK, "It is hidden in 3D, not gone: click to show it there too"),
+                        };
+                        let face = Face::small(Icon::Solid, &show, tip).tint(tint);
+                        if icon_button(ui, face).clicked() {
+                            self.send(alone.with(id, !shown));
+                        }
                     }
                 });
             });

@@ -2,11 +2,13 @@
 
 use crate::document::{SlicePlane, ViewName};
 use crate::explode::PartId;
+use crate::gpu::ObjectId;
 use crate::interact::readout;
 use crate::math::DVec3;
 use crate::ui::style::theme;
 use crate::ui::style::widgets::{from_right, spinner};
 use crate::ui::window::app::{App, Busy};
+use crate::volume::VolumeId;
 use egui::{Button, Frame, Label, Margin, Panel, ProgressBar, RichText, Ui};
 
 /// Seconds that nobody needs to be told of.
@@ -63,12 +65,12 @@ impl App {
             Label::new(mono(voxel.map_or_else(|| "outside".into(), |v| format!("ijk {}", shown(v))))).selectable(false),
         );
         ui.add(Label::new(mono(format!("RAS {}", readout::place(world, open.grid.voxel_mm())))).selectable(false));
+        let (value, label) = self.voxel_text();
         if voxel.is_some() {
-            let (value, label) = self.voxel_text();
             ui.add(Label::new(mono(value)).selectable(false));
-            if let Some(label) = label {
-                ui.add(Label::new(RichText::new(label).color(theme::TEXT)).selectable(false).truncate());
-            }
+        }
+        if let Some(label) = label.filter(|_| voxel.is_some() || self.shown_object().is_some()) {
+            ui.add(Label::new(RichText::new(label).color(theme::TEXT)).selectable(false).truncate());
         }
         let others = self.other_volumes();
         if !others.is_empty() {
@@ -88,19 +90,37 @@ impl App {
         told.collect::<Vec<_>>().join("   ")
     }
 
-    /// Value and label of the voxel as the document answered last.
+    /// Value and label of the voxel as the document answered last; in the 3D view what the picture shows there.
     fn voxel_text(&self) -> (String, Option<String>) {
         let values = self.probe.as_ref().and_then(|voxel| voxel.values.as_ref());
         let value = self
             .opened()
             .zip(values)
             .map_or_else(String::new, |(open, v)| format!("value {}", readout::value(v.density, open.voxel_type)));
+        let shown = self.shown_object();
         let mut extra = Vec::new();
-        if let Some(id) = values.map(|v| v.label).filter(|&id| id != 0) {
-            let name = self.scene.as_ref().and_then(|s| s.segments().get(id)).map_or("unnamed", |s| s.name.as_str());
-            extra.push(format!("{id} {name}"));
+        if let Some(text) = shown.and_then(|object| self.volume_shown(object)) {
+            extra.push(text);
         }
-        if let Some(selected) = values.map(|v| v.selection).filter(|&s| s > 0.0) {
+        let active = self.scene.as_ref().map(|scene| scene.volumes.active);
+        let known = |volume: Option<VolumeId>, id: u16| {
+            let name = self.scene.as_ref().zip(volume).and_then(|(scene, volume)| scene.segments_of(volume).get(id));
+            format!("{id} {}", name.map_or("unnamed", |segment| segment.name.as_str()))
+        };
+        match shown {
+            Some(object) if object.volume() != active => {
+                extra.extend(object.segment().map(|id| known(object.volume(), id)));
+            }
+            // A picture without segments in it does not tell them apart.
+            _ => {
+                let drawn = shown.and_then(ObjectId::segment);
+                let label = drawn.or_else(|| values.map(|v| v.label).filter(|&id| id != 0));
+                extra.extend(label.map(|id| known(active, id)));
+            }
+        }
+        if shown.is_some_and(ObjectId::is_selected) {
+            extra.push("selection".into());
+        } else if let Some(selected) = values.map(|v| v.selection).filter(|&s| s > 0.0) {
             extra.push(format!("selected {:.0} %", selected * 100.0));
         }
         if let Some(part) =
@@ -109,6 +129,18 @@ impl App {
             extra.push(part.name.clone());
         }
         (value, (!extra.is_empty()).then(|| extra.join("  ·  ")))
+    }
+
+    /// What the 3D view shows under the pointer.
+    fn shown_object(&self) -> Option<ObjectId> {
+        let (view, px) = self.viewports.hovered.filter(|(view, _)| *view == ViewName::ThreeD)?;
+        self.pictures.object(px, *self.viewports.sizes.get(&view)?)
+    }
+
+    /// Which volume that is, where there are several.
+    fn volume_shown(&self, object: ObjectId) -> Option<String> {
+        let volumes = &self.scene.as_ref().filter(|scene| scene.volumes.all.len() > 1)?.volumes;
+        volumes.all.get(&object.volume()?).map(|volume| volume.name.clone())
     }
 
     fn state_text(&mut self, ui: &mut Ui) {

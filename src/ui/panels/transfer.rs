@@ -6,12 +6,14 @@
 use crate::document::{Command, TransferCommand};
 use crate::interact::curve;
 use crate::interact::readout;
+use crate::ui::panels::look_menu::whose_line;
 use crate::ui::state::transfer_editor::Plot;
 use crate::ui::state::transfer_editor::Point;
 use crate::ui::style::colour::colour_button;
+use crate::ui::style::icons::Icon;
 use crate::ui::style::theme;
 use crate::ui::style::theme::{GAP, ROW};
-use crate::ui::style::widgets::{button, menu, number, row};
+use crate::ui::style::widgets::{Face, button, icon_button, line, menu, number, row};
 use crate::ui::window::app::App;
 use crate::volume::{Preset, TransferFunction};
 use egui::{
@@ -30,8 +32,9 @@ const COLOUR_TIP: &str = "Colour at a value: drag it; click to change it; right-
 
 impl App {
     pub(super) fn transfer_panel(&mut self, ui: &mut Ui) {
-        let (Some(scene), Some(open)) = (&self.scene, &self.snapshot.open) else { return };
-        let old = (*scene.transfer).clone();
+        let Some(old) = self.shown_function() else { return };
+        self.whose_function(ui);
+        let Some(open) = &self.snapshot.open else { return };
         let histogram = open.histogram.clone();
         let mut new = old.clone();
 
@@ -93,8 +96,45 @@ impl App {
         if new != old
             && let Some(response) = touched
         {
-            self.edit(&response, Command::Transfer(TransferCommand::Set { function: new, volume: None }));
+            let command = self.function_set(new);
+            self.edit(&response, command);
         }
+    }
+
+    /// The function that is shown: of what the hand chose, as long as it has one for itself, else of the active volume.
+    fn shown_function(&mut self) -> Option<TransferFunction> {
+        let scene = self.scene.as_ref()?;
+        let chosen = self.transfer.of.and_then(|of| of.own(scene)?.transfer);
+        if chosen.is_none() && self.transfer.of.is_some() {
+            self.transfer.edit(None);
+        }
+        Some(chosen.unwrap_or_else(|| scene.transfer_of(scene.volumes.active).clone()))
+    }
+
+    /// The command after which the function that is shown is this one.
+    fn function_set(&self, function: TransferFunction) -> Command {
+        match (self.transfer.of, &self.scene) {
+            (Some(of), Some(scene)) => of.set_function(scene, function),
+            _ => Command::Transfer(TransferCommand::Set { function, volume: None }),
+        }
+    }
+
+    /// Says whose function it is where that is a question, and leads back to the volume's.
+    fn whose_function(&mut self, ui: &mut Ui) {
+        let Some(scene) = &self.scene else { return };
+        let Some(of) = self.transfer.of else {
+            whose_line(ui, scene, "Whose function this is");
+            return;
+        };
+        let text = format!("Own function of {}", of.called(scene).unwrap_or_default());
+        ui.horizontal(|ui| {
+            let width = ui.available_width() - ROW - GAP;
+            line(ui, (&text, "Whose function this is"), width, theme::ACCENT);
+            let face = Face::small(Icon::Close, "Back to the volume's function", "Shows the volume's function again");
+            if icon_button(ui, face).clicked() {
+                self.transfer.edit(None);
+            }
+        });
     }
 
     fn colour_strip(
@@ -187,7 +227,7 @@ impl App {
             let tip = "Start again: colours and opacities from how often each value occurs";
             if button(ui, vec2(ui.available_width(), ROW), "Rebuild from histogram", tip) {
                 self.transfer.selected = None;
-                self.send(Command::Transfer(TransferCommand::Reset { volume: None }));
+                self.rebuild_function();
             }
         });
         touched
@@ -199,9 +239,20 @@ impl App {
         for Preset { name, tip, function } in TransferFunction::presets(&open.histogram.clone(), unit_mm) {
             if ui.button(name).on_hover_text(tip).clicked() {
                 self.transfer.selected = None;
-                self.send(Command::Transfer(TransferCommand::Set { function, volume: None }));
+                let command = self.function_set(function);
+                self.send(command);
             }
         }
+    }
+
+    fn rebuild_function(&mut self) {
+        let command = match (self.transfer.of, self.opened()) {
+            (Some(_), Some(open)) => {
+                self.function_set(TransferFunction::from_histogram(&open.histogram, open.grid.voxel_mm()))
+            }
+            _ => Command::Transfer(TransferCommand::Reset { volume: None }),
+        };
+        self.send(command);
     }
 }
 

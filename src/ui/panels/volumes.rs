@@ -6,6 +6,7 @@
 use crate::document::{BrushCommand, Command, VolumeCommand, VolumeSettings};
 use crate::interact::{Tool, readout};
 use crate::math::{DVec3, Pose};
+use crate::ui::state::look_of::LookOf;
 use crate::ui::style::icons;
 use crate::ui::style::icons::Icon;
 use crate::ui::style::naming::{Named, name_field};
@@ -95,7 +96,7 @@ impl App {
             if icon_button(ui, Face::small(icon, &show, "Show or hide this volume").tint(tint)).clicked() {
                 self.send(Given { visible: Some(!volume.visible), ..Given::default() }.of(id));
             }
-            let width = ui.available_width() - 2.0 * (ROW + GAP) - PERCENT - GAP;
+            let width = ui.available_width() - 3.0 * (ROW + GAP) - PERCENT - GAP;
             let does = if active {
                 "The brush paints this volume, and the panels show it. Double-click to rename it"
             } else {
@@ -114,6 +115,7 @@ impl App {
                     self.send(Command::Volume(VolumeCommand::Remove { volume: id }));
                 }
                 self.place_menu(ui, (id, called), volume);
+                self.look_menu(ui, LookOf::Volume(id), &format!("volume {called}"));
                 self.strength(ui, (id, called), volume);
             });
         });

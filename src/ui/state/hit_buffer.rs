@@ -59,14 +59,16 @@ impl Pictures {
         Some(surface.get_or_init(|| Surface::new(camera, *size, depth_mm, object)))
     }
 
+    /// What a pixel of the 3D view of the given size shows; `None` for nothing.
+    pub(crate) fn object(&self, px: DVec2, size: [u32; 2]) -> Option<ObjectId> {
+        let depth = self.depth.as_ref()?;
+        depth.object.get(depth.pixel(px, size)?).copied().filter(|object| *object != ObjectId::NOTHING)
+    }
+
     /// What lies under a pixel of the 3D view of the given size.
     pub(crate) fn hit(&self, px: DVec2, size: [u32; 2], (explosion, poses): (&Explosion, &Poses)) -> Option<Hit> {
         let depth = self.depth.as_ref()?;
-        let of = |a: usize| {
-            let at = px[a] * f64::from(depth.size[a]) / f64::from(size[a].max(1));
-            (at >= 0.0 && at < f64::from(depth.size[a])).then_some(at as usize)
-        };
-        let i = of(0)? + of(1)? * depth.size[0] as usize;
+        let i = depth.pixel(px, size)?;
         let along = f64::from(*depth.depth_mm.get(i)?);
         if !along.is_finite() {
             return None;
@@ -75,6 +77,17 @@ impl Pictures {
         let part = part_of(explosion, poses, depth.object[i].body()?, world);
         let depth_mm = (world - depth.camera.eye).dot(depth.camera.forward());
         Some(Hit { world, part, depth_mm })
+    }
+}
+
+impl Depth {
+    /// Where a pixel of a view of the given size lies in what was drawn.
+    fn pixel(&self, px: DVec2, size: [u32; 2]) -> Option<usize> {
+        let of = |a: usize| {
+            let at = px[a] * f64::from(self.size[a]) / f64::from(size[a].max(1));
+            (at >= 0.0 && at < f64::from(self.size[a])).then_some(at as usize)
+        };
+        Some(of(0)? + of(1)? * self.size[0] as usize)
     }
 }
 

@@ -1,5 +1,6 @@
 //! What of the editor of the transfer function outlives a frame: which point is chosen, the histogram's bars, the range that is shown.
 
+use crate::ui::state::look_of::LookOf;
 use crate::volume::Histogram;
 use egui::Rect;
 use egui::pos2;
@@ -15,6 +16,8 @@ pub(crate) enum Point {
 /// What of the editor outlives a frame.
 #[derive(Debug, Default)]
 pub(crate) struct TransferEditor {
+    /// What has the function for itself that is shown instead of the active volume's.
+    pub(crate) of: Option<LookOf>,
     pub(crate) selected: Option<Point>,
     /// Heights 0..1 of the histogram, and the histogram they are of.
     pub(crate) bars: Option<(Arc<Histogram>, Vec<f32>)>,
@@ -71,6 +74,11 @@ impl Plot {
 }
 
 impl TransferEditor {
+    /// Shows the function of something, or of the active volume again.
+    pub(crate) fn edit(&mut self, of: Option<LookOf>) {
+        (self.of, self.selected) = (of, None);
+    }
+
     /// One bar for each column of pixels; neighbours of one height are one.
     pub(crate) fn bars(&mut self, plot: &Plot, histogram: &Arc<Histogram>, scale: f32) -> Vec<Rect> {
         if !self.bars.as_ref().is_some_and(|(h, _)| Arc::ptr_eq(h, histogram)) {

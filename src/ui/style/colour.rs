@@ -61,16 +61,24 @@ fn square(ui: &mut Ui, size: egui::Vec2, name: &str, colour: [f32; 3]) -> Respon
     response
 }
 
+/// Colours that are ready on one line of this width, behind one more by its name; the one that was clicked.
+pub(crate) fn ready_colours(ui: &mut Ui, width: f32, first: Option<(&str, [f32; 3])>) -> Option<[f32; 3]> {
+    let ready = READY.map(|(name, colour)| (format!("Pick {name}"), name, colour));
+    let first = first.map(|(name, colour)| (name.to_owned(), name, colour));
+    let gap = GAP + 2.0;
+    let count = READY.len() + usize::from(first.is_some());
+    let each = ((width + gap) / count as f32 - gap).min(28.0).floor();
+    ui.spacing_mut().item_spacing.x = gap;
+    let mut clicked = |(name, tip, colour): &(String, &str, [f32; 3])| {
+        square(ui, vec2(each, ROW), name, *colour).on_hover_text(*tip).clicked()
+    };
+    first.into_iter().chain(ready).filter(|colour| clicked(colour)).map(|(.., colour)| colour).last()
+}
+
 fn picker(ui: &mut Ui, id: egui::Id, colour: &mut [f32; 3]) -> bool {
     let before = *colour;
-    ui.horizontal(|ui| {
-        ui.spacing_mut().item_spacing.x = GAP + 2.0;
-        for (name, ready) in READY {
-            if square(ui, vec2(28.0, ROW), &format!("Pick {name}"), ready).on_hover_text(name).clicked() {
-                *colour = ready;
-            }
-        }
-    });
+    let width = ui.available_width();
+    *colour = ui.horizontal(|ui| ready_colours(ui, width, None)).inner.unwrap_or(*colour);
     ui.add_space(GAP);
     // Grey has no hue and black no saturation: what was chosen last is kept for the way back.
     let known = ui.data(|d| d.get_temp::<([f32; 3], [f32; 3])>(id)).filter(|(of, _)| of == colour);

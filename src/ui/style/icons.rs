@@ -18,6 +18,10 @@ pub(crate) enum Icon {
     Lock,
     Unlock,
     Pin,
+    /// A ball, half of it shaded.
+    Look,
+    /// A cube: matter in 3D.
+    Solid,
     Trash,
     Maximise,
     Four,
@@ -81,6 +85,18 @@ pub(crate) fn paint(painter: &Painter, rect: Rect, icon: Icon, colour: Color32) 
             pen.line(&[(5.0, 2.0), (11.0, 2.0)]);
             pen.line(&[(6.0, 2.0), (6.0, 7.0), (3.5, 9.5), (12.5, 9.5), (10.0, 7.0), (10.0, 2.0)]);
             pen.line(&[(8.0, 9.5), (8.0, 14.5)]);
+        }
+        Icon::Look => {
+            pen.circle((8.0, 8.0), 6.0);
+            pen.line(&[(8.0, 2.0), (8.0, 14.0)]);
+            for (y, end) in [(4.5, 12.4), (6.8, 13.6), (9.2, 13.6), (11.5, 12.4)] {
+                pen.line(&[(8.0, y), (end, y)]);
+            }
+        }
+        Icon::Solid => {
+            pen.closed(&[(8.0, 1.5), (14.0, 4.8), (14.0, 11.2), (8.0, 14.5), (2.0, 11.2), (2.0, 4.8)]);
+            pen.line(&[(2.0, 4.8), (8.0, 8.0), (14.0, 4.8)]);
+            pen.line(&[(8.0, 8.0), (8.0, 14.5)]);
         }
         Icon::Trash => {
             pen.line(&[(2.5, 4.0), (13.5, 4.0)]);

@@ -4,6 +4,7 @@ use crate::document::{SlicePlane, ViewName};
 use crate::interact::{Aimed, Ink, Mark};
 use crate::math::{DVec2, DVec3, Projection};
 use crate::paint::Target;
+use crate::ui::state::left_out::said_in_3d;
 use crate::ui::style::theme;
 use crate::ui::style::theme::view_colour;
 use crate::ui::window::app::App;
@@ -36,8 +37,13 @@ impl App {
             scale_bar(painter, body, plane.mm_per_px * f64::from(scale));
         } else {
             let (right, up) = views.camera.right_up();
+            let left_out = said_in_3d(scene);
             self.stroke_trail(painter, body);
             orientation_mark(painter, body, right, up);
+            if let Some(text) = left_out {
+                let (at, font) = (body.min + vec2(10.0, 8.0), FontId::proportional(13.0));
+                shaded_text(painter, at, Align2::LEFT_TOP, text, font, theme::WARNING);
+            }
             self.outlines(painter, body);
             if let Projection::Orthographic { .. } = views.camera.projection {
                 scale_bar(painter, body, views.camera.mm_per_pixel(1.0, size[1]) * f64::from(scale));
