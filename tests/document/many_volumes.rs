@@ -45,6 +45,29 @@ fn three(dir: &Path) -> Document {
 }
 
 #[test]
+fn a_volume_is_laid_over_others_as_strongly_as_is_said_and_labels_show_each_id_alike() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut document = three(dir.path());
+    let path = file(dir.path(), "d.nrrd", [8, 8, 8], 1.0);
+    let before = all(&document);
+    let too_much = json!({"volume": {"add": {"path": path, "opacity": 1.5}}});
+    assert!(run(&mut document, &too_much.to_string()).unwrap_err().to_string().contains("opacity"));
+    assert_eq!(all(&document), before);
+    say(&mut document, json!({"volume": {"add": {"path": path, "opacity": 0.25}}}));
+    let opacities = [1, 3].map(|id| document.state().unwrap().scene.volumes.all[&VolumeId(id)].opacity);
+    assert_eq!(opacities, [1.0, 0.25]);
+    // Ids 0 to 6: clear at 0, then of one colour and strength.
+    let state = document.state().unwrap();
+    let transfer = state.scene.transfer_of(VolumeId(2));
+    let strength = transfer.opacity_at(1.0);
+    assert!(transfer.opacity_at(0.0) == 0.0 && strength > 0.0);
+    for id in 1..=6 {
+        let id = f64::from(id);
+        assert_eq!((transfer.opacity_at(id), transfer.colour_at(id)), (strength, transfer.colour_at(1.0)), "id {id}");
+    }
+}
+
+#[test]
 fn volumes_that_are_added_set_and_removed_come_back_byte_for_byte_each_way() {
     let dir = tempfile::tempdir().unwrap();
     let mut document = three(dir.path());

@@ -138,12 +138,11 @@ fn a_drag_of_the_opacity_is_one_step_and_the_button_says_that_there_is_a_look() 
 #[test]
 fn a_curve_by_value_is_edited_in_the_panel_until_one_goes_back() {
     let mut window = opened("Look of Segment 1");
-    assert!(!has(&window, "Whose function this is"), "of one volume nobody asks");
+    assert!(!has(&window, "Own function of Segment 1"));
     let look = given(&window.click("Colours of the look: By value"), "segment");
     let copied: TransferFunction = serde_json::from_value(look["transfer"].clone()).unwrap();
     assert_eq!(copied, *window.scene.transfer, "it begins as what it belongs to");
-    let told = window.harness.get_by_label("Whose function this is").value().unwrap_or_default();
-    assert_eq!(told, "Own function of Segment 1");
+    assert!(has(&window, "Own function of Segment 1"));
     window.key(egui::Modifiers::NONE, egui::Key::Escape);
     let sent = window.drag("Opacity point 2", vec2(0.0, -20.0));
     let changes: Vec<_> = sent.iter().filter(|command| !matches!(command, Command::History(_))).collect();
@@ -168,10 +167,8 @@ fn a_curve_by_value_is_edited_in_the_panel_until_one_goes_back() {
 #[test]
 fn the_panels_show_the_look_of_the_volume_that_is_at_hand_and_say_whose_it_is() {
     let mut window = Window::open(SMALL);
-    let told = |window: &Window, name: &str| window.harness.get_by_label(name).value().unwrap_or_default();
     two_volumes(&mut window);
-    assert_eq!(told(&window, "Whose function this is"), "small: shared with PET");
-    assert_eq!(told(&window, "Whose look this is in 3D"), "small: shared with PET");
+    assert!(has(&window, "Function of small: shared with PET") && has(&window, "Look of small: shared with PET"));
     let colours = TransferFunction {
         colour: vec![(0.0, [0.0; 3]), (50.0, [1.0, 0.0, 0.0]), (100.0, [1.0; 3])],
         opacity: vec![(0.0, 0.0), (20.0, 0.1), (40.0, 0.2), (60.0, 0.4), (100.0, 1.0)],
@@ -183,7 +180,7 @@ fn the_panels_show_the_look_of_the_volume_that_is_at_hand_and_say_whose_it_is() 
     }
     window.scene.volumes.active = VolumeId(1);
     window.snapshot(|_| {});
-    assert_eq!(told(&window, "Whose function this is"), "PET: its own");
+    assert!(has(&window, "Function of PET: its own") && has(&window, "Look of PET: its own"));
     assert!(has(&window, "Opacity point 5"), "its own five points");
     let lit = window.harness.get_by_label("Mode: Maximum").accesskit_node().toggled();
     assert_eq!(lit, Some(egui::accesskit::Toggled::True), "its own mode");
@@ -202,8 +199,11 @@ fn a_volume_gets_a_look_of_its_own_and_gives_it_up() {
     assert!(!has(&window, "Opacity of the look"), "it stands in the volume's row");
     let look = given(&window.click("Colours of the look: By value"), "volume");
     assert_eq!(look["transfer"], serde_json::to_value(&*window.scene.transfer).unwrap());
-    let told = window.harness.get_by_label("Whose function this is").value().unwrap_or_default();
-    assert_eq!(told, "Own function of PET");
+    // Its curve is shown where the curve of the volume at hand is.
+    let sent = said(&window.click("Edit its curve"));
+    assert_eq!(sent, [json!({ "volume": { "set": { "volume": 1, "active": true } } })]);
+    window.harness.run_steps(2);
+    assert!(has(&window, "Function of PET: its own"));
 }
 
 #[test]
@@ -216,8 +216,7 @@ fn segments_are_shown_alone_others_join_them_and_the_window_says_that_the_rest_i
         window.click("Look of Segment 1");
         assert_eq!(as_json(&window.click("Show only this one")), only(json!([1])));
         window.key(egui::Modifiers::NONE, egui::Key::Escape);
-        let told = window.harness.get_by_label("What 3D leaves out").value().unwrap_or_default();
-        assert_eq!(told, "1 segment is hidden in 3D, not gone");
+        assert!(has(&window, "1 segment is hidden in 3D, not gone"));
         let list = window.rect("Name of segment 1");
         assert!(window.rect("Show all").bottom() <= list.top() && list.width() > 30.0, "{list:?} in {size:?}");
         assert_eq!(as_json(&window.click("Also what has no label")), only(json!([0, 1])));
@@ -254,4 +253,14 @@ fn the_menu_and_its_buttons_lie_in_the_window_and_cover_nothing_of_each_other() 
             window.key(egui::Modifiers::NONE, egui::Key::Escape);
         }
     }
+}
+
+#[test]
+fn the_brush_says_that_what_it_paints_is_hidden() {
+    let mut window = Window::open(SMALL);
+    two_volumes(&mut window);
+    let hidden = "small is hidden: paint on it is not seen";
+    assert!(!has(&window, hidden));
+    window.click("Show volume small");
+    assert!(has(&window, hidden));
 }

@@ -221,7 +221,7 @@ fn a_label_map_comes_beside_what_is_open_on_its_own_grid() {
         ),
         (
             "Open as: Another volume of grey values",
-            json!({ "add": { "path": path, "component": u32::MAX, "frame": 0, "range": null } }),
+            json!({ "add": { "path": path, "component": u32::MAX, "frame": 0, "range": null, "opacity": 0.5 } }),
         ),
     ] {
         let mut window = Window::open(SMALL);

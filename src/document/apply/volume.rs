@@ -11,6 +11,7 @@ use crate::document::history::step::Bare;
 use crate::document::paths::check_target;
 use crate::document::scene::Origin;
 use crate::document::scene::Scene;
+use crate::document::scene::first_look;
 use crate::document::scene::volumes::{OwnLook, VolumeLook};
 use crate::io::{Compression, export};
 use crate::volume::VolumeId;
@@ -54,11 +55,11 @@ impl Document {
     fn alter_volumes(&mut self, command: VolumeCommand, said: Said, edit: &mut Edit) -> Result<Said, DocumentError> {
         edit.takes_looks();
         match command {
-            VolumeCommand::Add { path, component, frame, range, open_as, name } => {
+            VolumeCommand::Add { path, component, frame, range, open_as, name, opacity } => {
                 let watch = self.watch.clone();
                 let origin = Origin { path, component, frame };
                 let opened = ReadDocument::volume(origin, range, open_as, None, &|x| watch.proceed(x))?;
-                self.put_beside(opened, name, edit)
+                self.put_beside(opened, (name, opacity), edit)
             }
             VolumeCommand::Remove { volume } => {
                 let state = self.open_mut()?;
@@ -89,7 +90,7 @@ impl Document {
     fn put_beside(
         &mut self,
         opened: ReadDocument,
-        name: Option<String>,
+        (name, opacity): (Option<String>, Option<f32>),
         edit: &mut Edit,
     ) -> Result<Said, DocumentError> {
         let (mut read, about) = opened.into_parts();
@@ -104,6 +105,8 @@ impl Document {
             return Err(DocumentError::NothingOpen);
         };
         settings.name = name.unwrap_or(settings.name);
+        settings.opacity = opacity.unwrap_or(settings.opacity);
+        settings.check()?;
         edit.name(format!("Add volume {}", settings.name));
         let id = VolumeId(state.scene.volumes.next);
         let mut shown = VolumeLook::new(read.scene.window_of(first));
@@ -115,7 +118,13 @@ impl Document {
             (scene.explosion, scene.brush, scene.volumes.active) = (explosion, brush, id);
         } else {
             let Scene { transfer, look, .. } = read.scene;
-            shown.own = Some(OwnLook { transfer: (*transfer).clone(), mode: look.mode, lighting: look.lighting });
+            // Labels are told apart by the colours of their segments.
+            let transfer = if volume.labels.is_blank() || volume.histogram.ids.is_empty() {
+                (*transfer).clone()
+            } else {
+                first_look::of_labels(volume.grid(), &volume.histogram)
+            };
+            shown.own = Some(OwnLook { transfer, mode: look.mode, lighting: look.lighting });
         }
         state.scene.volumes.next = id.0.saturating_add(1);
         state.scene.volumes.all.insert(id, settings);

@@ -88,6 +88,9 @@ pub enum VolumeCommand {
         /// The file's if left out.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         name: Option<String>,
+        /// 0 to 1, how strongly it lies over the others; 1 if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        opacity: Option<f32>,
     },
     /// Takes a volume away, with all that was painted on it.
     Remove { volume: VolumeId },

@@ -40,6 +40,22 @@ pub(crate) fn transfer(grid: &Grid, histogram: &Histogram) -> TransferFunction {
     TransferFunction::from_histogram(histogram, unit_mm)
 }
 
+/// Strength of labels per voxel: what lies at their border, where the nearest voxel has no label yet, hides no colour.
+const LABELS: f32 = 0.5;
+/// Under the colours of segments.
+const PALE: [f32; 3] = [0.95; 3];
+
+/// The opacities that the labels of a map begin with, whose segments have the colours: every id is as opaque as every other one, since
+/// values between two of them mean nothing.
+pub(crate) fn of_labels(grid: &Grid, histogram: &Histogram) -> TransferFunction {
+    let first = histogram.ids.iter().copied().find(|id| *id > 0.0).unwrap_or(1.0);
+    TransferFunction {
+        colour: vec![(first, PALE)],
+        opacity: vec![(0.0, 0.0), (first, LABELS)],
+        unit_mm: grid.voxel_mm(),
+    }
+}
+
 /// How the 3D view begins: a slab of few layers has its gradients along its face, and light would come from aside.
 pub(crate) fn look(grid: &Grid) -> Look {
     let look = Look::default();

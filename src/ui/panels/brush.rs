@@ -8,7 +8,7 @@ use crate::paint::{Brush, EraseDensity, Falloff, Operation, Shape, Target, Tip};
 use crate::ui::style::colour::colour_button;
 use crate::ui::style::theme;
 use crate::ui::style::theme::{GAP, LABEL, ROW};
-use crate::ui::style::widgets::{Scale, choice, number, pick, row, slider, tick, tipped};
+use crate::ui::style::widgets::{Scale, choice, line, number, pick, row, slider, tick, tipped};
 use crate::ui::thread::session::OpenDocument;
 use crate::ui::window::app::App;
 use crate::volume::Number;
@@ -59,6 +59,11 @@ impl App {
         let voxel = self.opened().map_or(1.0, |o| o.grid.voxel_mm());
         let ends = self.opened().map_or([0.0, 1.0], OpenDocument::ends);
         self.last_paint.insert(kind(old.target), old.target);
+        if let Some(volume) = scene.active().filter(|volume| !volume.visible || volume.opacity <= 0.0) {
+            let text = format!("{} is hidden: paint on it is not seen", volume.name);
+            let width = ui.available_width();
+            line(ui, &text, width, theme::WARNING);
+        }
 
         let chosen = ui.horizontal(|ui| pick(ui, "Paint", Some(kind(old.target)), &TARGETS)).inner;
         if let Some(name) = chosen.filter(|&name| name != kind(old.target)) {

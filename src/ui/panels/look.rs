@@ -31,7 +31,7 @@ impl App {
     pub(super) fn look_panel(&mut self, ui: &mut Ui) {
         let (Some(scene), Some(open)) = (&self.scene, &self.snapshot.open) else { return };
         let now = scene.look_of(scene.volumes.active);
-        whose_line(ui, scene, "Whose look this is in 3D");
+        whose_line(ui, scene, "Look");
         let [min, max] = open.ends();
         let kind = match now.mode {
             Mode::Dvr => Kind::Dvr,

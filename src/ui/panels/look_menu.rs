@@ -3,8 +3,8 @@
 //! Every row says what is inherited where nothing is said; the last button gives all of it up. Curves are edited in the panel of the
 //! transfer function, which shows this one while it is asked to.
 
-use crate::document::Scene;
 use crate::document::own_looks::LookChange;
+use crate::document::{Command, Scene, VolumeCommand};
 use crate::interact::readout;
 use crate::ui::state::left_out::{ShownAlone, show_only};
 use crate::ui::state::look_of::{Inherited, LookOf, whose};
@@ -19,6 +19,9 @@ use egui::{Popup, PopupCloseBehavior, Response, Ui, vec2};
 
 /// Width of the menu's controls: four choices and nine colours have room.
 const CONTROLS: f32 = 286.0;
+
+/// Width of a button in a volume's row.
+pub(super) const NARROW: f32 = 18.0;
 
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
@@ -59,11 +62,13 @@ impl App {
             (None, LookOf::Volume(_)) => "Give this volume a look of its own in 3D: mode, light, colours",
             (None, _) => "Give it a look of its own in 3D: opacity, mode, light, colours",
         };
-        let response = icon_button(ui, Face::small(Icon::Look, &name, tip).tint(tint));
+        // A volume's row has more to show than others.
+        let size = if matches!(of, LookOf::Volume(_)) { NARROW } else { ROW };
+        let response = icon_button(ui, Face { size, ..Face::small(Icon::Look, &name, tip).tint(tint) });
         Popup::menu(&response).close_behavior(PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
             ui.set_width(LABEL + GAP + CONTROLS);
             let width = ui.available_width();
-            line(ui, (&name, "Whose look this is"), width, theme::TEXT);
+            line(ui, &format!("Look in 3D: {called}"), width, theme::TEXT);
             self.look_rows(ui, of, own);
         });
     }
@@ -117,7 +122,7 @@ impl App {
                 let tip =
                     "The panel “Transfer function” on the right shows its colours and opacities, to be changed there";
                 if button(ui, half, "Edit its curve", tip) {
-                    self.transfer.edit(Some(of));
+                    self.edit_curve(of);
                     ui.close();
                 }
             });
@@ -134,6 +139,18 @@ impl App {
         if let LookOf::Segment(volume, id) = of {
             ui.separator();
             self.alone_row(ui, &scene, volume, id);
+        }
+    }
+
+    /// Shows its curve in the panel of the transfer function; of a volume by taking it in hand, as all panels show that one.
+    fn edit_curve(&mut self, of: LookOf) {
+        let LookOf::Volume(volume) = of else { return self.transfer.edit(Some(of)) };
+        self.transfer.edit(None);
+        if self.scene.as_ref().is_some_and(|scene| scene.volumes.active != volume) {
+            let (name, visible, opacity, look, pose) = (None, None, None, None, None);
+            let set =
+                VolumeCommand::Set { volume, name, visible, opacity, look, shared_look: false, pose, active: true };
+            self.send(Command::Volume(set));
         }
     }
 
@@ -227,12 +244,16 @@ impl App {
                 (Colours::One, "One colour", "One colour throughout, as opaque as before"),
                 (Colours::ByValue, "By value", "Colours and opacities of its own: the panel on the right shows them"),
             ];
-            let transfer = match choice(ui, "Colours of the look", Some(colours), &options[usize::from(volume)..]) {
+            // Of a volume that has none for itself, whichever is clicked is its own from then on.
+            let lit = (!volume || now.transfer.is_some()).then_some(colours);
+            let transfer = match choice(ui, "Colours of the look", lit, &options[usize::from(volume)..]) {
                 None => return,
                 Some(Colours::Inherited) => None,
                 Some(Colours::One) => in_one(own_colour.unwrap_or([0.95, 0.95, 0.95])),
                 Some(Colours::ByValue) => {
-                    self.transfer.edit(Some(of));
+                    if !volume {
+                        self.transfer.edit(Some(of));
+                    }
                     Some(TransferFunction { colour: inherited.colour.clone(), ..base.clone() })
                 }
             };
@@ -280,9 +301,9 @@ impl App {
 }
 
 /// Says whose looks a panel changes, where there are several volumes or this one has its own.
-pub(super) fn whose_line(ui: &mut Ui, scene: &Scene, name: &str) {
+pub(super) fn whose_line(ui: &mut Ui, scene: &Scene, what: &str) {
     if let Some((volume, own)) = whose(scene) {
         let width = ui.available_width();
-        line(ui, (&format!("{volume}: {own}"), name), width, theme::TEXT_WEAK);
+        line(ui, &format!("{what} of {volume}: {own}"), width, theme::TEXT_WEAK);
     }
 }

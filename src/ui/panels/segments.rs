@@ -47,7 +47,7 @@ impl App {
         ui.horizontal(|ui| {
             let button_width = 70.0;
             let width = ui.available_width() - button_width - theme::GAP;
-            line(ui, (&alone.words(), "What 3D leaves out"), width, theme::WARNING);
+            line(ui, &alone.words(), width, theme::WARNING);
             let tip = "Shows all segments in 3D again; nothing of them was changed";
             if button(ui, vec2(button_width, ROW), "Show all", tip)
                 && let Some(scene) = &self.scene

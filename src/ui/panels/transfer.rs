@@ -7,6 +7,7 @@ use crate::document::{Command, TransferCommand};
 use crate::interact::curve;
 use crate::interact::readout;
 use crate::ui::panels::look_menu::whose_line;
+use crate::ui::state::look_of::LookOf;
 use crate::ui::state::transfer_editor::Plot;
 use crate::ui::state::transfer_editor::Point;
 use crate::ui::style::colour::colour_button;
@@ -104,11 +105,16 @@ impl App {
     /// The function that is shown: of what the hand chose, as long as it has one for itself, else of the active volume.
     fn shown_function(&mut self) -> Option<TransferFunction> {
         let scene = self.scene.as_ref()?;
-        let chosen = self.transfer.of.and_then(|of| of.own(scene)?.transfer);
+        let active = scene.volumes.active;
+        let at_hand = self.transfer.of.filter(|of| match of {
+            LookOf::Selection(id) | LookOf::Segment(id, _) => *id == active,
+            LookOf::Volume(_) | LookOf::Part(_) => true,
+        });
+        let chosen = at_hand.and_then(|of| of.own(scene)?.transfer);
         if chosen.is_none() && self.transfer.of.is_some() {
             self.transfer.edit(None);
         }
-        Some(chosen.unwrap_or_else(|| scene.transfer_of(scene.volumes.active).clone()))
+        Some(chosen.unwrap_or_else(|| scene.transfer_of(active).clone()))
     }
 
     /// The command after which the function that is shown is this one.
@@ -123,13 +129,13 @@ impl App {
     fn whose_function(&mut self, ui: &mut Ui) {
         let Some(scene) = &self.scene else { return };
         let Some(of) = self.transfer.of else {
-            whose_line(ui, scene, "Whose function this is");
+            whose_line(ui, scene, "Function");
             return;
         };
         let text = format!("Own function of {}", of.called(scene).unwrap_or_default());
         ui.horizontal(|ui| {
             let width = ui.available_width() - ROW - GAP;
-            line(ui, (&text, "Whose function this is"), width, theme::ACCENT);
+            line(ui, &text, width, theme::ACCENT);
             let face = Face::small(Icon::Close, "Back to the volume's function", "Shows the volume's function again");
             if icon_button(ui, face).clicked() {
                 self.transfer.edit(None);

@@ -6,6 +6,7 @@
 use crate::document::{BrushCommand, Command, VolumeCommand, VolumeSettings};
 use crate::interact::{Tool, readout};
 use crate::math::{DVec3, Pose};
+use crate::ui::panels::look_menu::NARROW;
 use crate::ui::state::look_of::LookOf;
 use crate::ui::style::icons;
 use crate::ui::style::icons::Icon;
@@ -96,7 +97,7 @@ impl App {
             if icon_button(ui, Face::small(icon, &show, "Show or hide this volume").tint(tint)).clicked() {
                 self.send(Given { visible: Some(!volume.visible), ..Given::default() }.of(id));
             }
-            let width = ui.available_width() - 3.0 * (ROW + GAP) - PERCENT - GAP;
+            let width = ui.available_width() - 3.0 * NARROW - PERCENT - 2.0 * GAP;
             let does = if active {
                 "The brush paints this volume, and the panels show it. Double-click to rename it"
             } else {
@@ -109,13 +110,16 @@ impl App {
                 None => {}
             }
             from_right(ui, |ui| {
+                let gap = std::mem::replace(&mut ui.spacing_mut().item_spacing.x, 0.0);
                 let remove = format!("Remove volume {called}");
                 let tip = "Take this volume away, with all that was painted on it; undo brings it back";
-                if icon_button(ui, Face::small(Icon::Trash, &remove, tip)).clicked() {
+                if icon_button(ui, Face { size: NARROW, ..Face::small(Icon::Trash, &remove, tip) }).clicked() {
                     self.send(Command::Volume(VolumeCommand::Remove { volume: id }));
                 }
                 self.place_menu(ui, (id, called), volume);
                 self.look_menu(ui, LookOf::Volume(id), &format!("volume {called}"));
+                ui.spacing_mut().item_spacing.x = gap;
+                ui.add_space(gap);
                 self.strength(ui, (id, called), volume);
             });
         });
@@ -158,7 +162,8 @@ impl App {
         let tint = if moved { theme::WARNING } else { theme::TEXT_WEAK };
         let name = format!("Place of volume {called}");
         let tip = if moved { "It was moved by hand: shift or turn it" } else { "Shift or turn this volume" };
-        let response = icon_button(ui, Face::small(Icon::Tool(Tool::MovePart), &name, tip).tint(tint));
+        let response =
+            icon_button(ui, Face { size: NARROW, ..Face::small(Icon::Tool(Tool::MovePart), &name, tip).tint(tint) });
         let centre = self.opened().and_then(|open| open.centres.get(&id).copied()).unwrap_or_default();
         Popup::menu(&response).close_behavior(PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
             ui.set_width(LABEL + 110.0);

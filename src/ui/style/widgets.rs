@@ -327,13 +327,9 @@ pub(crate) fn empty(ui: &mut Ui, text: &str) {
 }
 
 /// A line of text of so much width that ends in … where there is no room for all of it, and says all of it to whoever points at it.
-pub(crate) fn line(ui: &mut Ui, (text, name): (&str, &str), width: f32, colour: Color32) {
+pub(crate) fn line(ui: &mut Ui, text: &str, width: f32, colour: Color32) {
     let (rect, response) = ui.allocate_exact_size(vec2(width, ROW), Sense::hover());
-    response.widget_info(|| {
-        let mut info = WidgetInfo::labeled(Role::Label, true, name);
-        info.current_text_value = Some(text.to_owned());
-        info
-    });
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, text));
     let shown = cut_text(ui, text, TextStyle::Body.resolve(ui.style()), colour, width);
     ui.painter().galley(rect.left_center() - vec2(0.0, shown.size().y * 0.5), shown, colour);
     response.on_hover_text(text);

@@ -4,6 +4,9 @@ use crate::document::{Command, OpenAs, ProjectCommand, USUAL_COMPONENT, VolumeCo
 use crate::ui::window::app::App;
 use std::path::{Path, PathBuf};
 
+/// How strongly a measurement shows that is laid over others.
+const OVER: f32 = 0.5;
+
 impl App {
     /// Opens whatever a path is: a project folder or a volume. What is open is replaced.
     pub fn open(&mut self, path: &Path) {
@@ -30,6 +33,8 @@ impl App {
 
     /// Opens a volume beside what is open.
     pub(crate) fn add_volume(&mut self, path: PathBuf, open_as: OpenAs) {
+        // What is measured would cover what it is laid over; labels leave it to be seen.
+        let opacity = (open_as == OpenAs::Image && self.opened().is_some()).then_some(OVER);
         self.send(Command::Volume(VolumeCommand::Add {
             path,
             component: USUAL_COMPONENT,
@@ -37,6 +42,7 @@ impl App {
             range: None,
             open_as,
             name: None,
+            opacity,
         }));
     }
 
