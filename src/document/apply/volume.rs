@@ -119,7 +119,7 @@ impl Document {
         } else {
             let Scene { transfer, look, .. } = read.scene;
             // Labels are told apart by the colours of their segments.
-            let transfer = if volume.labels.is_blank() || volume.histogram.ids.is_empty() {
+            let transfer = if volume.labels.is_blank() {
                 (*transfer).clone()
             } else {
                 first_look::of_labels(volume.grid(), &volume.histogram)

@@ -20,8 +20,8 @@ use egui::{Popup, PopupCloseBehavior, Response, Ui, vec2};
 /// Width of the menu's controls: four choices and nine colours have room.
 const CONTROLS: f32 = 286.0;
 
-/// Width of a button in a volume's row.
-pub(super) const NARROW: f32 = 18.0;
+/// Width of a button in a row that has many: of a volume, of a segment.
+pub(super) const NARROW: f32 = 16.0;
 
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
@@ -62,8 +62,8 @@ impl App {
             (None, LookOf::Volume(_)) => "Give this volume a look of its own in 3D: mode, light, colours",
             (None, _) => "Give it a look of its own in 3D: opacity, mode, light, colours",
         };
-        // A volume's row has more to show than others.
-        let size = if matches!(of, LookOf::Volume(_)) { NARROW } else { ROW };
+        let narrow = matches!(of, LookOf::Volume(_) | LookOf::Segment(..));
+        let size = if narrow { NARROW } else { ROW };
         let response = icon_button(ui, Face { size, ..Face::small(Icon::Look, &name, tip).tint(tint) });
         Popup::menu(&response).close_behavior(PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
             ui.set_width(LABEL + GAP + CONTROLS);

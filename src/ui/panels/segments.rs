@@ -2,6 +2,7 @@
 
 use crate::document::{Command, SegmentCommand};
 use crate::paint::Target;
+use crate::ui::panels::look_menu::NARROW;
 use crate::ui::state::left_out::{ShownAlone, show_only};
 use crate::ui::state::look_of::LookOf;
 use crate::ui::style::colour::colour_button;
@@ -31,9 +32,16 @@ impl App {
         let place = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), height));
         self.backdrop.detail(ui, place, theme::DEEP);
         // Hundreds of segments are normal: only the rows in sight are laid out.
-        list(ui, "segments", height, ROW, segments.len(), false, |ui, range| {
-            for segment in &segments[range] {
-                self.segment_row(ui, segment, painted == Some(segment.id), alone.as_ref());
+        let before = usize::from(alone.is_some());
+        list(ui, "segments", height, ROW, before + segments.len(), false, |ui, range| {
+            for row in range {
+                match (&alone, row.checked_sub(before)) {
+                    (Some(alone), None) => self.unlabelled_row(ui, alone),
+                    (_, i) => {
+                        let Some(segment) = segments.get(i.unwrap_or(0)) else { continue };
+                        self.segment_row(ui, segment, painted == Some(segment.id), alone.as_ref());
+                    }
+                }
             }
         });
         if segments.is_empty() {
@@ -55,11 +63,18 @@ impl App {
                 self.send(show_only(None, scene.volumes.active));
             }
         });
-        let mut rest = alone.shows(0);
-        let tip = "Whether 3D shows the matter that no segment has, around those that are shown";
-        if tick(ui, &mut rest, "Also what has no label", tip) {
-            self.send(alone.with(0, rest));
-        }
+    }
+
+    /// Whether 3D shows, around those that are shown alone, what no segment has.
+    fn unlabelled_row(&mut self, ui: &mut Ui, alone: &ShownAlone) {
+        ui.horizontal(|ui| {
+            ui.set_min_height(ROW);
+            let mut rest = alone.shows(0);
+            let tip = "Whether 3D shows the matter that no segment has, around those that are shown";
+            if tick(ui, &mut rest, "Also what has no label", tip) {
+                self.send(alone.with(0, rest));
+            }
+        });
     }
 
     /// At the end of the list's heading.
@@ -117,7 +132,7 @@ impl App {
                     self.edit(&response, same(None, Some(colour), None, None));
                 }
                 let icons = if alone.is_some() { 5.0 } else { 4.0 };
-                let width = ui.available_width() - icons * 26.0;
+                let width = ui.available_width() - icons * NARROW - theme::GAP;
                 let about =
                     (&*format!("Name of segment {id}"), "Click to paint this segment, double-click to rename it");
                 match name_field(ui, about, &segment.name, width) {
@@ -126,8 +141,10 @@ impl App {
                     None => {}
                 }
                 from_right(ui, |ui| {
+                    ui.spacing_mut().item_spacing.x = 0.0;
+                    let small = |icon, name, tip| Face { size: NARROW, ..Face::small(icon, name, tip) };
                     let remove = format!("Remove {}", segment.name);
-                    if icon_button(ui, Face::small(Icon::Trash, &remove, "Remove this segment and its voxels’ label"))
+                    if icon_button(ui, small(Icon::Trash, &remove, "Remove this segment and its voxels’ label"))
                         .clicked()
                     {
                         self.send(Command::Segment(SegmentCommand::Remove { id, volume: None }));
@@ -136,13 +153,13 @@ impl App {
                     let icon = if segment.locked { Icon::Lock } else { Icon::Unlock };
                     let tint = if segment.locked { theme::WARNING } else { theme::TEXT_WEAK };
                     let tip = "A locked segment's voxels are never painted over";
-                    if icon_button(ui, Face::small(icon, &lock, tip).tint(tint)).clicked() {
+                    if icon_button(ui, small(icon, &lock, tip).tint(tint)).clicked() {
                         self.send(same(None, None, None, Some(!segment.locked)));
                     }
                     let show = format!("Show {}", segment.name);
                     let icon = if segment.visible { Icon::Eye } else { Icon::EyeOff };
                     let tint = if segment.visible { theme::TEXT } else { theme::TEXT_WEAK };
-                    if icon_button(ui, Face::small(icon, &show, "Show or hide this segment").tint(tint)).clicked() {
+                    if icon_button(ui, small(icon, &show, "Show or hide this segment").tint(tint)).clicked() {
                         self.send(same(None, None, Some(!segment.visible), None));
                     }
                     self.look_menu(ui, LookOf::Segment(volume, id), &segment.name);
@@ -153,7 +170,7 @@ impl App {
                             true => (theme::ACCENT, "It is among those that 3D shows alone: click to hide it there"),
                             false => (theme::TEXT_WEAK, "It is hidden in 3D, not gone: click to show it there too"),
                         };
-                        let face = Face::small(Icon::Solid, &show, tip).tint(tint);
+                        let face = small(Icon::Solid, &show, tip).tint(tint);
                         if icon_button(ui, face).clicked() {
                             self.send(alone.with(id, !shown));
                         }

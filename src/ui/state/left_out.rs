@@ -40,13 +40,12 @@ impl ShownAlone {
         show_only((!labels.is_empty()).then_some(labels), self.volume)
     }
 
-    /// What is hidden, in words.
+    /// What is hidden, in words that a narrow panel has room for.
     pub(crate) fn words(&self) -> String {
         match (self.hidden, self.shows(0)) {
-            (0, true) => "No segment is hidden in 3D".into(),
-            (0, false) => "What has no label is hidden in 3D".into(),
-            (1, _) => "1 segment is hidden in 3D, not gone".into(),
-            (hidden, _) => format!("{hidden} segments are hidden in 3D, not gone"),
+            (0, true) => "None hidden in 3D".into(),
+            (0, false) => "No label: hidden in 3D".into(),
+            (hidden, _) => format!("{hidden} hidden in 3D, not gone"),
         }
     }
 }
@@ -61,12 +60,11 @@ pub(crate) fn show_only(labels: Option<BTreeSet<u16>>, volume: VolumeId) -> Comm
 pub(crate) fn said_in_3d(scene: &Scene) -> Option<String> {
     let seen = scene.volumes.all.iter().filter(|(_, volume)| volume.visible && volume.opacity > 0.0);
     let alone: Vec<_> = seen.filter_map(|(&id, _)| ShownAlone::of(scene, id)).collect();
-    match &alone[..] {
-        [] => None,
-        [only] => Some(only.words()),
-        several => {
-            let hidden = several.iter().map(|alone| alone.hidden).sum();
-            Some(ShownAlone { hidden, ..several[0].clone() }.words())
-        }
+    let hidden: usize = alone.iter().map(|alone| alone.hidden).sum();
+    match hidden {
+        0 if alone.iter().all(|alone| alone.shows(0)) => None,
+        0 => Some("What has no label is hidden, not gone".into()),
+        1 => Some("1 segment is hidden, not gone".into()),
+        _ => Some(format!("{hidden} segments are hidden, not gone")),
     }
 }
