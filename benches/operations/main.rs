@@ -14,6 +14,7 @@ mod draw;
 mod explode;
 mod export;
 mod head;
+mod looks;
 mod marks;
 mod measure;
 mod open;
@@ -21,6 +22,7 @@ mod paint;
 mod save;
 mod settle;
 mod slices;
+mod ten;
 mod undo;
 mod window;
 
@@ -36,6 +38,8 @@ const BENCHES: &[Bench] = &[
     ("draw/plain", draw::plain),
     ("draw/pool", draw::pool),
     ("draw/refine", explode::refine),
+    ("draw/looks", looks::labels),
+    ("draw/ten", ten::volumes),
     ("paint/dab", paint::dab),
     ("paint/click", paint::click),
     ("paint/stamp", paint::stamp),

@@ -137,23 +137,49 @@ fn march(r: BodyRay, k0: f32, k1: f32) {
         }
         let run = run_from(r, k, min(k1, k + mode::RUN));
         begin_run(r, k, next);
+#ifdef STAGED
         // Asked at the end: software Vulkan runs what follows a break once more for nothing.
         loop {
-#ifdef STAGED
             let found = seek(r, run, k);
             k = found.k;
             if (found.colour.a > 0.0) {
                 mode::add(r, run, place_found(found), found.texel, found.colour);
             }
-#else
-            let texel = run_texel(run, k);
-            mode::add(r, run, k, texel, mode::meet(r, run, k, texel));
-            k = mode::after(k);
-#endif
             continuing {
                 break if k >= run.end || mode::done();
             }
         }
+#else
+#ifdef LABEL_LOOKS
+        // As in `seek` a brick of several labels has a loop of its own.
+        loop {
+            if (!run.varies || k >= run.end || mode::done()) {
+                break;
+            }
+            take_label(label_in(run.labels, run.brick, r.o + r.d * k));
+            let texel = run_texel(run, k);
+            mode::add(r, run, k, texel, mode::meet(r, run, k, texel));
+            k = mode::after(k);
+        }
+        loop {
+            if (run.varies || k >= run.end || mode::done()) {
+                break;
+            }
+            let texel = run_texel(run, k);
+            mode::add(r, run, k, texel, mode::meet(r, run, k, texel));
+            k = mode::after(k);
+        }
+#else
+        loop {
+            let texel = run_texel(run, k);
+            mode::add(r, run, k, texel, mode::meet(r, run, k, texel));
+            k = mode::after(k);
+            continuing {
+                break if k >= run.end || mode::done();
+            }
+        }
+#endif
+#endif
         next = k;
     }
 }

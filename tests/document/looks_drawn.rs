@@ -154,7 +154,7 @@ fn parts_selections_and_segments_of_every_volume_have_their_looks_when_moved_apa
     say(&mut document, json!({"part":{"set":{"id":ids[1],"look":{"opacity":0.5}}}}));
     say(&mut document, json!({"selection":{"set":{"volume":2,"look":{"opacity":0.8,"mode":{"iso":1.5}}}}}));
     say(&mut document, json!({"segment":{"set":{"id":1,"volume":2,"look":{"opacity":0.0}}}}));
-    say(&mut document, json!({"segment":{"set":{"id":3,"volume":2,"look":{"mode":{"iso":0.5}}}}}));
+    say(&mut document, json!({"segment":{"set":{"id":3,"volume":2,"look":{"mode":{"iso":2.5}}}}}));
     let scene = &document.state().unwrap().scene;
     let faces = |id: u32| -> Vec<Plane> {
         let part = scene.explosion.part(PartId(id)).unwrap();
@@ -269,4 +269,47 @@ fn slices_lay_volumes_over_each_other_in_their_order_whichever_is_active() {
         assert!(hidden.is_some() || both > 300, "{both} pixels show both");
         assert!(largest <= 1.5, "active {active}, hidden {hidden:?}: off by {largest}");
     }
+}
+
+#[test]
+fn a_pick_tells_volume_segment_and_whether_the_voxel_is_selected() {
+    if gpu().is_none() {
+        return;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let mut document = three(dir.path());
+    for id in [0, 1] {
+        say(&mut document, json!({"volume":{"set":{"volume":id,"visible":false}}}));
+    }
+    // A surface: nothing of a voxel is seen through another.
+    say(&mut document, json!({"volume":{"set":{"volume":2,"look":{"mode":{"iso":2.5}}}}}));
+    let mut told = std::collections::BTreeSet::new();
+    for (x, y) in (18..42).step_by(3).flat_map(|x| (14..34).step_by(4).map(move |y| (x, y))) {
+        let pick =
+            |document: &mut Document| say(document, json!({"ask":{"pick":{"px":[x, y],"size":SIZE}}}))["hit"].clone();
+        let hit = pick(&mut document);
+        let Some(index) = hit["index"].as_array() else { continue };
+        let index: Vec<f64> = index.iter().map(|v| v.as_f64().unwrap()).collect();
+        let fraction = index.iter().map(|v| ((v + 0.5).fract() - 0.5).abs()).fold(0.0, f64::max);
+        if fraction > 0.49 {
+            continue;
+        }
+        let voxel: Vec<u32> = index.iter().map(|v| (v + 0.5).floor() as u32).collect();
+        let state = document.state().unwrap();
+        let label = state.volumes[&VolumeId(2)].labels.value([voxel[0], voxel[1], voxel[2]]).unwrap() as u16;
+        let segment = (label > 0).then_some(label);
+        assert_eq!((&hit["volume"], hit.get("segment")), (&json!(2), segment.map(|s| json!(s)).as_ref()), "{hit}");
+        assert_eq!(hit["selection"], json!(false));
+        if let Some(label) = segment {
+            told.insert(label);
+            say(&mut document, json!({"selection":{"from_label":{"label":label,"volume":2}}}));
+            assert_eq!(pick(&mut document)["selection"], json!(true));
+            // Of another label it is not.
+            let other = label % 4 + 1;
+            say(&mut document, json!({"selection":{"from_label":{"label":other,"volume":2}}}));
+            assert_eq!(pick(&mut document)["selection"], json!(false));
+            say(&mut document, json!({"selection":{"clear":{"volume":2}}}));
+        }
+    }
+    assert!(!told.is_empty());
 }

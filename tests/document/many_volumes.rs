@@ -30,7 +30,9 @@ fn all(document: &Document) -> (Vec<(VolumeId, Vec<u8>)>, String) {
             bytes.push((*id, field.read(0, [0; 3], field.dims(0)).unwrap()));
         }
     }
-    (bytes, serde_json::to_string(&(&state.scene.volumes, &state.scene.shown)).unwrap())
+    let scene = &state.scene;
+    let said = (&scene.volumes, &scene.shown, &scene.own_looks, &scene.explosion.parts);
+    (bytes, serde_json::to_string(&said).unwrap())
 }
 
 fn three(dir: &Path) -> Document {
@@ -280,8 +282,9 @@ fn windows_and_transfer_functions_are_those_of_the_volume_that_is_named() {
             && shown(&document, 1).1 == before[1].1
             && shown(&document, 2).0 == before[2].0
     );
-    say(&mut document, json!({"transfer": {"reset": {"volume": 2}}}));
-    assert!(shown(&document, 2) == before[2], "made from its own histogram");
+    say(&mut document, json!({"transfer": {"set": {"function": function, "volume": 1}}}));
+    say(&mut document, json!({"transfer": {"reset": {"volume": 1}}}));
+    assert!(shown(&document, 1).1 == before[1].1, "made from its own histogram");
     for command in [
         json!({"view": {"window": {"level": 1, "width": 1, "volume": 7}}}),
         json!({"transfer": {"reset": {"volume": 7}}}),
@@ -345,7 +348,21 @@ fn a_stroke_that_a_crash_cut_off_is_painted_on_the_volume_that_it_ran_on() {
 
 /// What undo knows: every byte, and what was decided of the volumes.
 fn decided(document: &Document) -> (Vec<(VolumeId, Vec<u8>)>, String) {
-    (all(document).0, serde_json::to_string(&document.state().unwrap().scene.volumes).unwrap())
+    let scene = &document.state().unwrap().scene;
+    let said = (&scene.volumes, &scene.own_looks, &scene.explosion.parts, scene.explosion.next_id);
+    (all(document).0, serde_json::to_string(&said).unwrap())
+}
+
+/// A look, a part of one, or none.
+fn any_look(rng: &mut ChaCha8Rng) -> Value {
+    let opacity = f64::from(rng.random_range(0..5)) / 4.0;
+    match rng.random_range(0..5) {
+        0 => json!("inherit"),
+        1 => json!({ "opacity": opacity }),
+        2 => json!({"mode": "mip", "lighting": null}),
+        3 => json!({"mode": {"iso": 2.5}, "shaded": true, "opacity": opacity}),
+        _ => json!({"transfer": {"colour": [[0, [1, 0, 0]]], "opacity": [[1, 0], [4, opacity]], "unit_mm": 2}}),
+    }
 }
 
 /// A command on any of the volumes that there are, or one that adds or takes away one.
@@ -353,7 +370,7 @@ fn any_command(rng: &mut ChaCha8Rng, document: &Document, dir: &Path, n: usize) 
     let ids: Vec<u32> = document.state().unwrap().volumes.keys().map(|id| id.0).collect();
     let volume = ids[rng.random_range(0..ids.len())];
     let label = rng.random_range(1..7);
-    match rng.random_range(0..12) {
+    match rng.random_range(0..18) {
         0 if ids.len() > 1 => json!({"volume": {"remove": {"volume": volume}}}),
         0 | 1 => {
             let dims = [rng.random_range(3..40), rng.random_range(3..40), rng.random_range(3..12)];
@@ -373,6 +390,22 @@ fn any_command(rng: &mut ChaCha8Rng, document: &Document, dir: &Path, n: usize) 
         7 => json!({"segment": {"remove": {"id": label, "volume": volume}}}),
         8 => json!({"segment": {"import": {"path": dir.join("c.nrrd"), "volume": volume}}}),
         9 => json!({"selection": {"from_label": {"label": label, "volume": volume}}}),
+        11 | 12 => {
+            let look = any_look(rng);
+            json!({"segment": {"set": {"id": label, "look": look, "volume": volume}}})
+        }
+        13 => json!({"selection": {"set": {"look": any_look(rng), "volume": volume}}}),
+        14 => {
+            let parts = &document.state().unwrap().scene.explosion.parts;
+            let id = parts[rng.random_range(0..parts.len())].id;
+            json!({"part": {"set": {"id": id, "look": any_look(rng)}}})
+        }
+        15 => json!({"segment": {"show_only": {"ids": [0, label], "volume": volume}}}),
+        16 => {
+            let at = [rng.random_range(-9..40), rng.random_range(-9..40), 0];
+            json!({"part": {"split": {"by": {"plane": {"point": at, "normal": [1, label, 2]}}}}})
+        }
+        17 => json!({"volume": {"set": {"volume": volume, "look": any_look(rng)}}}),
         10 => json!({"selection": {"import": {"path": dir.join("a.nrrd"), "threshold": label - 1, "volume": volume}}}),
         _ => json!({"selection": {"clear": {"volume": volume}}}),
     }
@@ -387,7 +420,7 @@ fn random_walks_over_volumes_come_back_by_undo_redo_crashes_and_saves() {
         let mut trace = Vec::new();
         let mut kept = vec![decided(&document)];
         let begun = document.history().undo_names().count();
-        for n in 0..24 {
+        for n in 0..32 {
             let command = any_command(&mut rng, &document, dir.path(), n);
             trace.push(command.to_string());
             // A label that is not there, or a file that lies elsewhere, is refused, and has changed nothing.
@@ -419,6 +452,7 @@ fn random_walks_over_volumes_come_back_by_undo_redo_crashes_and_saves() {
         drop(document);
         let mut document = Document::new();
         say(&mut document, json!({"project": {"open": {"path": dir.path().join("p")}}}));
+        assert_eq!(all(&document).1, last.1, "{seed}: from the project: {trace:#?}");
         assert!(all(&document) == last, "{seed}: from the project: {trace:#?}");
     }
 }

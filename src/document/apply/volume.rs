@@ -116,6 +116,10 @@ impl Document {
             let scene = &mut state.scene;
             (scene.transfer, scene.look, scene.views) = (transfer, look, views);
             (scene.explosion, scene.brush, scene.volumes.active) = (explosion, brush, id);
+            // Its parts are none of those that had looks.
+            if !scene.own_looks.parts.is_empty() {
+                scene.own_looks.parts.clear();
+            }
         } else {
             let Scene { transfer, look, .. } = read.scene;
             // Labels are told apart by the colours of their segments.

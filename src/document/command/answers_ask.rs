@@ -80,6 +80,7 @@ pub struct PickSaid {
 pub struct HitSaid {
     pub mm: [f64; 3],
     pub rest_mm: [f64; 3],
+    /// In the voxels of the volume that is hit.
     pub index: [f64; 3],
     pub part: PartId,
     /// Whose voxel it is.
@@ -87,6 +88,7 @@ pub struct HitSaid {
     /// Its label, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub segment: Option<u16>,
+    /// Whether it is selected matter: of voxels at rest, by half at least.
     pub selection: bool,
     pub depth_mm: f64,
 }

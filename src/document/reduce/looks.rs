@@ -28,7 +28,13 @@ impl Scene {
         let (name, function) = match command {
             TransferCommand::Set { function, .. } => ("Transfer function", function.clone()),
             TransferCommand::Reset { .. } => {
-                ("Reset transfer function", first_look::transfer(ground.grid, ground.histogram))
+                // A label map beside others began with the look of its labels.
+                let beside = self.shown.get(&volume).is_some_and(|shown| shown.own.is_some());
+                let first = match beside && !ground.histogram.ids.is_empty() {
+                    true => first_look::of_labels(ground.grid, ground.histogram),
+                    false => first_look::transfer(ground.grid, ground.histogram),
+                };
+                ("Reset transfer function", first)
             }
         };
         check_transfer(&function)?;

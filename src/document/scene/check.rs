@@ -112,12 +112,17 @@ fn check_explosion(explosion: &Explosion, bounds: &Aabb) -> Result<(), DocumentE
         return Err(DocumentError::invalid("explosion.next_id", explosion.next_id, expected));
     }
     explosion.check()?;
-    let reach = 1e-3 * bounds.half_diagonal();
-    let out = |v: &DVec3| (v.clamp(bounds.min, bounds.max) - *v).length() > reach;
+    // Parts stay where they were made, wherever volumes are moved to and whichever of them goes.
+    let reach = 1.001 * bounds.min.abs().max(bounds.max.abs()).max_element().max(2.0 * FARTHEST_MM);
+    let out = |v: &DVec3| v.abs().max_element() > reach;
     for (i, part) in explosion.parts.iter().enumerate() {
         if let Some(corner) = part.vertices.iter().find(|v| out(v)) {
             let found = format!("a corner at {corner}");
-            return Err(DocumentError::invalid(format!("parts[{i}].vertices"), found, "corners in the volume"));
+            return Err(DocumentError::invalid(
+                format!("parts[{i}].vertices"),
+                found,
+                format!("corners of at most {reach:e} mm"),
+            ));
         }
     }
     Ok(())

@@ -265,6 +265,7 @@ impl Caster {
         let (dvr, iso) = (looks.kind == Kind::Dvr, looks.kind == Kind::Iso);
         let modes = looks.kind == Kind::Modes;
         let dear = lit || tinted || colour || labels || selection;
+        let staged = iso || modes || (dvr && (looks.refines || dear));
         let own = [
             ("DVR", dvr),
             ("ISO", iso),
@@ -280,7 +281,7 @@ impl Caster {
             ("SELECTION", selection),
             // Samples that show nothing are passed over before those that do are looked at closely: for light and paint, and
             // for the one sample in which a surface lies. A maximum is asked of every sample.
-            ("STAGED", iso || modes || (dvr && (looks.refines || dear || looks.by_label))),
+            ("STAGED", staged),
             ("REFINE", looks.refines),
             ("MERGE", capacity > 0),
             ("UP_TO_16", capacity == 16),
