@@ -20,9 +20,6 @@ use crate::volume::{BrickIndex, FieldKind, Number, SourceError, Total};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Selected by half, as the selection's voxels say it.
-const HALF_SELECTED: f32 = 0.5;
-
 impl Document {
     pub(crate) fn ask(&mut self, question: &Question) -> Result<Said, DocumentError> {
         Ok(match *question {
@@ -68,9 +65,8 @@ impl Document {
                 let state = self.open()?;
                 let subject = state.at(hit.object.volume())?;
                 let index = subject.grid().index_from_world().transform_point3(hit.rest);
-                // While parts are at rest the picture does not tell what is selected: the voxel does.
-                let at_voxel = |voxel| subject.selection.value(voxel).is_ok_and(|s| s >= HALF_SELECTED);
-                let whole = hit.body == WHOLE && subject.grid().voxel_at(index).is_some_and(at_voxel);
+                // While parts are at rest the picture does not tell what is selected.
+                let whole = hit.body == WHOLE && !subject.selection.is_blank();
                 let hit = HitSaid {
                     mm: hit.world.to_array(),
                     rest_mm: hit.rest.to_array(),

@@ -88,7 +88,7 @@ pub struct HitSaid {
     /// Its label, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub segment: Option<u16>,
-    /// Whether it is selected matter: of voxels at rest, by half at least.
+    /// Whether it is selected matter, or, while parts are at rest, matter of a volume of which something is selected.
     pub selection: bool,
     pub depth_mm: f64,
 }

@@ -135,7 +135,8 @@ impl Motion {
     }
 
     fn octrees(&mut self, subject: &Subject<'_>) -> Result<&mut Octrees, DocumentError> {
-        if self.volume.replace(subject.id) != Some(subject.id) {
+        // Whoever reads the first volume ahead has learned nothing that parts would have to follow.
+        if self.volume.replace(subject.id).is_some_and(|before| before != subject.id) {
             self.forget_points();
         }
         Ok(match self.octrees.take() {

@@ -4,6 +4,7 @@
 //! them a block of cells may show anything.
 
 use crate::gpu::brush::kernel::Variant;
+use crate::gpu::device::constants::{BLOCK_CELLS, CELL};
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::device::kernel::{Binding, Compute, Kernel};
@@ -19,9 +20,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Voxels along an edge of a block.
-const BLOCK: u32 = 16;
+const BLOCK: u32 = BLOCK_CELLS * CELL;
 /// Cells in a block.
-const CELLS: usize = 64;
+const CELLS: usize = BLOCK_CELLS.pow(3) as usize;
 /// Blocks of a submission, so that it does not hold the queue for long.
 const MOST_BLOCKS: usize = 512;
 /// Buffers for answers that are kept.

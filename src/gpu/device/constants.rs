@@ -69,6 +69,10 @@ shared! {
     MOST_ITEMS: u32 = 128;
     /// Invocations of a workgroup of the brush, of which each takes a row of texels.
     ROWS_AT_ONCE: u32 = 64;
+    /// Voxels along an edge of a cell.
+    CELL: u32 = crate::volume::CELL;
+    /// Cells along an edge of a block, of which a workgroup tells the extremes.
+    BLOCK_CELLS: u32 = 4;
     /// Bytes between rows in buffers that are copied to or from textures.
     ROW_PITCH_BYTES: u32 = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT;
     /// Words of a slot's bits that say which of its texels may be painted.
