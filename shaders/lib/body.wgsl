@@ -38,13 +38,13 @@ struct CastBody {
     column_z: vec3<f32>,
     mask: u32,                  // 0 none, 1 selection, 2 background
     eye: vec3<f32>,             // the eye in index space
-    code: u32,                  // what the picture's object id says, even; + 1 where selected matter is told apart
+    code: u32,                  // what the picture's object id says, even; + 1 where its volume is selected
     lo: vec3<f32>,              // its box in index space
-    tells_selection: u32,
-    hi: vec3<f32>,
     unused_a: u32,
-    tint: vec3<f32>,
+    hi: vec3<f32>,
     unused_b: u32,
+    tint: vec3<f32>,
+    unused_c: u32,
 }
 
 // What a body shows: the numbers that its volume's texels mean to its look, and how its volume's painted fields show.

@@ -3,7 +3,7 @@
 
 #import burin::constants::FAR
 #import burin::body::bodies
-#import burin::field::{selected, label_at}
+#import burin::field::{brick_of, selection_page, selection_at, label_at}
 
 struct Picture {
     @location(0) colour: vec4<f32>,     // multiplied by opacity, and opacity
@@ -31,13 +31,15 @@ fn before_at(px: vec2<f32>) -> Picture {
 #endif
 }
 
-// What a pixel says of the body that it shows at a place: its code, and the label there above its 12 bits.
+// What a pixel says of the body that it shows at a place: its code, 1 more where the volume is selected there, whatever masks and
+// tints ask of the selection, and the label above the 12 bits of that.
 fn object_at(body: u32, p: vec3<f32>) -> u32 {
-    let selected_matter = bodies[body].tells_selection != 0u && selected(p) >= 0.5;
-    let code = bodies[body].code + select(0u, 1u, selected_matter);
-#ifdef TELLS_LABELS
-    return code | (label_at(p) << 12u);
-#else
-    return code;
+    var object = bodies[body].code;
+#ifdef TELLS_SELECTION
+    object += select(0u, 1u, selection_at(selection_page(brick_of(p)), p) >= 0.5);
 #endif
+#ifdef TELLS_LABELS
+    object |= label_at(p) << 12u;
+#endif
+    return object;
 }

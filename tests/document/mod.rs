@@ -49,6 +49,7 @@ mod rings;
 mod sampling;
 mod script;
 mod sculpt;
+mod selected;
 mod selection;
 mod strokes;
 mod strokes_across;

@@ -1,10 +1,13 @@
 //! What is lit, held and shown: controls show what is, at once, and a hand that leaves leaves nothing half done.
 
 use super::driver::{SMALL, Window};
-use burin::document::{BrushCommand, Command, PartCommand, StrokeCommand};
+use burin::document::answers_ask::{VoxelSaid, VoxelValues};
+use burin::document::{BrushCommand, Command, PartCommand, StrokeCommand, ViewName};
 use burin::explode::PartId;
+use burin::gpu::ObjectId;
 use burin::paint::{BrushChange, Target, Tip};
-use burin::volume::Mode;
+use burin::ui::{Picture, Report};
+use burin::volume::{Mode, Number, VolumeId};
 use egui::accesskit::Toggled;
 use egui::{Modifiers, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -227,4 +230,40 @@ fn the_light_can_be_set_where_it_does_anything() {
         window.snapshot(|_| {});
         assert_eq!(window.harness.get_by_label("Headlight").accesskit_node().is_disabled(), !light, "{mode:?}");
     }
+}
+
+#[test]
+fn the_status_line_says_of_3d_that_it_shows_what_is_selected_as_the_picture_tells() {
+    let mut window = Window::open(SMALL);
+    let probe = |selection: f32| {
+        let (density, colour) = (Number::Whole(7), [0.0; 4]);
+        let values = VoxelValues { voxel: [1; 3], density, half_step: 0.0, colour, selection, label: 0, segment: None };
+        Report::Probe(Some(VoxelSaid { inside: true, values: Some(values), ..VoxelSaid::default() }))
+    };
+    let says = |window: &mut Window, selected: bool, share: f32| {
+        let camera = window.scene.views.camera;
+        let object = ObjectId::new(VolumeId::FIRST, 0, selected, 0);
+        let depth_mm = vec![camera.eye.distance(camera.target) as f32; 4];
+        let (view, size, rgba) = (ViewName::ThreeD, [2, 2], vec![9; 16]);
+        window.report(Report::Picture(Box::new(Picture {
+            view,
+            size,
+            rgba,
+            depth_mm,
+            object: vec![object; 4],
+            camera,
+            serial: 0,
+        })));
+        let at = window.rect("3D view").center();
+        window.harness.hover_at(at);
+        window.harness.run_steps(2);
+        window.report(probe(share));
+        let texts = ["selected 30 %", "selected 100 %", "selected  ·  Lower half", "selected  ·  Upper half"];
+        texts.map(|text| window.harness.query_by_label_contains(text).is_some())
+    };
+    assert_eq!(says(&mut window, false, 0.0), [false; 4]);
+    assert_eq!(says(&mut window, false, 0.3), [true, false, false, false]);
+    assert_eq!(says(&mut window, false, 1.0), [false; 4], "a neighbour's voxel");
+    let word = says(&mut window, true, 1.0);
+    assert!(word[..2] == [false; 2] && (word[2] || word[3]), "{word:?}");
 }

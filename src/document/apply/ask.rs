@@ -65,8 +65,6 @@ impl Document {
                 let state = self.open()?;
                 let subject = state.at(hit.object.volume())?;
                 let index = subject.grid().index_from_world().transform_point3(hit.rest);
-                // While parts are at rest the picture does not tell what is selected.
-                let whole = hit.body == WHOLE && !subject.selection.is_blank();
                 let hit = HitSaid {
                     mm: hit.world.to_array(),
                     rest_mm: hit.rest.to_array(),
@@ -74,7 +72,8 @@ impl Document {
                     part: state.part_at(hit.body, hit.rest)?,
                     volume: hit.object.volume(),
                     segment: hit.object.segment(),
-                    selection: hit.object.is_selected() || whole,
+                    selection: hit.body == WHOLE && !subject.selection.is_blank(),
+                    selected: hit.object.is_selected(),
                     depth_mm: hit.depth_mm,
                 };
                 PickSaid { hit: Some(hit) }.into()

@@ -88,8 +88,11 @@ pub struct HitSaid {
     /// Its label, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub segment: Option<u16>,
-    /// Whether it is selected matter, or, while parts are at rest, matter of a volume of which something is selected.
+    /// Whether it is matter of the body of what is selected, or, while all is drawn in one piece, of a volume of which something is
+    /// selected; `selected` tells more.
     pub selection: bool,
+    /// Whether its volume is selected there, by half at least, wherever its parts are.
+    pub selected: bool,
     pub depth_mm: f64,
 }
 

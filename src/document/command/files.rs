@@ -155,7 +155,8 @@ impl OpenAs {
 pub enum RenderCommand {
     /// A view to PNG or EXR (by extension). An EXR has linear colour `R G B A`, and of the 3D view what each pixel shows: `Z`, mm along
     /// its ray, infinite where nothing is; `id`, the body's (a part's, 0 for what is in one piece or selected) plus 1, 0 for nothing;
-    /// `volume`, its id plus 1, 0 for nothing; `segment`, the label, 0 for none; `selected`, 1 where it is the selection.
+    /// `volume`, its id plus 1, 0 for nothing; `segment`, the label, 0 for none; `selected`, 1 where the volume is selected there
+    /// by half at least, wherever its parts are.
     Image {
         path: PathBuf,
         #[serde(default = "three_d")]

@@ -258,8 +258,9 @@ impl Caster {
         let lit = looks.lit;
         let colour = painted(FieldKind::Colour, |overlay| overlay.colour);
         let labels = painted(FieldKind::Labels, |overlay| overlay.labels);
-        let labelled = painted(FieldKind::Labels, |_| 1.0);
-        let masked = drawn.iter().any(|d| d.mask != Mask::None || d.selected.is_some());
+        let [tells_selection, tells_labels] =
+            [FieldKind::Selection, FieldKind::Labels].map(|kind| painted(kind, |_| 1.0));
+        let masked = drawn.iter().any(|d| d.mask != Mask::None);
         let selection = masked || painted(FieldKind::Selection, |overlay| overlay.selection);
         let tinted = drawn.iter().any(|d| d.tint.is_some());
         let (dvr, iso) = (looks.kind == Kind::Dvr, looks.kind == Kind::Iso);
@@ -273,7 +274,8 @@ impl Caster {
             ("MODES", modes),
             ("OWN_LOOKS", looks.own),
             ("LABEL_LOOKS", looks.by_label),
-            ("TELLS_LABELS", labelled),
+            ("TELLS_SELECTION", tells_selection),
+            ("TELLS_LABELS", tells_labels),
             ("LIT", lit),
             ("PAIRS", pools.reads_pairs()),
             ("COLOUR", colour),

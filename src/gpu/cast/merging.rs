@@ -258,7 +258,7 @@ fn selected_bounds(selection: &Field, grid: &Grid, running: &[BrickIndex]) -> Op
     Some(Aabb { min: (bounds.min - 1.0).max(whole.min), max: (bounds.max + 1.0).min(whole.max) })
 }
 
-/// Turns the shaders' codes into objects: twice a body's place plus 2, 1 more for selected matter, the label above.
+/// Turns the shaders' codes into objects: twice a body's place plus 2, 1 more where its volume is selected, the label above.
 pub(crate) fn resolve(image: &mut Image, codes: &[u32], drawn: &[MergedBody], frame: &Frame, window: &Window) {
     let mut hint = 0;
     let width = image.size[0] as usize;
@@ -278,7 +278,6 @@ pub(crate) fn resolve(image: &mut Image, codes: &[u32], drawn: &[MergedBody], fr
                 d.owner(world, selected, &mut hint)
             }
         };
-        let selected = d.mask == Mask::Selection || selected && d.selected.is_some();
         image.object[i] = ObjectId::new(d.volume, id, selected, segment);
     }
 }

@@ -79,20 +79,20 @@ shared_struct! {
         pub mask: u32,
         /// The eye in index space.
         pub eye: [f32; 3],
-        /// Object id in the picture, even.
+        /// Object id in the picture, even; 1 more where its volume is selected.
         pub code: u32,
         /// Bounds in index space.
         pub lo: [f32; 3],
-        /// Whether selected matter gets `code + 1`.
-        pub tells_selection: u32,
+        /// Unused.
+        pub unused_a: u32,
         /// Bounds in index space.
         pub hi: [f32; 3],
         /// Unused.
-        pub unused_a: u32,
+        pub unused_b: u32,
         /// Multiplies colour.
         pub tint: [f32; 3],
         /// Unused.
-        pub unused_b: u32,
+        pub unused_c: u32,
     }
 }
 
@@ -207,11 +207,11 @@ impl FrameUniforms {
                 eye: narrow(index_from_world.transform_point3(eye)),
                 code: 2 * (i as u32 + 1),
                 lo: narrow(d.bounds.min),
-                tells_selection: u32::from(d.selected.is_some()),
-                hi: narrow(d.bounds.max),
                 unused_a: 0,
-                tint: d.tint.unwrap_or([1.0; 3]),
+                hi: narrow(d.bounds.max),
                 unused_b: 0,
+                tint: d.tint.unwrap_or([1.0; 3]),
+                unused_c: 0,
             });
             for plane in d.planes.iter().map(|p| d.pose.apply_plane(p)).chain(d.clips.iter().copied()) {
                 let [x, y, z] = narrow(plane.normal);

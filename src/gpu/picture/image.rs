@@ -148,7 +148,7 @@ impl Image {
     }
 
     /// Writes an EXR with channels `R G B A Z id volume segment selected` in one layer, 32 bits each: `id` is the body's plus 1,
-    /// `volume` the volume's plus 1, `segment` the label, `selected` 1 for selected matter; 0 is nothing.
+    /// `volume` the volume's plus 1, `segment` the label, `selected` 1 where the volume is selected by half at least; 0 is nothing.
     ///
     /// # Errors
     /// If the file cannot be written.

@@ -1,4 +1,4 @@
-//! What a pixel shows: the volume, the body that it is cut into, whether it is selected matter, and the segment.
+//! What a pixel shows: the volume, the body that it is cut into, whether its matter is selected, and the segment.
 //!
 //! The one place that knows how these are packed. Pictures, picks and EXR files use it.
 
@@ -23,7 +23,7 @@ impl ObjectId {
     /// A pixel that shows nothing.
     pub const NOTHING: Self = Self(0);
 
-    /// A body of a volume; `selected`: its selected matter; `segment`: the label of the voxel, 0 for none. A body's id is below
+    /// A body of a volume; `selected`: whether the volume is selected there; `segment`: the label of the voxel, 0 for none. A body's id is below
     /// 2²⁸, a volume's below 2¹⁸.
     pub fn new(volume: VolumeId, body: u32, selected: bool, segment: u16) -> Self {
         let packed = u64::from(segment) | masked(body, BODY) << SEGMENT | masked(volume.0, VOLUME) << (SEGMENT + BODY);
@@ -49,7 +49,7 @@ impl ObjectId {
         self.field(0, SEGMENT).map(|label| label as u16).filter(|label| *label != 0)
     }
 
-    /// Whether it is the selection, apart from what is not selected.
+    /// Whether the volume is selected at the place that shows: by half at least, wherever its parts are.
     pub fn is_selected(self) -> bool {
         self.0 & SELECTED != 0
     }

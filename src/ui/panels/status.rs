@@ -118,10 +118,14 @@ impl App {
                 extra.extend(label.map(|id| known(active, id)));
             }
         }
-        if shown.is_some_and(ObjectId::is_selected) {
-            extra.push("selection".into());
-        } else if let Some(selected) = values.map(|v| v.selection).filter(|&s| s > 0.0) {
-            extra.push(format!("selected {:.0} %", selected * 100.0));
+        let share = values.map(|v| v.selection).filter(|&share| share > 0.0);
+        let percent = |share: f32| format!("selected {:.0} %", share * 100.0);
+        match shown {
+            Some(object) if object.is_selected() => extra.push("selected".into()),
+            // Of what is selected by less than half the picture says nothing, and the voxel is the active volume's.
+            Some(object) if object.volume() == active => extra.extend(share.filter(|&s| s < 0.5).map(percent)),
+            Some(_) => {}
+            None => extra.extend(share.map(percent)),
         }
         if let Some(part) =
             self.hovered_part().and_then(|id| self.scene.as_ref()?.explosion.parts.iter().find(|p| p.id == id))
