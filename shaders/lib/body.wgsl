@@ -28,6 +28,12 @@ struct View {
     width: u32,                 // pixels of the window
     height: u32,
     unused_a: u32,
+    above_a: vec3<u32>,         // first cell of the map of what lies above a texel: maxima
+    from_a: f32,                // that texel; FAR where there is no such map
+    above_b: vec3<u32>,
+    from_b: f32,
+    above_c: vec3<u32>,
+    from_c: f32,
 }
 
 struct CastBody {

@@ -15,6 +15,7 @@
 // and where samples stand for the stretch of the ray that ends at them (REFINE):
 //     open(r, k)                     the stretch that ends at sample k begins anew, not where one before it ended
 //     inside() -> bool               whether what was taken last shows at its end
+// MIP: higher(r) is the ray as it skips what holds no more than it has met.
 // STAGED: samples that are nothing are passed over in a loop of their own, so that `add` may be dear; else each is added.
 
 #import burin::body::BodyRay
@@ -115,7 +116,11 @@ fn further(r: BodyRay, k: f32, next: f32, k1: f32) -> f32 {
         return k;
     }
 #endif
+#ifdef MIP
+    return next_sample(mode::higher(r), k, k1);
+#else
     return next_sample(r, k, k1);
+#endif
 }
 
 // A run begins at sample k.

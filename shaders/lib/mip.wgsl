@@ -17,6 +17,12 @@ var<private> largest: f32;
 var<private> largest_at: f32;
 var<private> largest_body: u32;
 
+// First cells of the maps of what lies above a texel, and the texel: read once, as where lanes part software Vulkan reads a uniform
+// lane by lane.
+var<private> higher_a: vec4<f32>;
+var<private> higher_b: vec4<f32>;
+var<private> higher_c: vec4<f32>;
+
 // As if nothing had been met.
 fn restart() {
     largest = -FAR;
@@ -26,6 +32,9 @@ fn restart() {
 
 fn begin(before: Picture) -> bool {
     restart();
+    higher_a = vec4<f32>(vec3<f32>(view.above_a), view.from_a);
+    higher_b = vec4<f32>(vec3<f32>(view.above_b), view.from_b);
+    higher_c = vec4<f32>(vec3<f32>(view.above_c), view.from_c);
 #ifdef RESUME
     // Earlier passes leave their largest texel instead of the picture's colour, which the last pass makes.
     largest = before.colour.x;
@@ -37,6 +46,16 @@ fn begin(before: Picture) -> bool {
 
 fn enter(r: BodyRay) -> vec2<f32> {
     return samples_in(r.within);
+}
+
+// The ray by whose map of empty space the next sample is looked for: cells of nothing that is more than what was met are as good as
+// empty.
+fn higher(r: BodyRay) -> BodyRay {
+    var ahead = r;
+    var at = select(vec3<f32>(r.skip_place), higher_a.xyz, largest > higher_a.w);
+    at = select(at, higher_b.xyz, largest > higher_b.w);
+    ahead.skip_place = vec3<u32>(select(at, higher_c.xyz, largest > higher_c.w));
+    return ahead;
 }
 
 fn after(k: f32) -> f32 {

@@ -4,6 +4,7 @@
 //! numbers in `uniforms`; what a pixel costs is in `shaders/cast/picture.wgsl` (after Bruckner and Gröller 2006, section 4).
 
 use crate::gpu::cast::forms::{Begins, Form, Forms, Groups, Share, Work};
+use crate::gpu::cast::higher::Higher;
 use crate::gpu::cast::look_tables::{LookTables, LookTextures};
 use crate::gpu::cast::looks::{Kind, Looks, MOST_LOOKS};
 use crate::gpu::cast::merging::{MergedBody, resolve, unite};
@@ -166,11 +167,18 @@ impl Caster {
         if looks.rows.len() > MOST_LOOKS {
             return Err(GpuError::TooManyLooks { looks: looks.rows.len(), most: MOST_LOOKS });
         }
-        let matters: Vec<_> = drawn.iter().map(|d| d.matter(frame)).collect();
+        let mut matters: Vec<_> = drawn.iter().map(|d| d.matter(frame)).collect();
         pools.bind(gpu, &frame.volumes())?;
         pools.pair(gpu)?;
+        let higher = if looks.kind == Kind::Mip { Higher::of(fields, pools, drawn) } else { None };
+        matters.extend(higher.iter().flat_map(Higher::matters));
         let skips = pools.skip_maps(gpu, fields, &matters)?;
-        FrameUniforms::new(frame, fields, pools, window, drawn, looks, &skips)
+        let (skips, above) = skips.split_at(drawn.len());
+        let mut uniforms = FrameUniforms::new(frame, fields, pools, window, drawn, looks, skips)?;
+        if let Some(higher) = higher {
+            higher.tell(&mut uniforms.view, above);
+        }
+        Ok(uniforms)
     }
 
     /// Submits a window of the picture.

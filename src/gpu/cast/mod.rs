@@ -5,6 +5,7 @@
 pub(crate) mod caster;
 pub(crate) mod counting;
 pub(crate) mod forms;
+pub(crate) mod higher;
 pub(crate) mod look_tables;
 pub(crate) mod looks;
 pub(crate) mod merging;

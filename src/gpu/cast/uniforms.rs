@@ -7,7 +7,7 @@ use crate::gpu::cast::looks::{Looks, Meaning, number_of};
 use crate::gpu::cast::merging::MergedBody;
 use crate::gpu::cast::order::{Order, RayOrigin};
 use crate::gpu::cast::tiles::{Tiles, Window};
-use crate::gpu::device::constants::{MASK_BACKGROUND, MASK_SELECTION, MOST_BODIES, MOST_PLANES};
+use crate::gpu::device::constants::{FAR, MASK_BACKGROUND, MASK_SELECTION, MOST_BODIES, MOST_PLANES};
 use crate::gpu::device::error::GpuError;
 use crate::gpu::fields::pools::FieldPools;
 use crate::gpu::fields::volumes::Fields;
@@ -59,6 +59,18 @@ shared_struct! {
         pub height: u32,
         /// Unused.
         pub unused_a: u32,
+        /// First cell of the map of what lies above `from_a`.
+        pub above_a: [u32; 3],
+        /// A texel; FAR where there is no such map.
+        pub from_a: f32,
+        /// The same above `from_b`.
+        pub above_b: [u32; 3],
+        /// A greater texel, or FAR.
+        pub from_b: f32,
+        /// The same above `from_c`.
+        pub above_c: [u32; 3],
+        /// A still greater texel, or FAR.
+        pub from_c: f32,
     }
 }
 
@@ -265,6 +277,12 @@ fn view(frame: &Frame, window: &Window, first: Option<&MergedBody>, pools: &Fiel
         width: window.size[0],
         height: window.size[1],
         unused_a: 0,
+        above_a: [0; 3],
+        from_a: FAR,
+        above_b: [0; 3],
+        from_b: FAR,
+        above_c: [0; 3],
+        from_c: FAR,
     }
 }
 

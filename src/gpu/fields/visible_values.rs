@@ -43,6 +43,11 @@ impl VisibleValues {
         Self { clear }
     }
 
+    /// All above a value.
+    pub(crate) fn above(value: f64) -> Self {
+        Self { clear: vec![(f64::NEG_INFINITY, value)] }
+    }
+
     /// Under a look: none where it is clear.
     pub fn of_look(look: LookRef<'_>) -> Self {
         if look.opacity > 0.0 {
