@@ -66,7 +66,7 @@ struct BodyMatter {
     mode: u32,
     label_rows: u32,            // the first row of its looks by label, NO_ROWS if they do not go by label
     last_label: u32,            // all labels beyond it have its look
-    unused_a: u32,
+    least_iso: f32,             // the least texel of the iso-surface of any label's look
     selection_colour: vec3<f32>,
     unused_b: u32,
 }
@@ -142,6 +142,15 @@ fn table_row() -> i32 {
 fn iso_texel() -> f32 {
 #ifdef OWN_LOOKS
     return meaning.iso;
+#else
+    return view.iso;
+#endif
+}
+
+// The least texel of the iso-surface that any of its matter has.
+fn least_iso_texel() -> f32 {
+#ifdef OWN_LOOKS
+    return meaning.least_iso;
 #else
     return view.iso;
 #endif

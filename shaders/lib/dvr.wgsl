@@ -9,7 +9,7 @@
 #import burin::constants::{CLEAR_END, FAR}
 #import burin::field::{selection_at, selected}
 #import burin::body::{Ray, BodyRay, view, body_ray}
-#import burin::look::{table_at, share, opacity_of_share, painted}
+#import burin::look::{look_at, table_at, share, opacity_of_share, painted}
 #ifdef REFINE
 #import burin::look::{Matter, integrals_at, shows_between, matter_between, colour_of_entry}
 #endif
@@ -134,6 +134,9 @@ fn after(k: f32) -> f32 {
 }
 
 fn meet(r: BodyRay, run: Run, k: f32, texel: f32) -> vec4<f32> {
+#ifdef LABELS_IN_PLACE
+    look_at(r.o + r.d * k);
+#endif
     return table_at(texel);
 }
 

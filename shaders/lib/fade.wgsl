@@ -4,7 +4,7 @@
 #import burin::constants::FAR
 #import burin::field::selection_at
 #import burin::body::BodyRay
-#import burin::look::{table_at, share, opacity_of_share}
+#import burin::look::{look_at, table_at, share, opacity_of_share}
 #import burin::span::Run
 
 const RUN: f32 = 32.0;
@@ -25,6 +25,9 @@ fn after(k: f32) -> f32 {
 }
 
 fn meet(r: BodyRay, run: Run, k: f32, texel: f32) -> vec4<f32> {
+#ifdef LABELS_IN_PLACE
+    look_at(r.o + r.d * k);
+#endif
     return table_at(texel);
 }
 

@@ -10,7 +10,7 @@
 #ifdef CUTS
 #import burin::layers::cut_cosine
 #endif
-#import burin::look::{reaches, surface_colour, surface_opacity, painted, look_at}
+#import burin::look::{reaches, may_reach, surface_colour, surface_opacity, painted, look_at}
 #import burin::light::{gradient, selection_gradient, lit, facing}
 #import burin::picture::{Picture, object_at}
 #import burin::span::Run
@@ -78,10 +78,21 @@ fn after(k: f32) -> f32 {
 }
 
 fn meet(r: BodyRay, run: Run, k: f32, texel: f32) -> vec4<f32> {
+#ifdef LABEL_LOOKS
+    // Which surface it would be of is asked of the few that reach any.
+    return vec4<f32>(0.0, 0.0, 0.0, select(0.0, 1.0, may_reach(texel)));
+#else
     return vec4<f32>(0.0, 0.0, 0.0, select(0.0, 1.0, reaches(texel)));
+#endif
 }
 
 fn add(r: BodyRay, run: Run, k: f32, texel: f32, c: vec4<f32>) {
+#ifdef LABEL_LOOKS
+    look_at(r.o + r.d * k);
+    if (!reaches(texel)) {
+        return;
+    }
+#endif
 #ifdef SELECTION
     if (owns(r.mask, selected(r.o + r.d * k))) {
         hit = k;

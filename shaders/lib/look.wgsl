@@ -3,7 +3,7 @@
 
 #import burin::constants::{TABLE_LAST, TABLE_MIDDLE, MASK_SELECTION, LOOK_LIGHT, LOOK_OPACITY, NO_ROWS}
 #import burin::field::{brick_of, is_nan, colour_page, colour_at, label_at}
-#import burin::body::{view, table_place, table_x, table_row, iso_texel, overlay_strengths, selection_colour, first_segments}
+#import burin::body::{view, table_place, table_x, table_row, iso_texel, least_iso_texel, overlay_strengths, selection_colour, first_segments}
 #ifdef OWN_LOOKS
 #import burin::body::meaning
 #else
@@ -112,11 +112,15 @@ fn is_shown() -> bool {
 fn take_label(label: u32) {
 #ifdef OWN_LOOKS
     let i = min(label, meaning.last_label);
+#ifdef ROW_A_LABEL
+    meaning.row = i32(meaning.label_rows + i);
+#else
     let look = textureLoad(label_looks, vec2<i32>(i32(i & 255u), i32(meaning.label_rows + (i >> 8u))), 0);
     meaning.table_scale = look.x;
     meaning.table_bias = look.y;
     meaning.iso = look.z;
     meaning.row = i32(look.w);
+#endif
 #endif
 }
 
@@ -129,7 +133,8 @@ fn goes_by_label() -> bool {
 #endif
 }
 
-// Takes the look of the matter at a place, where the body's looks go by label.
+// Takes the look of the matter at a place, where the body's looks go by label. LABELS_IN_PLACE: it is cheap enough for every sample;
+// else runs of samples of one brick are told theirs (LABEL_RUNS).
 fn look_at(p: vec3<f32>) {
 #ifdef LABEL_LOOKS
     if (goes_by_label()) {
@@ -145,6 +150,12 @@ fn reaches(texel: f32) -> bool {
 #else
     return texel >= iso_texel() && is_shown();
 #endif
+}
+
+// Whether it may lie at or beyond the surface of any matter of the body.
+fn may_reach(texel: f32) -> bool {
+    // No number is at or beyond anything.
+    return texel >= least_iso_texel();
 }
 
 // The colour of the surface's value.

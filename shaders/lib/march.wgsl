@@ -16,6 +16,7 @@
 //     open(r, k)                     the stretch that ends at sample k begins anew, not where one before it ended
 //     inside() -> bool               whether what was taken last shows at its end
 // MIP: higher(r) is the ray as it skips what holds no more than it has met.
+// LABEL_RUNS: looks go by label, and what a brick's labels are is told by its page.
 // STAGED: samples that are nothing are passed over in a loop of their own, so that `add` may be dear; else each is added.
 
 #import burin::body::BodyRay
@@ -37,7 +38,7 @@
 #endif
 #endif
 #endif
-#ifdef LABEL_LOOKS
+#ifdef LABEL_RUNS
 #import burin::field::label_in
 #import burin::look::take_label
 #endif
@@ -67,7 +68,7 @@ fn seek(r: BodyRay, run: Run, first: f32) -> Found {
 #else
     var found = Found(first, 0.0, vec4<f32>(0.0));
 #endif
-#ifdef LABEL_LOOKS
+#ifdef LABEL_RUNS
     // A loop of its own, since a branch in the other one would cost every sample a look at its label.
     loop {
         if (!run.varies || found.k >= run.end) {
@@ -86,7 +87,7 @@ fn seek(r: BodyRay, run: Run, first: f32) -> Found {
     }
 #endif
     loop {
-#ifdef LABEL_LOOKS
+#ifdef LABEL_RUNS
         if (run.varies || found.k >= run.end) {
             break;
         }
@@ -155,7 +156,7 @@ fn march(r: BodyRay, k0: f32, k1: f32) {
             }
         }
 #else
-#ifdef LABEL_LOOKS
+#ifdef LABEL_RUNS
         // As in `seek` a brick of several labels has a loop of its own.
         loop {
             if (!run.varies || k >= run.end || mode::done()) {

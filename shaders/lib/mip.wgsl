@@ -77,6 +77,9 @@ fn exceeds(texel: f32, k: f32) -> bool {
 }
 
 fn add(r: BodyRay, run: Run, k: f32, texel: f32, c: vec4<f32>) {
+#ifdef LABELS_IN_PLACE
+    look_at(r.o + r.d * k);
+#endif
     var better = exceeds(texel, k) && is_shown();
 #ifdef SELECTION
     if (better && r.mask != 0u) {

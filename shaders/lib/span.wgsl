@@ -63,7 +63,7 @@ struct Run {
     dq: vec3<f32>,
     end: f32,                   // the first sample that is none of them
     last: f32,                  // where the ray leaves the body
-#ifdef LABEL_LOOKS
+#ifdef LABEL_RUNS
     labels: vec2<u32>,          // the entry of the brick's labels
     varies: bool,               // whether looks go by label and the brick has several
 #endif
@@ -79,7 +79,7 @@ fn run_from(r: BodyRay, k: f32, most: f32) -> Run {
     let selection = page;
 #endif
     let end = run_end(r, brick, k, most);
-#ifdef LABEL_LOOKS
+#ifdef LABEL_RUNS
     let labels = label_entry(brick);
     let varies = goes_by_label() && has_labels(labels);
     if (goes_by_label() && !varies) {
@@ -111,7 +111,7 @@ fn texel_on(r: BodyRay, k: f32) -> f32 {
 fn run_end(r: BodyRay, brick: vec3<i32>, k: f32, most: f32) -> f32 {
 #ifdef IN_PLACE
 #ifndef SELECTION
-#ifndef LABEL_LOOKS
+#ifndef LABEL_RUNS
     // One page serves all bricks.
     return most;
 #else

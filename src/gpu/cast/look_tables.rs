@@ -2,16 +2,25 @@
 //!
 //! Owns their textures, and makes anew only what changed. What is in a row is `looks`'; knows no bodies.
 
-use crate::gpu::cast::looks::{Looks, ROW, entries, integrals, rows};
+use crate::gpu::cast::looks::{Looks, ROW, Row, entries, integrals, rows};
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::device::textures::{COLOUR, data, write};
 use crate::gpu::fields::pools::FieldPools;
-use crate::gpu::picture::frame::{Frame, Look, LookRef};
+use crate::gpu::picture::frame::{Frame, Look};
 use crate::volume::TABLE_ENTRIES;
 use rayon::prelude::*;
 
 /// Tables of looks that are kept.
 const TABLES: usize = 2;
+
+/// What a row of the table holds.
+#[derive(Clone, Debug)]
+enum Written {
+    /// Nothing was written yet.
+    No,
+    Nothing,
+    Look(Box<Look>),
+}
 
 /// Rows of looks on the GPU.
 #[derive(Debug)]
@@ -19,7 +28,7 @@ struct LookTable {
     step_mm: f64,
     /// Rows of a look.
     each: usize,
-    rows: Vec<Option<Look>>,
+    rows: Vec<Written>,
     texture: wgpu::Texture,
 }
 
@@ -62,7 +71,10 @@ impl LookTables {
         if looks.own {
             self.set_rows(gpu, frame, looks);
         } else {
-            let look = frame.look(looks.rows.first().copied().flatten());
+            let look = match looks.rows.first() {
+                Some(&Row::Look(row)) => frame.look(row),
+                _ => frame.look(None),
+            };
             let mut entries = entries(look, frame.step_mm);
             if looks.refines {
                 entries.extend(integrals(look, frame.step_mm));
@@ -73,7 +85,7 @@ impl LookTables {
                 self.one.0 = entries;
             }
         }
-        if looks.by_label {
+        if looks.by_label && !looks.row_a_label {
             let texels = looks.label_texels(frame, &|id| pools.value_of_texel(id));
             if self.label_looks.0 != texels {
                 let size = [256, texels.len() as u32 / 256];
@@ -104,15 +116,21 @@ impl LookTables {
                 LookTable {
                     step_mm: frame.step_mm,
                     each,
-                    rows: vec![None; rows],
+                    rows: vec![Written::No; rows],
                     texture: data(gpu, "looks", [ROW as u32, (rows * each) as u32], COLOUR),
                 }
             }
         };
-        let wanted = looks.rows.iter().map(|&row| frame.look(row));
-        let stale = |(i, look): (usize, LookRef<'_>)| !table.rows[i].as_ref().is_some_and(|old| look.is(old));
-        let stale: Vec<usize> = wanted.enumerate().filter(|at| stale(*at)).map(|(i, _)| i).collect();
-        let make = |&i: &usize| (i, rows(frame.look(looks.rows[i]), frame.step_mm, looks.refines));
+        let stale = |(i, row): (usize, &Row)| match (row, &table.rows[i]) {
+            (Row::Look(row), Written::Look(old)) => !frame.look(*row).is(old),
+            (Row::Nothing, Written::Nothing) => false,
+            _ => true,
+        };
+        let stale: Vec<usize> = looks.rows.iter().enumerate().filter(|at| stale(*at)).map(|(i, _)| i).collect();
+        let make = |&i: &usize| match looks.rows[i] {
+            Row::Look(row) => (i, rows(frame.look(row), frame.step_mm, looks.refines)),
+            Row::Nothing => (i, vec![[0.0; 4]; each * ROW]),
+        };
         let made: Vec<_> = stale.par_iter().map(make).collect();
         for (i, texels) in made {
             gpu.queue.write_texture(
@@ -124,7 +142,10 @@ impl LookTables {
                 wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(16 * ROW as u32), rows_per_image: None },
                 wgpu::Extent3d { width: ROW as u32, height: each as u32, depth_or_array_layers: 1 },
             );
-            table.rows[i] = Some(frame.look(looks.rows[i]).to_look());
+            table.rows[i] = match looks.rows[i] {
+                Row::Look(row) => Written::Look(Box::new(frame.look(row).to_look())),
+                Row::Nothing => Written::Nothing,
+            };
         }
         self.rows.insert(0, table);
     }

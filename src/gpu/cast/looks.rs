@@ -16,6 +16,8 @@ pub(crate) const ROW: usize = TABLE_ENTRIES + 2;
 
 /// Looks in one picture: that many rows of the table take 256 MiB, with their integrals twice as much.
 pub(crate) const MOST_LOOKS: usize = 4096;
+/// Rows that may be filled so that every label has one of its own, beside one more for every look.
+const SPARE_ROWS: usize = 64;
 
 /// What marches a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,6 +38,15 @@ pub(crate) fn number_of(mode: Mode) -> u32 {
     }
 }
 
+/// What a row of the table of looks holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Row {
+    /// Matter that does not show.
+    Nothing,
+    /// A row of the frame's looks, or the picture's own.
+    Look(Option<usize>),
+}
+
 /// What one picture's looks have in common, and the rows and label tables that its textures are to hold.
 #[derive(Debug)]
 pub(crate) struct Looks {
@@ -47,15 +58,29 @@ pub(crate) struct Looks {
     pub(crate) lit: bool,
     /// Whether samples stand for stretches: in pictures of direct volume rendering alone in which no look goes by label.
     pub(crate) refines: bool,
-    /// The frame's rows that are drawn, in order of their rows in the table.
-    pub(crate) rows: Vec<Option<usize>>,
+    /// Whether every label has a row of its own in the table, so that shaders need not look up which: in direct volume rendering, where
+    /// texels mean the same to all labels' looks and most labels have one.
+    pub(crate) row_a_label: bool,
+    /// What is in the table.
+    pub(crate) rows: Vec<Row>,
     /// Tables of labels with the volumes that their numbers are of.
     tables: Vec<(Arc<LabelLooks>, VolumeId)>,
-    /// The first row of each in the texture, and the last label that it has.
+    /// The first row of each in the texture of labels' looks, or in the table, and the last label that it has.
     firsts: Vec<(u32, u32)>,
     /// The first row of each volume's segment colours.
     segments: BTreeMap<VolumeId, u32>,
     segment_rows: u32,
+}
+
+/// The last label that a table of labels has: all beyond it have its look.
+fn last_label(labels: &LabelLooks) -> u32 {
+    labels.by_label.keys().next_back().map_or(0, |&l| u32::from(l) + 1).min(0xffff)
+}
+
+/// Whether texels mean the same to all of a table's looks.
+fn are_alike(labels: &LabelLooks, frame: &Frame) -> bool {
+    let domains: Vec<_> = labels.rows().into_iter().map(|row| frame.look(Some(row)).transfer.domain()).collect();
+    domains.windows(2).all(|pair| pair[0] == pair[1])
 }
 
 fn rows_of(segments: &Segments) -> u32 {
@@ -95,26 +120,38 @@ impl Looks {
             () if all(MODE_MIP) && !own => Kind::Mip,
             () => Kind::Modes,
         };
+        let lit = looks.iter().any(|look| look.lighting.is_some() && look.mode != Mode::Mip);
         let mut segment_rows = 0;
         let mut segments = BTreeMap::new();
         for volume in volumes {
             segments.insert(volume, segment_rows);
             segment_rows += rows_of(&frame.overlay_of(volume).segments);
         }
+        let mut rows: Vec<Row> = rows.into_iter().map(Row::Look).collect();
+        let of_labels: usize = tables.iter().map(|(labels, _)| last_label(labels) as usize + 1).sum();
+        let row_a_label = kind == Kind::Dvr
+            && rows.len() + of_labels <= (SPARE_ROWS + 2 * rows.len()).min(MOST_LOOKS)
+            && tables.iter().all(|(labels, _)| are_alike(labels, frame));
         let mut next = 0;
-        let firsts = tables.iter().map(|(labels, _)| {
-            let last = labels.by_label.keys().next_back().map_or(0, |&l| u32::from(l) + 1).min(0xffff);
-            let first = next;
-            next += last / 256 + 1;
-            (first, last)
-        });
-        let firsts = firsts.collect();
+        let mut firsts = Vec::with_capacity(tables.len());
+        for (labels, _) in &tables {
+            let last = last_label(labels);
+            if row_a_label {
+                firsts.push((rows.len() as u32, last));
+                let row = |label| labels.row(label as u16).map_or(Row::Nothing, |row| Row::Look(Some(row)));
+                rows.extend((0..=last).map(row));
+            } else {
+                firsts.push((next, last));
+                next += last / 256 + 1;
+            }
+        }
         Self {
             kind,
             own: own || kind == Kind::Modes,
             by_label: !tables.is_empty(),
             refines: frame.refine && kind == Kind::Dvr && tables.is_empty(),
-            lit: looks.iter().any(|look| look.lighting.is_some() && look.mode != Mode::Mip),
+            lit,
+            row_a_label,
             rows,
             tables,
             firsts,
@@ -130,10 +167,10 @@ impl Looks {
 
     /// The first row of a look in the table.
     pub(crate) fn row_of(&self, row: Option<usize>) -> i32 {
-        self.rows.iter().position(|r| *r == row).map_or(-1, |i| (i * self.rows_each()) as i32)
+        self.rows.iter().position(|r| *r == Row::Look(row)).map_or(-1, |i| (i * self.rows_each()) as i32)
     }
 
-    /// The first row of a body's labels and the last label that it has.
+    /// The first row of a body's labels, in the texture of labels' looks or in the table, and the last label that it has.
     pub(crate) fn labels_of(&self, d: &MergedBody) -> (u32, u32) {
         let Some(labels) = &d.labels else { return (NO_ROWS, 0) };
         let at = self.tables.iter().position(|t| Arc::ptr_eq(&t.0, labels) && t.1 == d.volume);
@@ -160,7 +197,7 @@ impl Looks {
     /// What labels look like, 256 a row: table scale and bias, texel of the iso-surface, row of the table (−1: nothing shows).
     /// `texel` answers (lo, span) of a volume's density: density = lo + texel·span.
     pub(crate) fn label_texels(&self, frame: &Frame, texel: &dyn Fn(VolumeId) -> (f64, f64)) -> Vec<[f32; 4]> {
-        let rows: BTreeMap<Option<usize>, usize> =
+        let rows: BTreeMap<Row, usize> =
             self.rows.iter().enumerate().map(|(i, row)| (*row, i * self.rows_each())).collect();
         let mut texels = Vec::new();
         for ((labels, volume), (first, last)) in self.tables.iter().zip(&self.firsts) {
@@ -169,7 +206,7 @@ impl Looks {
             let of = |row: Option<usize>| match row {
                 Some(row) => {
                     let Meaning { table_scale, table_bias, iso } = Meaning::of(frame.look(Some(row)), numbers);
-                    [table_scale, table_bias, iso, rows[&Some(row)] as f32]
+                    [table_scale, table_bias, iso, rows[&Row::Look(Some(row))] as f32]
                 }
                 None => [0.0, 0.0, 0.0, -1.0],
             };

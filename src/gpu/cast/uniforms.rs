@@ -133,8 +133,8 @@ shared_struct! {
         pub label_rows: u32,
         /// All labels beyond it have its look.
         pub last_label: u32,
-        /// Unused.
-        pub unused_a: u32,
+        /// The least texel of the iso-surface of any label's look; `iso` where looks do not go by label.
+        pub least_iso: f32,
         /// Display-referred.
         pub selection_colour: [f32; 3],
         /// Unused.
@@ -184,7 +184,10 @@ impl FrameUniforms {
             let grid = fields.get(d.volume).ok_or(GpuError::NoVolume { id: d.volume.0 })?.grid;
             // Of labels that all have one kind of mode.
             let look = frame.look(d.labels.as_ref().map_or(d.look, |l| l.rows().first().copied()));
-            let Meaning { table_scale, table_bias, iso } = Meaning::of(look, pools.value_of_texel(d.volume));
+            let numbers = pools.value_of_texel(d.volume);
+            let Meaning { table_scale, table_bias, iso } = Meaning::of(look, numbers);
+            let of_labels = d.labels.iter().flat_map(|labels| labels.rows());
+            let isos = of_labels.map(|row| Meaning::of(frame.look(Some(row)), numbers).iso);
             let (label_rows, last_label) = looks.labels_of(d);
             let overlay = frame.overlay_of(d.volume);
             matters.push(BodyMatter {
@@ -199,7 +202,7 @@ impl FrameUniforms {
                 mode: number_of(look.mode),
                 label_rows,
                 last_label,
-                unused_a: 0,
+                least_iso: isos.fold(iso, f32::min),
                 selection_colour: overlay.selection_colour,
                 unused_b: 0,
             });

@@ -34,6 +34,7 @@ pub(crate) mod sharing;
 pub(crate) const POOLS: usize = 5;
 pub(crate) const CODES: usize = 0;
 pub(crate) const FLOATS: usize = 1;
+pub(crate) const LABELS: usize = 4;
 
 /// A volume on the device.
 #[derive(Debug)]
@@ -47,8 +48,10 @@ pub(crate) struct OnDevice {
 #[derive(Debug)]
 pub struct FieldPools {
     budget: u64,
-    /// Whether density may lie in place.
+    /// Whether density and labels may lie in place.
     places: bool,
+    /// Whether labels that come do so: a picture has asked for those of every sample.
+    places_labels: bool,
     /// Whether 16-bit texels are floats on this device.
     widens: bool,
     volumes: BTreeMap<VolumeId, OnDevice>,
@@ -106,6 +109,7 @@ impl FieldPools {
             Ok(Self {
                 budget: budget_bytes,
                 places: true,
+                places_labels: false,
                 widens: !gpu.has_unorm16(),
                 volumes: BTreeMap::new(),
                 pools: [const { None }; POOLS],
@@ -165,7 +169,7 @@ impl FieldPools {
             },
             FieldKind::Colour => 2,
             FieldKind::Selection => 3,
-            FieldKind::Labels => 4,
+            FieldKind::Labels => LABELS,
         })
     }
 
@@ -183,6 +187,9 @@ impl FieldPools {
     pub fn make_resident(&mut self, gpu: &Gpu, fields: &Fields<'_>, frame: &Frame) -> Result<bool, GpuError> {
         gpu.check()?;
         self.follow_volumes(gpu, fields, frame.volumes().into_iter())?;
+        if frame.bodies.iter().any(|body| body.labels.is_some()) {
+            self.place_labels();
+        }
         let mut other = false;
         for (id, volume) in &mut self.volumes {
             let bodies: Vec<_> = frame.bodies.iter().filter(|b| b.volume == *id).cloned().collect();

@@ -8,7 +8,7 @@ use crate::gpu::device::gpu::Gpu;
 use crate::gpu::device::shader::Def;
 use crate::gpu::fields::bindings::{self, FieldInfo};
 use crate::gpu::fields::pool::Pool;
-use crate::gpu::fields::pools::{CODES, FLOATS, FieldPools};
+use crate::gpu::fields::pools::{CODES, FLOATS, FieldPools, LABELS};
 use crate::gpu::fields::skip_maps::cell_of;
 use crate::volume::{FieldKey, FieldKind, TexelFormat, VolumeId};
 
@@ -20,7 +20,7 @@ impl FieldPools {
         let shown = self.shown();
         let in_floats = shown.iter().any(|id| pool(id) == Some(FLOATS));
         let many = shown.len() > 1;
-        let in_place = self.pools.iter().flatten().any(Pool::is_in_place);
+        let in_place = [CODES, FLOATS].into_iter().any(|at| self.is_in_place(at));
         [
             ("MANY_VOLUMES", many),
             ("CODE_POOL", many && shown.iter().any(|id| pool(id) == Some(CODES))),
@@ -28,11 +28,21 @@ impl FieldPools {
             ("FLOAT_DENSITY", shown.iter().any(floats)),
             ("MANUAL_FILTER", in_floats && !gpu.filters_float()),
             ("IN_PLACE", !many && in_place),
+            ("LABELS_IN_PLACE", self.has_labels_in_place()),
         ]
         .into_iter()
         .filter(|def| def.1)
         .map(|(name, on)| (name, Def::Bool(on)))
         .collect()
+    }
+
+    fn is_in_place(&self, at: usize) -> bool {
+        self.pools[at].as_ref().is_some_and(Pool::is_in_place)
+    }
+
+    /// Whether shaders find labels where their voxels are, without pages.
+    pub(crate) fn has_labels_in_place(&self) -> bool {
+        self.shown().len() == 1 && self.is_in_place(LABELS)
     }
 
     /// The volumes that are bound; before any is, those on the device.

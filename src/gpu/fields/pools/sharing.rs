@@ -8,10 +8,12 @@ use crate::gpu::device::gpu::Gpu;
 use crate::gpu::fields::demand::Demand;
 use crate::gpu::fields::pool::{self, Pool};
 use crate::gpu::fields::pools::field_residency::FieldResidency;
-use crate::gpu::fields::pools::{CODES, FLOATS, FieldPools, OnDevice, POOLS, share};
+use crate::gpu::fields::pools::{CODES, FLOATS, FieldPools, LABELS, OnDevice, POOLS, share};
 use crate::gpu::fields::slot_key::count_of;
 use crate::gpu::fields::volumes::Fields;
 use crate::volume::{Field, FieldKey, FieldKind, Grid, TexelFormat, VolumeId};
+
+const PAINTED: GpuError = GpuError::Stroke("one is running; end it before another volume is shown");
 
 impl FieldPools {
     /// Takes a volume onto the device, or what is new of one that is there.
@@ -50,6 +52,7 @@ impl FieldPools {
         self.skips.forget(id);
         self.bound.retain(|of| *of != id);
         self.drop_idle_pools();
+        self.places_labels = false;
         if self.volumes.len() == 1 && self.places {
             // What is left may lie in place again.
             for at in [CODES, FLOATS] {
@@ -139,6 +142,15 @@ impl FieldPools {
         [FieldKind::Density, FieldKind::Density, FieldKind::Colour, FieldKind::Selection, FieldKind::Labels][at]
     }
 
+    /// Labels are to lie in place, if they are of the only volume, fit, and no stroke holds their slots. They begin anew for that: a
+    /// stroke on labels alone, which costs its bricks, does not ask for it.
+    pub(crate) fn place_labels(&mut self) {
+        if !self.places_labels && self.places && self.volumes.len() == 1 && !self.is_painted(LABELS) {
+            self.places_labels = true;
+            self.drop_pool(LABELS);
+        }
+    }
+
     /// Begins a field's pages, and its pool if there is none.
     pub(crate) fn begin(&mut self, gpu: &Gpu, key: FieldKey) -> Result<(), GpuError> {
         let (Some(volume), Some(at)) = (self.volumes.get(&key.volume), self.pool_of(key)) else { return Ok(()) };
@@ -152,9 +164,14 @@ impl FieldPools {
         }
         if self.pools[at].is_none() {
             let budget = self.budget_of(at, key.kind);
-            let alone = self.places && self.volumes.len() == 1 && key.kind == FieldKind::Density;
-            // Half of density's share: a larger volume had better not be uploaded whole before it is seen.
-            let in_place = alone && pool::fits_in_place(gpu, format, bricks, budget / 2);
+            let most = match key.kind {
+                // Half of its share: a larger volume had better not be uploaded whole before it is seen.
+                FieldKind::Density => budget / 2,
+                FieldKind::Labels if self.places_labels => budget,
+                _ => 0,
+            };
+            let alone = self.places && self.volumes.len() == 1;
+            let in_place = alone && pool::fits_in_place(gpu, format, bricks, most);
             let in_place = in_place.then_some((key.volume, bricks));
             // A slot for the coarsest brick of each volume.
             let least = self.volumes.len();
@@ -173,6 +190,13 @@ impl FieldPools {
     /// does what lies in place and is no longer alone.
     pub(crate) fn rebalance(&mut self, gpu: &Gpu) -> Result<(), GpuError> {
         let (several, least) = (self.volumes.len() > 1, self.volumes.len());
+        if several && self.pools[LABELS].as_ref().is_some_and(Pool::is_in_place) {
+            if self.is_painted(LABELS) {
+                return Err(PAINTED);
+            }
+            self.drop_pool(LABELS);
+        }
+        self.places_labels &= !several;
         for at in [CODES, FLOATS] {
             let budget = self.budget_of(at, FieldKind::Density);
             let Some(pool) = &mut self.pools[at] else { continue };
@@ -183,7 +207,7 @@ impl FieldPools {
             if !in_place && pool.bytes() <= budget {
                 pool.set_budget(gpu, (budget, least));
             } else if self.is_painted(at) {
-                return Err(GpuError::Stroke("one is running; end it before another volume is shown"));
+                return Err(PAINTED);
             } else {
                 self.drop_pool(at);
             }
