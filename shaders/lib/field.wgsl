@@ -269,7 +269,7 @@ fn has_labels(entry: vec2<u32>) -> bool {
 fn label_at(p: vec3<f32>) -> u32 {
 #ifdef LABELS_IN_PLACE
     // As density in place: voxel 0 is texel 1, and what lies beside the volume is a copy.
-    return textureLoad(label_pool, vec3<i32>(floor(p + 1.5)), 0).r;
+    return textureLoad(label_pool, vec3<i32>(p + 1.5), 0).r;
 #else
     let brick = brick_of(p);
     return label_in(label_entry(brick), brick, p);

@@ -17,11 +17,15 @@
 // Colour and opacity of a step for a density texel; nothing for NaN.
 fn table_at(texel: f32) -> vec4<f32> {
     let entry = i32(clamp(table_place(texel), 0.0, TABLE_LAST));
+#ifdef ROW_A_LABEL
+    let c = textureLoad(table, vec2<i32>(entry, table_row()), 0);
+#else
 #ifdef LABEL_LOOKS
     let row = table_row();
     let c = select(textureLoad(table, vec2<i32>(entry, max(row, 0)), 0), vec4<f32>(0.0), row < 0);
 #else
     let c = textureLoad(table, vec2<i32>(entry, table_row()), 0);
+#endif
 #endif
 #ifdef FLOAT_DENSITY
     return select(c, vec4<f32>(0.0), is_nan(texel));

@@ -38,6 +38,9 @@
 #endif
 #endif
 #endif
+#ifdef MIP
+#import burin::mip::higher
+#endif
 #ifdef LABEL_RUNS
 #import burin::field::label_in
 #import burin::look::take_label
@@ -118,7 +121,7 @@ fn further(r: BodyRay, k: f32, next: f32, k1: f32) -> f32 {
     }
 #endif
 #ifdef MIP
-    return next_sample(mode::higher(r), k, k1);
+    return next_sample(higher(r), k, k1);
 #else
     return next_sample(r, k, k1);
 #endif

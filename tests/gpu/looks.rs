@@ -199,12 +199,22 @@ fn looks_by_label_are_the_references_and_hidden_labels_are_skipped() {
     let dense = Dense::of(&stage.fields(), &grid);
     let mut view = close_by(&grid, DVec3::new(-1.0, -1.0, 0.9));
     view.looks = all_looks();
+    // Thinner ones, and one whose table is of other values.
+    let thin = |colour| Look { lighting: Some(Lighting::default()), ..look(Mode::Dvr, 0.3, colour) };
+    view.looks.extend([thin([0.1, 0.2, 0.9]), thin([0.9, 0.9, 0.9]), look(Mode::Dvr, 1.0, [0.2, 0.9, 0.4])]);
+    view.looks[9].transfer.opacity = vec![(15_000.0, 0.0), (50_000.0, 0.4)];
+    view.looks[9].transfer.colour = vec![(15_000.0, [1.0, 0.0, 0.0]), (50_000.0, [0.0, 0.5, 1.0])];
     let labels = |default, rows: &[(u16, Option<usize>)]| {
         Some(Arc::new(LabelLooks { default, by_label: rows.iter().copied().collect() }))
     };
     let cases = [
         ("two looks", labels(Some(0), &[(1, Some(4)), (2, None), (5, Some(0)), (900, Some(4))])),
         ("a set as a mask", labels(None, &[(1, Some(4)), (3, Some(4))])),
+        (
+            "a look a label",
+            labels(Some(4), &[(0, Some(0)), (1, Some(4)), (2, None), (3, Some(0)), (4, Some(7)), (5, Some(8))]),
+        ),
+        ("looks of other values", labels(Some(0), &[(1, Some(9)), (3, None), (5, Some(9))])),
         ("surfaces", labels(None, &[(1, Some(1)), (3, Some(5)), (5, Some(1))])),
         ("thin surfaces", labels(Some(3), &[(5, None), (0, None)])),
         ("maxima", labels(Some(2), &[(1, None), (4, Some(6)), (900, None)])),
@@ -213,6 +223,8 @@ fn looks_by_label_are_the_references_and_hidden_labels_are_skipped() {
         view.bodies = vec![Body { labels, ..Body::whole(0) }];
         let image = stage.image(&view);
         check(&image, &dense, &view, what);
+        // Labels in slots of their own, as where several volumes are drawn.
+        check(&stage.image_apart(&view), &dense, &view, &format!("{what}, apart"));
         stage.caster.shortcuts = false;
         let plain = stage.image(&view);
         stage.caster.shortcuts = true;
