@@ -5,8 +5,8 @@
 
 use crate::document::error::DocumentError;
 use crate::document::look_rows::LookRows;
-use crate::document::scene::ViewName;
 use crate::document::scene::slice_plane::SlicePlane;
+use crate::document::scene::{Layer, ViewName};
 use crate::document::state::State;
 use crate::document::subject::Subject;
 use crate::explode::{PartId, Poses};
@@ -59,7 +59,7 @@ impl State {
         for subject in self.visible() {
             let bodies = bodies(&subject).into_iter();
             dressed.extend(bodies.flat_map(|body| rows.dress(&subject, body)));
-            overlays.insert(subject.id, self.overlay(&subject));
+            overlays.insert(subject.id, self.overlay_in_3d(&subject));
         }
         let mut frame = Frame {
             camera: *camera,
@@ -90,7 +90,7 @@ impl State {
             self.scene.layer_of(subject.id, FieldKind::Density).visible.then_some((window.level, window.width))
         };
         let world = |px| plane.world(px);
-        let (at, overlay) = ((plane.axis, plane.index), self.overlay(&active));
+        let (at, overlay) = ((plane.axis, plane.index), self.overlay(&active, Layer::in_slices));
         let mut frame = SliceFrame::new(active.grid(), at, size, world, grey(&active).unwrap_or(ALL_BLACK), overlay);
         frame.volume = active.id;
         frame.opacity = if active.settings.visible { active.settings.opacity } else { 0.0 };
@@ -99,7 +99,7 @@ impl State {
             // A label map over something else shows its labels, not their numbers.
             let grey = grey(&subject).filter(|_| !subject.is_label_map());
             let grey = if lowest { grey.or(Some(ALL_BLACK)) } else { grey };
-            let (of, overlay) = ((subject.id, subject.grid()), self.overlay(&subject));
+            let (of, overlay) = ((subject.id, subject.grid()), self.overlay(&subject, Layer::in_slices));
             let layer = SliceLayer::new(of, size, world, grey, subject.settings.opacity, overlay);
             if subject.id < active.id { frame.under.push(layer) } else { frame.over.push(layer) }
         }
@@ -109,11 +109,18 @@ impl State {
         Some(frame)
     }
 
-    fn overlay(&self, subject: &Subject<'_>) -> Overlay {
-        let strength = |kind: FieldKind| {
-            let layer = self.scene.layer_of(subject.id, kind);
-            if layer.visible { layer.opacity } else { 0.0 }
-        };
+    /// How painted fields lie over a volume in 3D. A segment that has colours for itself there shows those.
+    fn overlay_in_3d(&self, subject: &Subject<'_>) -> Overlay {
+        let mut overlay = self.overlay(subject, Layer::in_3d);
+        let own = |label: u16| self.scene.own_looks.segment(subject.id, label);
+        for segment in &mut overlay.segments.0 {
+            segment.visible &= own(segment.id).is_none_or(|change| change.transfer.is_none());
+        }
+        overlay
+    }
+
+    fn overlay(&self, subject: &Subject<'_>, strength: impl Fn(&Layer) -> f32) -> Overlay {
+        let strength = |kind: FieldKind| strength(&self.scene.layer_of(subject.id, kind));
         Overlay {
             colour: strength(FieldKind::Colour),
             labels: strength(FieldKind::Labels),
@@ -127,7 +134,7 @@ impl State {
 impl Subject<'_> {
     /// Whether its values are ids that its labels say anyway.
     fn is_label_map(&self) -> bool {
-        !self.histogram.ids.is_empty() && !self.labels.is_blank()
+        self.settings.label_map || !self.histogram.ids.is_empty() && !self.labels.is_blank()
     }
 }
 

@@ -1,7 +1,7 @@
 //! How fields are shown, of one volume or of all: commands, pictures, the past of looks, what is saved.
 
 use super::maker::{run, write_nrrd};
-use burin::document::{Document, ViewName};
+use burin::document::{Document, Layer, ViewName};
 use burin::math::DVec3;
 use burin::volume::{FieldKind, Grid, VolumeId};
 use serde_json::{Value, json};
@@ -142,4 +142,109 @@ fn a_field_that_one_volume_hides_is_seen_on_the_other_alone() {
     let hidden = pictures(&mut document);
     assert!(same(&shown[..1], &hidden[..1]), "in 3D the transfer function says it");
     assert!(shown[1] != hidden[1]);
+}
+
+#[test]
+fn segments_have_a_strength_of_their_own_in_3d_which_walks_with_the_past_of_looks_and_is_saved() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut document = two(dir.path());
+    let shown = |document: &Document, id: u32| {
+        let layer = document.state().unwrap().scene.layer_of(VolumeId(id), FieldKind::Labels);
+        [layer.in_slices(), layer.in_3d()]
+    };
+    let both = |document: &Document| [shown(document, 0), shown(document, 1)];
+    assert_eq!(both(&document), [[0.5, 1.0]; 2]);
+    layer(&mut document, json!({"field": "labels", "visible": false}));
+    assert_eq!(both(&document), [[0.0; 2]; 2]);
+    layer(&mut document, json!({"field": "labels", "visible": true}));
+    assert_eq!(both(&document), [[0.5, 1.0]; 2]);
+    // Who names one strength means it everywhere, as it always was.
+    let answer = layer(&mut document, json!({"field": "labels", "opacity": 0.25}));
+    assert_eq!(answer["layers"][3], json!({"field": "labels", "visible": true, "opacity": 0.25}));
+    assert_eq!(both(&document), [[0.25; 2]; 2]);
+    let answer = layer(&mut document, json!({"field": "labels", "opacity_3d": 0.75, "volume": 1}));
+    assert_eq!(answer["layers"][3], json!({"field": "labels", "visible": true, "opacity": 0.25, "opacity_3d": 0.75}));
+    assert_eq!(both(&document), [[0.25; 2], [0.25, 0.75]]);
+    layer(&mut document, json!({"field": "labels", "opacity": 0.5, "opacity_3d": 0.0, "volume": 1}));
+    assert_eq!(both(&document), [[0.25; 2], [0.5, 0.0]]);
+    say(&mut document, json!({"view": {"back": {"of": "looks"}}}));
+    assert_eq!(both(&document), [[0.25; 2], [0.25, 0.75]]);
+    let path = dir.path().join("p.burin");
+    say(&mut document, json!({"project": {"save": {"path": path}}}));
+    layer(&mut document, json!({"field": "selection", "opacity_3d": 1}));
+    drop(document);
+    let mut document = Document::new();
+    say(&mut document, json!({"project": {"open": {"path": path}}}));
+    assert_eq!(both(&document), [[0.25; 2], [0.25, 0.75]]);
+    let selection = document.state().unwrap().scene.layer_of(VolumeId(0), FieldKind::Selection);
+    assert_eq!((selection.in_slices(), selection.in_3d()), (0.5, 1.0), "what came after the save too");
+    layer(&mut document, json!({"field": "labels", "shared": true, "volume": 1}));
+    assert_eq!(both(&document), [[0.25; 2]; 2]);
+    for (wrong, needle) in [
+        (json!({"field": "labels", "opacity_3d": 1.5}), "opacity_3d: 1.5 found, 0 to 1 expected"),
+        (json!({"field": "density", "opacity_3d": 0.5}), "opacity_3d: 0.5 found, 1"),
+        (json!({"field": "labels", "opacity_3d": 0.5, "shared": true}), "shared"),
+    ] {
+        let said = run(&mut document, &json!({"view": {"layer": wrong}}).to_string()).unwrap_err().to_string();
+        assert!(said.contains(needle), "{wrong}: {said}");
+    }
+    // Projects of before say it once: their pictures stay those that were seen.
+    let before: Layer = serde_json::from_value(json!({"field": "labels", "visible": true, "opacity": 0.3})).unwrap();
+    assert_eq!((before.in_slices(), before.in_3d()), (0.3, 0.3));
+}
+
+#[test]
+fn what_is_labelled_has_its_segments_colour_in_3d_or_the_colours_of_its_look_and_lets_slices_through() {
+    if crate::common::gpu::gpu().is_none() {
+        return;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let mut document = two(dir.path());
+    let function = json!({"colour": [[0, [1, 1, 1]]], "opacity": [[20, 0], [60, 1]], "unit_mm": 0.1});
+    for volume in [0, 1] {
+        say(&mut document, json!({"volume": {"set": {"volume": volume, "look": {"transfer": function, "shaded": false}, "opacity": 1}}}));
+    }
+    say(&mut document, json!({"view": {"window": {"level": 40, "width": 80}}}));
+    say(&mut document, json!({"view": {"frame": {"from": [0, -1, 0]}}}));
+    say(&mut document, json!({"brush": {"set": {"target": {"label": 2}, "radius_mm": 30}}}));
+    for volume in [0, 1] {
+        let points = json!([{"at": {"index": [10, 8, 6]}}]);
+        say(&mut document, json!({"stroke": {"paint": {"points": points, "volume": volume}}}));
+        say(&mut document, json!({"segment": {"set": {"id": 2, "colour": [0.2, 0.4, 0.8], "volume": volume}}}));
+    }
+    say(&mut document, json!({"view": {"crosshair": {"at": {"mm": [10, 8, 6]}}}}));
+    say(&mut document, json!({"view": {"fit": {"view": "axial"}}}));
+    // The colours of the middles of both volumes in 3D, and of the first in its slice.
+    let colours = |document: &mut Document| {
+        let size = [96, 64];
+        let camera = document.state().unwrap().scene.views.camera;
+        let solid = document.picture(ViewName::ThreeD, size, None).unwrap();
+        let at = |x: f64| {
+            let (px, _) = camera.project(DVec3::new(x, 3.0, 6.0), size).unwrap();
+            let [r, g, b, a] = solid.colour[solid.index(px).unwrap()];
+            assert!(a > 0.99, "opaque: {a} at {px}");
+            [r, g, b]
+        };
+        let slice = document.picture(ViewName::Axial, size, None).unwrap();
+        let middle = slice.colour[32 * 96 + 48];
+        [at(10.0), at(31.0), [middle[0], middle[1], middle[2]]]
+    };
+    let near = |found: [[f32; 3]; 3], wanted: [[f32; 3]; 3], what: &str| {
+        let pairs = found.iter().flatten().zip(wanted.iter().flatten());
+        assert!(pairs.into_iter().all(|(a, b)| (a - b).abs() < 0.011), "{what}: {found:?}, {wanted:?} wanted");
+    };
+    let own = [0.2, 0.4, 0.8];
+    let mixed = |strength: f32, under: f32| own.map(|c| under + (c - under) * strength);
+    // 80 to 84 are white in slices.
+    near(colours(&mut document), [own, own, mixed(0.5, 1.0)], "as it begins");
+    layer(&mut document, json!({"field": "labels", "opacity_3d": 0.25}));
+    near(colours(&mut document), [mixed(0.25, 1.0), mixed(0.25, 1.0), mixed(0.5, 1.0)], "in 3D alone");
+    layer(&mut document, json!({"field": "labels", "opacity": 0.75}));
+    near(colours(&mut document), [mixed(0.75, 1.0); 3], "everywhere");
+    layer(&mut document, json!({"field": "labels", "opacity": 0.75, "opacity_3d": 1}));
+    let red = json!({"colour": [[0, [0.9, 0.1, 0.1]]], "opacity": [[20, 0], [60, 1]], "unit_mm": 0.1});
+    say(&mut document, json!({"segment": {"set": {"id": 2, "look": {"transfer": red}, "volume": 1}}}));
+    near(colours(&mut document), [own, [0.9, 0.1, 0.1], mixed(0.75, 1.0)], "the colours of its look are its own");
+    say(&mut document, json!({"segment": {"set": {"id": 2, "look": {"opacity": 1, "shaded": false}, "volume": 0}}}));
+    near(colours(&mut document), [own, [0.9, 0.1, 0.1], mixed(0.75, 1.0)], "a look without colours has its segment's");
 }

@@ -456,3 +456,36 @@ fn random_walks_over_volumes_come_back_by_undo_redo_crashes_and_saves() {
         assert!(all(&document) == last, "{seed}: from the project: {trace:#?}");
     }
 }
+
+#[test]
+fn a_volumes_function_is_reset_to_that_which_it_was_laid_beside_others_with() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut document = three(dir.path());
+    let grid = Grid::aligned([16, 14, 12], DVec3::splat(2.0), DVec3::ZERO);
+    type Value = fn([u32; 3]) -> f32;
+    let maps: [(&str, Value); 3] = [
+        ("blocks", |[x, y, _]| ((x / 4 + y / 5) % 4) as f32),
+        // Neither do its ids stand in runs, nor are they few.
+        ("salt", |[x, y, z]| ((x * 7 + y * 31 + z * 101) % 300) as f32),
+        ("sparse", |[x, y, z]| if (x * y * z) % 7 == 3 { 4.0 } else { 0.0 }),
+    ];
+    for (name, value) in maps {
+        let path = dir.path().join(format!("{name}.nrrd"));
+        write_nrrd(&path, &grid, value);
+        for open_as in ["labels", "image"] {
+            let added = say(&mut document, json!({"volume": {"add": {"path": path, "as": open_as}}}));
+            let volume = added["volume"].as_u64().unwrap() as u32;
+            let function = |document: &Document| document.state().unwrap().scene.transfer_of(VolumeId(volume)).clone();
+            let first = function(&document);
+            let other = json!({"colour": [[0, [1, 0, 0]]], "opacity": [[0, 0], [6, 1]], "unit_mm": 1});
+            say(&mut document, json!({"transfer": {"set": {"function": other, "volume": volume}}}));
+            assert_ne!(function(&document), first);
+            let path = dir.path().join("p.burin");
+            say(&mut document, json!({"project": {"save": {"path": path}}}));
+            document = Document::new();
+            say(&mut document, json!({"project": {"open": {"path": path}}}));
+            say(&mut document, json!({"transfer": {"reset": {"volume": volume}}}));
+            assert_eq!(function(&document), first, "{name} as {open_as}");
+        }
+    }
+}

@@ -38,6 +38,7 @@ fn the_whole_left_column_is_in_sight_in_a_small_window() {
             "Paint only where the value is",
             "Highest value to paint",
             "Opacity of layer Segments",
+            "Opacity of layer Segments in 3D",
             "Detail of the 3D view",
         ] {
             let rect = window.rect(name);

@@ -307,3 +307,46 @@ fn a_single_volume_is_removed_from_the_menu() {
         assert_eq!(serde_json::to_value(window.click("Remove the volume")).unwrap(), json!([remove]));
     }
 }
+
+#[test]
+fn layers_and_segments_say_whose_they_are_where_that_is_a_question() {
+    let mut window = Window::open(SMALL);
+    let names = |window: &Window, name: &str| window.harness.query_all_by_label(name).count();
+    assert_eq!(names(&window, "small"), 0);
+    add(&mut window.scene, 1, "A follow-up of the same head half a year later");
+    add(&mut window.scene, 2, "small");
+    for (active, name) in [(0, "small (0)"), (1, "A follow-up of the same head half a year later"), (2, "small (2)")] {
+        window.scene.volumes.active = VolumeId(active);
+        window.snapshot(|_| {});
+        window.harness.run_steps(3);
+        assert_eq!(names(&window, name), 2, "{name}: over layers and over segments");
+        for heading in ["Section Layers", "Section Segments"] {
+            let rect = window.rect(heading);
+            let labels: Vec<_> = window.harness.query_all_by_label(name).map(|label| label.rect()).collect();
+            assert!(labels.iter().any(|label| rect.contains_rect(*label)), "{heading} {rect:?}: {labels:?}");
+        }
+    }
+}
+
+#[test]
+fn segments_have_a_strength_in_slices_and_one_in_3d() {
+    let layer = |sent: &[Command]| serde_json::to_value(sent).unwrap()[0]["view"]["layer"].clone();
+    let mut window = Window::open(SMALL);
+    let (slices, solid) = ("Opacity of layer Segments", "Opacity of layer Segments in 3D");
+    let sent = enter(&mut window, solid, "40");
+    let said = layer(&sent);
+    assert_eq!((&said["field"], &said["opacity"]), (&json!("labels"), &json!(0.5)));
+    assert!((said["opacity_3d"].as_f64().unwrap() - 0.4).abs() < 1e-6);
+    let said = layer(&enter(&mut window, slices, "25"));
+    assert_eq!(said["opacity"], json!(0.25));
+    assert!((said["opacity_3d"].as_f64().unwrap() - 0.4).abs() < 1e-6, "that of 3D stays: {said}");
+    let said = layer(&window.click("Show layer Segments"));
+    assert_eq!((&said["visible"], &said["opacity"]), (&json!(false), &json!(0.25)));
+    assert!(said["opacity_3d"].is_number());
+    // A project of before has one for both.
+    let mut window = Window::open(SMALL);
+    window.scene.layers.iter_mut().for_each(|layer| layer.opacity_3d = None);
+    window.snapshot(|_| {});
+    let said = layer(&enter(&mut window, slices, "25"));
+    assert_eq!((&said["opacity"], said.get("opacity_3d")), (&json!(0.25), None), "both follow");
+}

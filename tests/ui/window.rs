@@ -442,7 +442,7 @@ fn the_list_of_parts_takes_what_height_there_is() {
 #[test]
 fn density_is_hidden_by_its_layer() {
     let mut window = Window::open(SMALL);
-    let hide = Layer { field: FieldKind::Density, visible: false, opacity: 1.0 };
+    let hide = Layer { visible: false, ..Layer::new(FieldKind::Density) };
     assert_eq!(window.click("Show layer Density"), [Command::View(ViewCommand::Layer(hide.into()))]);
     let show = Layer { visible: true, ..hide };
     assert_eq!(

@@ -123,10 +123,11 @@ impl Document {
         } else {
             let Scene { transfer, look, .. } = read.scene;
             // Labels are told apart by the colours of their segments.
-            let transfer = if volume.labels.is_blank() {
-                (*transfer).clone()
-            } else {
+            settings.label_map = !volume.labels.is_blank();
+            let transfer = if settings.label_map {
                 first_look::of_labels(volume.grid(), &volume.histogram)
+            } else {
+                (*transfer).clone()
             };
             shown.own = Some(OwnLook { transfer, mode: look.mode, lighting: look.lighting });
         }

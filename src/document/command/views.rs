@@ -38,9 +38,12 @@ pub struct LayerChange {
     /// Painted fields: in slices and in 3D. Density: in slices; in 3D the transfer function says it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub visible: Option<bool>,
-    /// Strength of its overlay, 0..1. Density has 1: what it lies over is black.
+    /// Strength of its overlay, 0..1; without `opacity_3d` in slices and in 3D. Density has 1: what it lies over is black.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub opacity: Option<f32>,
+    /// Strength of its overlay in 3D alone, 0..1. Segments begin with 1: what is labelled has its segment's colour there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub opacity_3d: Option<f32>,
     /// Whose field: that volume then shows it in its own way. Left out: the active one's own way if it has one, else the document's,
     /// which all volumes share that have none of their own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -51,8 +54,8 @@ pub struct LayerChange {
 }
 
 impl From<Layer> for LayerChange {
-    fn from(Layer { field, visible, opacity }: Layer) -> Self {
-        Self { field, visible: Some(visible), opacity: Some(opacity), volume: None, shared: false }
+    fn from(Layer { field, visible, opacity, opacity_3d }: Layer) -> Self {
+        Self { field, visible: Some(visible), opacity: Some(opacity), opacity_3d, volume: None, shared: false }
     }
 }
 

@@ -29,8 +29,8 @@ impl Scene {
             TransferCommand::Set { function, .. } => ("Transfer function", function.clone()),
             TransferCommand::Reset { .. } => {
                 // A label map beside others began with the look of its labels.
-                let beside = self.shown.get(&volume).is_some_and(|shown| shown.own.is_some());
-                let first = match beside && !ground.histogram.ids.is_empty() {
+                let own = self.shown.get(&volume).is_some_and(|shown| shown.own.is_some());
+                let first = match own && self.volumes.all.get(&volume).is_some_and(|settings| settings.label_map) {
                     true => first_look::of_labels(ground.grid, ground.histogram),
                     false => first_look::transfer(ground.grid, ground.histogram),
                 };
@@ -110,13 +110,19 @@ impl Scene {
     }
 
     pub(crate) fn set_layer(&mut self, change: &LayerChange) -> Result<Changed, DocumentError> {
-        let LayerChange { field, visible, opacity, volume, shared } = *change;
-        if shared && (visible.is_some() || opacity.is_some()) {
+        let LayerChange { field, visible, opacity, opacity_3d, volume, shared } = *change;
+        if shared && (visible.is_some() || opacity.is_some() || opacity_3d.is_some()) {
             return Err(DocumentError::invalid("shared", "true beside visible or opacity", "either one or the other"));
         }
         let id = self.meant(volume)?;
         let now = self.layer_of(id, field);
-        let layer = Layer { field, visible: visible.unwrap_or(now.visible), opacity: opacity.unwrap_or(now.opacity) };
+        let layer = Layer {
+            field,
+            visible: visible.unwrap_or(now.visible),
+            opacity: opacity.unwrap_or(now.opacity),
+            // Who names one strength means it everywhere.
+            opacity_3d: opacity_3d.or(now.opacity_3d.filter(|_| opacity.is_none())),
+        };
         layer.check()?;
         let own = volume.is_some() || self.own_layer(id, field).is_some();
         match self.shown.get_mut(&id).filter(|_| own) {

@@ -49,12 +49,15 @@ impl Layer {
     /// # Errors
     /// The first field that is wrong.
     pub(crate) fn check(&self) -> Result<(), DocumentError> {
-        if !(0.0..=1.0).contains(&self.opacity) {
-            return Err(DocumentError::invalid("opacity", self.opacity, "0 to 1"));
-        }
-        if self.field == FieldKind::Density && self.opacity != 1.0 {
-            let expected = "1: density's own look is the grey window in slices and the transfer function in 3D";
-            return Err(DocumentError::invalid("opacity", self.opacity, expected));
+        for (name, opacity) in [("opacity", Some(self.opacity)), ("opacity_3d", self.opacity_3d)] {
+            let Some(opacity) = opacity else { continue };
+            if !(0.0..=1.0).contains(&opacity) {
+                return Err(DocumentError::invalid(name, opacity, "0 to 1"));
+            }
+            if self.field == FieldKind::Density && opacity != 1.0 {
+                let expected = "1: density's own look is the grey window in slices and the transfer function in 3D";
+                return Err(DocumentError::invalid(name, opacity, expected));
+            }
         }
         Ok(())
     }

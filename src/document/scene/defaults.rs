@@ -68,13 +68,25 @@ pub(crate) fn brush_for(grid: &Grid) -> Brush {
 }
 
 impl Layer {
-    /// As a field is shown until somebody says otherwise.
+    /// As a field is shown until somebody says otherwise: segments let the grey values of slices through, and have their own colours
+    /// in 3D, where nothing lies behind them.
     pub fn new(field: FieldKind) -> Self {
-        let opacity = match field {
-            FieldKind::Density | FieldKind::Colour => 1.0,
-            FieldKind::Selection | FieldKind::Labels => 0.5,
+        let (opacity, opacity_3d) = match field {
+            FieldKind::Density | FieldKind::Colour => (1.0, None),
+            FieldKind::Selection => (0.5, None),
+            FieldKind::Labels => (0.5, Some(1.0)),
         };
-        Self { field, visible: true, opacity }
+        Self { field, visible: true, opacity, opacity_3d }
+    }
+
+    /// How strongly it shows in slices, 0..1.
+    pub fn in_slices(&self) -> f32 {
+        if self.visible { self.opacity } else { 0.0 }
+    }
+
+    /// How strongly it shows in 3D, 0..1; density as its transfer function says.
+    pub fn in_3d(&self) -> f32 {
+        if self.visible { self.opacity_3d.unwrap_or(self.opacity) } else { 0.0 }
     }
 }
 

@@ -112,6 +112,9 @@ pub struct Layer {
     pub visible: bool,
     /// Strength of its overlay, 0..1. Density has 1: what it lies over is black.
     pub opacity: f32,
+    /// The same in 3D where it is another one than in slices.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub opacity_3d: Option<f32>,
 }
 
 /// How everything is shown. It has a past of its own, as views have (`view.back`); undo leaves it alone.

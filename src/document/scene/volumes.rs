@@ -31,6 +31,9 @@ pub struct VolumeSettings {
     /// What its labels mean.
     #[serde(default)]
     pub segments: Segments,
+    /// Whether it was laid beside others as labels: the colours of its segments show it, not its numbers.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub label_map: bool,
 }
 
 fn yes() -> bool {
@@ -56,6 +59,7 @@ impl VolumeSettings {
             opacity: 1.0,
             pose: Pose::IDENTITY,
             segments: Segments::default(),
+            label_map: false,
         }
     }
 }

@@ -46,7 +46,7 @@ impl App {
     }
 
     fn force_rows(&mut self, ui: &mut Ui, forces: Forces) {
-        subsection(ui, "Forces", false, |ui| {
+        subsection(ui, "Forces", |ui| {
             let mut new = forces;
             let scale = Scale { decimals: 2, ..Scale::PLAIN };
             for (label, name, tip, value) in [

@@ -20,6 +20,9 @@ const fn title(field: FieldKind) -> &'static str {
     }
 }
 
+/// From the left of a row to its name: the eye and a gap.
+const EYE: f32 = ROW + GAP;
+
 /// Grey windows of CT in Hounsfield units as radiology has them: name, level, width.
 const WINDOWS: [(&str, f64, f64); 6] = [
     ("Brain", 40.0, 80.0),
@@ -57,29 +60,63 @@ impl App {
                     ..Layer { visible: !layer.visible, ..layer }.into()
                 })));
             }
-            let (rect, _) = ui.allocate_exact_size(vec2(LABEL - 26.0, ROW), Sense::hover());
+            let (rect, _) = ui.allocate_exact_size(vec2(LABEL - EYE, ROW), Sense::hover());
             let font = egui::TextStyle::Body.resolve(ui.style());
             ui.painter().text(rect.left_center(), Align2::LEFT_CENTER, name, font, theme::TEXT_WEAK);
             if layer.field == FieldKind::Density {
                 self.window_fields(ui, window);
                 return;
             }
-            // All sliders end where that of the selection has its menu, and density's fields theirs.
-            let end = ui.available_width() - ROW - GAP;
-            let mut opacity = f64::from(layer.opacity);
-            let about = (&*format!("Opacity of layer {name}"), "How strongly it lies over the grey values");
-            let slid = ui.allocate_ui(vec2(end, ROW), |ui| slider(ui, about, &mut opacity, 0.0..=1.0, Scale::PERCENT));
-            let response = slid.inner;
+            // Other fields show in 3D as they do in slices, until a script says otherwise.
+            if layer.field == FieldKind::Labels || layer.opacity_3d.is_some() {
+                self.strengths(ui, (layer, volume));
+            } else {
+                // All sliders end where that of the selection has its menu, and density's fields theirs.
+                let end = ui.available_width() - ROW - GAP;
+                let mut opacity = f64::from(layer.opacity);
+                let about = (&*format!("Opacity of layer {name}"), "How strongly it lies over the grey values");
+                let slid =
+                    ui.allocate_ui(vec2(end, ROW), |ui| slider(ui, about, &mut opacity, 0.0..=1.0, Scale::PERCENT));
+                if slid.inner.changed() {
+                    let layer = Layer { opacity: opacity as f32, ..layer };
+                    self.edit(&slid.inner, Command::View(ViewCommand::Layer(LayerChange { volume, ..layer.into() })));
+                }
+            }
             if layer.field == FieldKind::Selection
                 && let Some(active) = self.scene.as_ref().map(|scene| scene.volumes.active)
             {
                 self.look_menu(ui, LookOf::Selection(active), "the selection");
             }
+        });
+    }
+
+    /// How strongly a field shows in slices and in 3D, where these are two questions.
+    fn strengths(&mut self, ui: &mut Ui, (layer, volume): (Layer, Option<VolumeId>)) {
+        let each = (ui.available_width() - ROW - 2.0 * GAP) * 0.5;
+        let name = format!("Opacity of layer {}", title(layer.field));
+        for (name, unit, now, tip) in [
+            (name.clone(), "2D", layer.opacity, "How strongly it lies over the grey values of slices"),
+            (
+                format!("{name} in 3D"),
+                "3D",
+                layer.opacity_3d.unwrap_or(layer.opacity),
+                "How strongly it colours what 3D shows: at 100 % in its own colours alone",
+            ),
+        ] {
+            let mut percent = f64::from(now) * 100.0;
+            let field =
+                DragValue::new(&mut percent).range(0.0..=100.0).speed(0.5).prefix(format!("{unit} ")).suffix(" %");
+            let about = (&*name, &*format!("{tip}. Drag, or click to type"));
+            let response = number(ui, each, about, "2D %", field, |x, chars| readout::fixed(x, 0, chars));
             if response.changed() {
-                let layer = Layer { opacity: opacity as f32, ..layer };
+                let strength = (percent / 100.0) as f32;
+                let layer = match unit {
+                    "3D" => Layer { opacity_3d: Some(strength), ..layer },
+                    _ => Layer { opacity: strength, ..layer },
+                };
                 self.edit(&response, Command::View(ViewCommand::Layer(LayerChange { volume, ..layer.into() })));
             }
-        });
+        }
     }
 
     fn window_fields(&mut self, ui: &mut Ui, window: Window) {

@@ -20,6 +20,7 @@ pub(crate) mod volumes;
 
 use crate::ui::state::borders::{Border, Edge};
 use crate::ui::state::layout::{BORDER, HEAD, LIST, Layout};
+use crate::ui::state::look_of::shown_volume;
 use crate::ui::style::theme;
 use crate::ui::style::theme::ROW;
 use crate::ui::window::app::App;
@@ -50,17 +51,19 @@ impl App {
             let column = all.with_max_x(all.right() - BORDER);
             let open = u8::from(is_unfolded(ui.ctx(), "Segments"));
             let (upper, lower) = self.column(ui, column, (Border::Segments, self.layout.segments, 0.0), [open, 1]);
+            let whose = self.scene.as_ref().and_then(shown_volume);
             sections(ui, Border::Segments, upper, |ui| {
                 if self.lists_volumes() {
-                    section(ui, "Volumes", true, |ui| self.volume_panel(ui));
+                    section(ui, ("Volumes", None), |ui| self.volume_panel(ui));
                 }
-                section(ui, "Brush", true, |ui| self.brush_panel(ui));
-                section(ui, "Layers", true, |ui| self.layer_panel(ui));
-                section(ui, "3D look", true, |ui| self.look_panel(ui));
+                section(ui, ("Brush", None), |ui| self.brush_panel(ui));
+                section(ui, ("Layers", whose.as_deref()), |ui| self.layer_panel(ui));
+                section(ui, ("3D look", None), |ui| self.look_panel(ui));
             });
             let add = Rect::from_min_size(pos2(lower.right() - BAR - ROW, lower.top() + HEAD_TOP), vec2(ROW, ROW));
             self.add_segment(ui, add);
-            listed(ui, lower, "Segments", ROW, |ui, height| self.segment_panel(ui, height));
+            let heads = ("Segments", whose.as_deref());
+            listed(ui, lower, heads, ROW + theme::GAP, |ui, height| self.segment_panel(ui, height));
         });
     }
 
@@ -80,12 +83,12 @@ impl App {
             let count = open.iter().map(|&o| u8::from(o)).sum();
             let (upper, lower) = self.column(ui, column, (Border::Lists, self.layout.lists, 0.38), [count, 2]);
             sections(ui, Border::Lists, upper, |ui| {
-                section(ui, "Transfer function", true, |ui| self.transfer_panel(ui));
-                section(ui, "Explosion", true, |ui| self.explosion_panel(ui));
+                section(ui, ("Transfer function", None), |ui| self.transfer_panel(ui));
+                section(ui, ("Explosion", None), |ui| self.explosion_panel(ui));
             });
             let (parts, steps) = self.divided(lower, open);
-            listed(ui, parts, "Parts", 0.0, |ui, height| self.part_panel(ui, height));
-            listed(ui, steps, "History", 0.0, |ui, height| self.history_panel(ui, height));
+            listed(ui, parts, ("Parts", None), 0.0, |ui, height| self.part_panel(ui, height));
+            listed(ui, steps, ("History", None), 0.0, |ui, height| self.history_panel(ui, height));
         });
     }
 
@@ -158,13 +161,13 @@ fn sections(ui: &mut Ui, border: Border, place: Rect, body: impl FnOnce(&mut Ui)
 }
 
 /// A list with its heading, which leaves `beside` free at its end, in a place of its own; `body` gets the height of the list.
-fn listed(ui: &mut Ui, place: Rect, title: &str, beside: f32, body: impl FnOnce(&mut Ui, f32)) {
+fn listed(ui: &mut Ui, place: Rect, heads: (&str, Option<&str>), beside: f32, body: impl FnOnce(&mut Ui, f32)) {
     let inner = Rect::from_min_max(place.min + vec2(MARGIN, HEAD_TOP), place.max - vec2(BAR, 6.0));
-    let mut lower = ui.new_child(UiBuilder::new().id_salt(title).max_rect(inner));
+    let mut lower = ui.new_child(UiBuilder::new().id_salt(heads.0).max_rect(inner));
     lower.shrink_clip_rect(place);
     let mut head = lower.new_child(UiBuilder::new().id_salt("heading").max_rect(inner));
     head.set_max_width(inner.width() - beside);
-    let open = list_heading(&mut head, title);
+    let open = list_heading(&mut head, heads);
     lower.advance_cursor_after_rect(head.min_rect());
     if open {
         let height = (inner.bottom() - lower.cursor().top()).max(0.0);

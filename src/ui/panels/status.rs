@@ -5,6 +5,7 @@ use crate::explode::PartId;
 use crate::gpu::ObjectId;
 use crate::interact::readout;
 use crate::math::DVec3;
+use crate::ui::state::look_of::volume_name;
 use crate::ui::style::theme;
 use crate::ui::style::widgets::{from_right, spinner};
 use crate::ui::window::app::{App, Busy};
@@ -85,7 +86,7 @@ impl App {
         let told = others.filter_map(|other| {
             let values = other.values.as_ref()?;
             let what = values.segment.clone().unwrap_or_else(|| readout::short(values.density.to_f64()));
-            Some(format!("{}: {what}", other.name))
+            Some(format!("{}: {what}", volume_name(&scene.volumes, other.volume)?))
         });
         told.collect::<Vec<_>>().join("   ")
     }
@@ -144,7 +145,7 @@ impl App {
     /// Which volume that is, where there are several.
     fn volume_shown(&self, object: ObjectId) -> Option<String> {
         let volumes = &self.scene.as_ref().filter(|scene| scene.volumes.all.len() > 1)?.volumes;
-        volumes.all.get(&object.volume()?).map(|volume| volume.name.clone())
+        volume_name(volumes, object.volume()?)
     }
 
     fn state_text(&mut self, ui: &mut Ui) {

@@ -7,7 +7,7 @@ use crate::document::{BrushCommand, Command, VolumeCommand, VolumeSettings};
 use crate::interact::{Tool, readout};
 use crate::math::{DVec3, Pose};
 use crate::ui::panels::look_menu::NARROW;
-use crate::ui::state::look_of::LookOf;
+use crate::ui::state::look_of::{LookOf, volume_name};
 use crate::ui::style::icons;
 use crate::ui::style::icons::Icon;
 use crate::ui::style::naming::{Named, name_field};
@@ -59,16 +59,11 @@ impl App {
         let Some(scene) = &self.scene else { return };
         let volumes = scene.volumes.clone();
         let rows: Vec<_> = volumes.all.iter().collect();
-        // Volumes of one name are told apart by number.
-        let called = |id: VolumeId, name: &str| match rows.iter().filter(|(_, other)| other.name == name).count() {
-            0 | 1 => name.to_owned(),
-            _ => format!("{name} ({id})"),
-        };
         let height = ROWS * ROW + (ROWS - 1.0) * BETWEEN;
         self.backdrop.detail(ui, Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), height)), theme::DEEP);
         list(ui, "volumes", height, ROW, rows.len(), false, |ui, range| {
             for &(&id, settings) in &rows[range] {
-                let called = called(id, &settings.name);
+                let called = volume_name(&volumes, id).unwrap_or_default();
                 ui.push_id(("volume", id.0), |ui| self.volume_row(ui, (id, &called), settings, id == volumes.active));
             }
         });

@@ -4,7 +4,9 @@
 
 use crate::document::looks::{Inherit, LookFields, LookSetting};
 use crate::document::own_looks::LookChange;
-use crate::document::{Command, HistoryCommand, PartCommand, Scene, SegmentCommand, SelectionCommand, VolumeCommand};
+use crate::document::{
+    Command, HistoryCommand, PartCommand, Scene, SegmentCommand, SelectionCommand, VolumeCommand, Volumes,
+};
 use crate::explode::PartId;
 use crate::volume::{Lighting, Mode, TransferFunction, VolumeId};
 
@@ -79,7 +81,7 @@ impl LookOf {
     /// As it is called; `None` if it is gone.
     pub(crate) fn called(self, scene: &Scene) -> Option<String> {
         match self {
-            Self::Volume(id) => scene.volumes.all.get(&id).map(|volume| volume.name.clone()),
+            Self::Volume(id) => volume_name(&scene.volumes, id),
             Self::Selection(id) => scene.volumes.all.contains_key(&id).then(|| "the selection".to_owned()),
             Self::Part(id) => scene.explosion.part(id).ok().map(|part| part.name.clone()),
             Self::Segment(volume, label) => scene.segments_of(volume).get(label).map(|segment| segment.name.clone()),
@@ -158,11 +160,23 @@ impl LookOf {
     }
 }
 
+/// What a volume is called; those of one name are told apart by number.
+pub(crate) fn volume_name(volumes: &Volumes, id: VolumeId) -> Option<String> {
+    let name = &volumes.all.get(&id)?.name;
+    let alike = volumes.all.values().filter(|other| other.name == *name).count();
+    Some(if alike > 1 { format!("{name} ({id})") } else { name.clone() })
+}
+
+/// The volume that the panels show, where that is a question.
+pub(crate) fn shown_volume(scene: &Scene) -> Option<String> {
+    volume_name(&scene.volumes, scene.volumes.active).filter(|_| scene.volumes.all.len() > 1)
+}
+
 /// Whose looks the panels show where that is a question: the active volume's name, and whether it has its own or which share it.
 pub(crate) fn whose(scene: &Scene) -> Option<(String, String)> {
     let volumes = &scene.volumes;
     let own = |id: VolumeId| LookOf::Volume(id).own(scene).is_some();
-    let name = scene.active()?.name.clone();
+    let name = volume_name(volumes, volumes.active)?;
     if own(volumes.active) {
         return Some((name, "its own".into()));
     }
@@ -173,7 +187,7 @@ pub(crate) fn whose(scene: &Scene) -> Option<(String, String)> {
     let shared = match &others[..] {
         // Nothing else is shown with what is said of it.
         [] => "its own".to_owned(),
-        [(_, only)] => format!("shared with {}", only.name),
+        [(id, _)] => format!("shared with {}", volume_name(volumes, **id)?),
         several => format!("shared with {} others", several.len()),
     };
     Some((name, shared))

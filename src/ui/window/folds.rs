@@ -5,9 +5,10 @@
 use crate::ui::style::icons;
 use crate::ui::style::icons::Icon;
 use crate::ui::style::theme;
+use crate::ui::style::widgets::line;
 use crate::ui::window::app::App;
 use egui::collapsing_header::CollapsingState;
-use egui::{Align2, Color32, Id, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
+use egui::{Align2, Color32, Id, Role, Sense, Stroke, Ui, UiBuilder, WidgetInfo, vec2};
 
 /// Headings that were clicked in this frame, and whether they are open now.
 #[derive(Clone, Default)]
@@ -33,26 +34,21 @@ impl App {
     }
 }
 
-/// A heading that folds what is under it.
-pub(crate) fn section(ui: &mut Ui, title: &str, open: bool, body: impl FnOnce(&mut Ui)) {
-    fold(ui, title, open, BOLD, body);
+/// A heading that folds what is under it. `of`: whose that is, where it is a question.
+pub(crate) fn section(ui: &mut Ui, (title, of): (&str, Option<&str>), body: impl FnOnce(&mut Ui)) {
+    heading(ui, (title, of), true, BOLD).show_body_unindented(ui, body);
     let at = ui.cursor().min;
     ui.painter().hline(at.x..=at.x + ui.available_width(), at.y, Stroke::new(1.0, theme::LINE));
     ui.add_space(2.0);
 }
 
-/// The same within a section.
-pub(crate) fn subsection(ui: &mut Ui, title: &str, open: bool, body: impl FnOnce(&mut Ui)) {
-    fold(ui, title, open, &[0.0], body);
+/// The same within a section, folded at first.
+pub(crate) fn subsection(ui: &mut Ui, title: &str, body: impl FnOnce(&mut Ui)) {
+    heading(ui, (title, None), false, &[0.0]).show_body_unindented(ui, body);
 }
 
 /// Twice, half a pixel apart: the one weight of the font serves as bold.
 const BOLD: &[f32] = &[0.0, 0.45];
-
-fn fold(ui: &mut Ui, title: &str, open: bool, weight: &[f32], body: impl FnOnce(&mut Ui)) {
-    let mut state = heading(ui, title, open, weight);
-    state.show_body_unindented(ui, body);
-}
 
 fn fold_state(ctx: &egui::Context, title: &str, open: bool) -> CollapsingState {
     CollapsingState::load_with_default_open(ctx, egui::Id::unique(("section", title)), open)
@@ -64,11 +60,11 @@ pub(crate) fn is_unfolded(ctx: &egui::Context, title: &str) -> bool {
 }
 
 /// A heading over a list that has a place of its own; says whether the list is unfolded.
-pub(crate) fn list_heading(ui: &mut Ui, title: &str) -> bool {
-    heading(ui, title, true, BOLD).is_open()
+pub(crate) fn list_heading(ui: &mut Ui, heads: (&str, Option<&str>)) -> bool {
+    heading(ui, heads, true, BOLD).is_open()
 }
 
-fn heading(ui: &mut Ui, title: &str, open: bool, weight: &[f32]) -> CollapsingState {
+fn heading(ui: &mut Ui, (title, of): (&str, Option<&str>), open: bool, weight: &[f32]) -> CollapsingState {
     let mut state = fold_state(ui.ctx(), title, open);
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 24.0), Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, state.is_open(), title));
@@ -84,8 +80,13 @@ fn heading(ui: &mut Ui, title: &str, open: bool, weight: &[f32]) -> CollapsingSt
     icons::paint(ui.painter(), chevron, if state.is_open() { Icon::Down } else { Icon::Right }, theme::TEXT_WEAK);
     let font = egui::FontId::new(13.5, egui::FontFamily::Proportional);
     let at = rect.left_center() + vec2(18.0, 0.0);
+    let mut end = at.x;
     for shift in weight {
-        ui.painter().text(at + vec2(*shift, 0.0), Align2::LEFT_CENTER, title, font.clone(), colour);
+        end = ui.painter().text(at + vec2(*shift, 0.0), Align2::LEFT_CENTER, title, font.clone(), colour).right();
+    }
+    if let Some(of) = of {
+        let place = rect.with_min_x((end + 2.0 * theme::GAP).min(rect.right()));
+        line(&mut ui.new_child(UiBuilder::new().max_rect(place)), of, place.width(), theme::TEXT_WEAK);
     }
     state
 }
