@@ -115,7 +115,8 @@ fn a_field_that_one_volume_hides_is_seen_on_the_other_alone() {
     say(&mut document, json!({"view": {"fit": {"view": "axial"}}}));
     say(&mut document, json!({"view": {"zoom": {"view": "axial", "factor": 2.5}}}));
     for target in [json!({"label": 2}), json!({"colour": [1, 0, 0, 1]}), json!({"selection": 1})] {
-        let field = if target.get("label").is_some() { "labels" } else { target.as_object().unwrap().keys().next().unwrap() };
+        let field =
+            if target.get("label").is_some() { "labels" } else { target.as_object().unwrap().keys().next().unwrap() };
         say(&mut document, json!({"brush": {"set": {"target": target, "radius_mm": 6}}}));
         let paint = |x: f64, id: u32| {
             let at = json!({"mm": [x, 4, 6]});
@@ -202,7 +203,10 @@ fn what_is_labelled_has_its_segments_colour_in_3d_or_the_colours_of_its_look_and
     let mut document = two(dir.path());
     let function = json!({"colour": [[0, [1, 1, 1]]], "opacity": [[20, 0], [60, 1]], "unit_mm": 0.1});
     for volume in [0, 1] {
-        say(&mut document, json!({"volume": {"set": {"volume": volume, "look": {"transfer": function, "shaded": false}, "opacity": 1}}}));
+        say(
+            &mut document,
+            json!({"volume": {"set": {"volume": volume, "look": {"transfer": function, "shaded": false}, "opacity": 1}}}),
+        );
     }
     say(&mut document, json!({"view": {"window": {"level": 40, "width": 80}}}));
     say(&mut document, json!({"view": {"frame": {"from": [0, -1, 0]}}}));

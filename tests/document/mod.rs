@@ -22,6 +22,7 @@ mod keep_support;
 mod keep_values;
 mod keep_zarr;
 mod labels;
+mod layers_of_volumes;
 mod looks;
 mod looks_drawn;
 pub mod maker;
