@@ -73,7 +73,7 @@ const GENERAL: &[(&str, &str, &str)] = &[
     ("Panels", "Double-click the curve", "A new point of opacity or colour"),
     ("Panels", "Right-click a point", "Remove it"),
     ("Panels", "Shift + drag a point", "Opacity and its colour together"),
-    ("Panels", "Half-shaded ball in a row", "Look in 3D of a volume, part, segment, selection"),
+    ("Panels", "Half-shaded ball in a row", "Its own look in 3D"),
     ("Document", "Ctrl + Z", "Undo"),
     ("Document", "Ctrl + Y, Ctrl + Shift + Z", "Redo"),
     ("Document", "Ctrl + S", "Save"),

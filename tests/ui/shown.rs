@@ -1,7 +1,7 @@
 //! What is lit, held and shown: controls show what is, at once, and a hand that leaves leaves nothing half done.
 
 use super::driver::{SMALL, Window};
-use burin::document::answers_ask::{VoxelSaid, VoxelValues};
+use burin::document::answers_ask::{VolumeVoxelSaid, VoxelSaid, VoxelValues};
 use burin::document::{BrushCommand, Command, PartCommand, StrokeCommand, ViewName};
 use burin::explode::PartId;
 use burin::gpu::ObjectId;
@@ -266,4 +266,26 @@ fn the_status_line_says_of_3d_that_it_shows_what_is_selected_as_the_picture_tell
     assert_eq!(says(&mut window, false, 1.0), [false; 4], "a neighbour's voxel");
     let word = says(&mut window, true, 1.0);
     assert!(word[..2] == [false; 2] && (word[2] || word[3]), "{word:?}");
+}
+
+#[test]
+fn the_status_line_says_of_a_label_map_beside_others_its_segment_or_that_there_is_none() {
+    let mut window = Window::open(SMALL);
+    super::volumes::two_volumes(&mut window);
+    let at = window.rect("Axial view").center();
+    window.harness.hover_at(at);
+    window.harness.run_steps(2);
+    let mut said = |label_map: bool, segment: Option<&str>| {
+        window.scene.volumes.all.get_mut(&VolumeId(1)).unwrap().label_map = label_map;
+        window.snapshot(|_| {});
+        let (density, colour, segment) = (Number::Whole(0), [0.0; 4], segment.map(str::to_owned));
+        let values = VoxelValues { voxel: [1; 3], density, half_step: 0.0, colour, selection: 0.0, label: 0, segment };
+        let other = VolumeVoxelSaid { volume: VolumeId(1), name: "PET".into(), values: Some(values.clone()) };
+        let voxel = VoxelSaid { inside: true, values: Some(values), volumes: vec![other], ..VoxelSaid::default() };
+        window.report(Report::Probe(Some(voxel)));
+        ["PET: 0", "PET: no segment", "PET: Lung"].map(|text| window.harness.query_by_label(text).is_some())
+    };
+    assert_eq!(said(false, None), [true, false, false]);
+    assert_eq!(said(true, None), [false, true, false]);
+    assert_eq!(said(true, Some("Lung")), [false, false, true]);
 }

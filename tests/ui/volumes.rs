@@ -300,13 +300,14 @@ fn a_file_that_is_added_by_its_path_is_asked_about_only_if_it_looks_like_regions
 }
 
 #[test]
-fn a_single_volume_is_removed_from_the_menu() {
+fn the_volume_that_is_painted_is_removed_from_the_menu_which_names_it_among_several() {
     for size in [SMALL, LARGE] {
-        let mut window = opened(size);
-        window.click("More…");
-        window.harness.run_steps(2);
-        let remove = json!({ "volume": { "remove": { "volume": 0 } } });
-        assert_eq!(serde_json::to_value(window.click("Remove the volume")).unwrap(), json!([remove]));
+        for (mut window, name) in [(Window::open(size), "Remove the volume"), (opened(size), "Remove small")] {
+            window.click("More…");
+            window.harness.run_steps(2);
+            let remove = json!({ "volume": { "remove": { "volume": 0 } } });
+            assert_eq!(serde_json::to_value(window.click(name)).unwrap(), json!([remove]));
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::document::{Command, HistoryCommand, VolumeCommand};
 use crate::interact::{Action, Tool};
+use crate::ui::state::look_of::volume_name;
 use crate::ui::state::path_purpose::PathPurpose;
 use crate::ui::style::icons::Icon;
 use crate::ui::style::theme;
@@ -94,9 +95,10 @@ impl App {
     fn remove_button(&mut self, ui: &mut Ui) {
         let Some(scene) = &self.scene else { return };
         let volume = scene.volumes.active;
-        let Some(name) = scene.volumes.all.get(&volume).map(|settings| settings.name.clone()) else { return };
+        let Some(name) = volume_name(&scene.volumes, volume) else { return };
         let tip = format!("Take {name} away, with all that was painted on it; undo brings it back");
-        if ui.button("Remove the volume").on_hover_text(tip).clicked() {
+        let what = if scene.volumes.all.len() > 1 { &*name } else { "the volume" };
+        if ui.add(egui::Button::new(format!("Remove {what}")).truncate()).on_hover_text(tip).clicked() {
             self.send(Command::Volume(VolumeCommand::Remove { volume }));
         }
     }

@@ -12,10 +12,10 @@ use crate::ui::style::colour::ready_colours;
 use crate::ui::style::icons::Icon;
 use crate::ui::style::theme;
 use crate::ui::style::theme::{GAP, LABEL, ROW};
-use crate::ui::style::widgets::{Face, Scale, button, choice, icon_button, line, row, slider};
+use crate::ui::style::widgets::{Face, Scale, button, choice, controls_under, icon_button, line, row, slider};
 use crate::ui::window::app::App;
 use crate::volume::{Mode, TransferFunction, VolumeId};
-use egui::{Popup, PopupCloseBehavior, Response, Ui, vec2};
+use egui::{Response, Ui, vec2};
 
 /// Width of the menu's controls: four choices and nine colours have room.
 const CONTROLS: f32 = 286.0;
@@ -65,7 +65,7 @@ impl App {
         let narrow = matches!(of, LookOf::Volume(_) | LookOf::Segment(..));
         let size = if narrow { NARROW } else { ROW };
         let response = icon_button(ui, Face { size, ..Face::small(Icon::Look, &name, tip).tint(tint) });
-        Popup::menu(&response).close_behavior(PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
+        controls_under(&response, |ui| {
             ui.set_width(LABEL + GAP + CONTROLS);
             let width = ui.available_width();
             line(ui, &format!("Look in 3D: {called}"), width, theme::TEXT);

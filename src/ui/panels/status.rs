@@ -85,7 +85,10 @@ impl App {
         let others = probe.volumes.iter().filter(|other| other.volume != scene.volumes.active);
         let told = others.filter_map(|other| {
             let values = other.values.as_ref()?;
-            let what = values.segment.clone().unwrap_or_else(|| readout::short(values.density.to_f64()));
+            // The numbers of a label map are its segments'.
+            let map = scene.volumes.all.get(&other.volume).is_some_and(|settings| settings.label_map);
+            let number = || if map { "no segment".into() } else { readout::short(values.density.to_f64()) };
+            let what = values.segment.clone().unwrap_or_else(number);
             Some(format!("{}: {what}", volume_name(&scene.volumes, other.volume)?))
         });
         told.collect::<Vec<_>>().join("   ")

@@ -13,10 +13,12 @@ use crate::ui::style::icons::Icon;
 use crate::ui::style::naming::{Named, name_field};
 use crate::ui::style::theme;
 use crate::ui::style::theme::{GAP, LABEL, ROW};
-use crate::ui::style::widgets::{Face, button, from_right, icon_button, list, number, row, tipped};
+use crate::ui::style::widgets::{
+    Face, button, controls_under, from_right, icon_button, line, list, number, row, tipped,
+};
 use crate::ui::window::app::App;
 use crate::volume::VolumeId;
-use egui::{DragValue, Popup, PopupCloseBehavior, Rect, Response, Role, Sense, Ui, WidgetInfo, vec2};
+use egui::{DragValue, Rect, Response, Role, Sense, Ui, WidgetInfo, vec2};
 
 /// Rows that are in sight: more are scrolled to, fewer leave room, so that nothing below moves.
 const ROWS: f32 = 3.0;
@@ -160,8 +162,10 @@ impl App {
         let response =
             icon_button(ui, Face { size: NARROW, ..Face::small(Icon::Tool(Tool::MovePart), &name, tip).tint(tint) });
         let centre = self.opened().and_then(|open| open.centres.get(&id).copied()).unwrap_or_default();
-        Popup::menu(&response).close_behavior(PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
+        controls_under(&response, |ui| {
             ui.set_width(LABEL + 110.0);
+            let width = ui.available_width();
+            line(ui, &format!("Place of {called}"), width, theme::TEXT);
             self.place_fields(ui, id, volume.pose, centre);
             ui.add_enabled_ui(moved, |ui| {
                 let tip = "No shift and no turn: where its file has it";
@@ -217,7 +221,7 @@ fn sign(ui: &mut Ui, (icon, stays): (Icon, bool), (role, on): (Role, bool), (nam
     response.widget_info(|| WidgetInfo::selected(role, true, on, name));
     let lit = response.hovered() || response.has_focus();
     if on || lit || stays {
-        icons::paint(ui.painter(), rect, icon, if on { theme::TEXT } else { theme::TEXT_WEAK });
+        icons::paint_narrow(ui.painter(), rect, icon, if on { theme::TEXT } else { theme::TEXT_WEAK });
     }
     tipped(response, tip)
 }

@@ -4,9 +4,9 @@
 
 use crate::ui::style::theme;
 use crate::ui::style::theme::{GAP, LABEL, ROW};
-use crate::ui::style::widgets::{Scale, row, slider};
+use crate::ui::style::widgets::{Scale, controls_under, row, slider};
 use egui::ecolor::{hsv_from_rgb, rgb_from_hsv};
-use egui::{Popup, PopupCloseBehavior, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2};
+use egui::{Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2};
 
 /// The square's size.
 const SQUARE: egui::Vec2 = vec2(22.0, 18.0);
@@ -36,7 +36,7 @@ pub(crate) fn colour_button_with(
 ) -> Response {
     let mut response = square(ui, SQUARE, name, *colour).on_hover_text(name);
     let mut changed = false;
-    Popup::menu(&response).close_behavior(PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
+    controls_under(&response, |ui| {
         ui.set_width(LABEL + 190.0);
         changed = picker(ui, response.id, colour);
         more(ui);

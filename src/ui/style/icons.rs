@@ -42,9 +42,18 @@ pub(crate) enum Icon {
     Recent,
 }
 
-/// Draws an icon in the middle of a rectangle.
+/// Draws an icon in the middle of a rectangle, 16 points wide.
 pub(crate) fn paint(painter: &Painter, rect: Rect, icon: Icon, colour: Color32) {
-    let pen = Pen { painter, origin: rect.center() - Vec2::splat(8.0), colour };
+    draw(painter, rect, icon, colour, 1.0);
+}
+
+/// The same 13 points wide, for places so narrow that icons would touch.
+pub(crate) fn paint_narrow(painter: &Painter, rect: Rect, icon: Icon, colour: Color32) {
+    draw(painter, rect, icon, colour, 13.0 / 16.0);
+}
+
+fn draw(painter: &Painter, rect: Rect, icon: Icon, colour: Color32, scale: f32) {
+    let pen = Pen { painter, origin: rect.center() - Vec2::splat(8.0 * scale), colour, scale };
     match icon {
         Icon::Open => {
             pen.line(&[(2.0, 13.0), (2.0, 3.0), (6.5, 3.0), (8.0, 5.0), (13.0, 5.0), (13.0, 7.5)]);
@@ -169,15 +178,17 @@ struct Pen<'a> {
     painter: &'a Painter,
     origin: Pos2,
     colour: Color32,
+    /// Points for each of an icon's 16 units.
+    scale: f32,
 }
 
 impl Pen<'_> {
     fn stroke(&self) -> Stroke {
-        Stroke::new(1.4, self.colour)
+        Stroke::new(if self.scale < 1.0 { 1.2 } else { 1.4 }, self.colour)
     }
 
     fn at(&self, (x, y): (f32, f32)) -> Pos2 {
-        pos2(self.origin.x + x, self.origin.y + y)
+        pos2(self.origin.x + x * self.scale, self.origin.y + y * self.scale)
     }
 
     fn line(&self, points: &[(f32, f32)]) {
@@ -191,7 +202,7 @@ impl Pen<'_> {
     }
 
     fn circle(&self, centre: (f32, f32), radius: f32) {
-        self.painter.circle_stroke(self.at(centre), radius, self.stroke());
+        self.painter.circle_stroke(self.at(centre), radius * self.scale, self.stroke());
     }
 
     fn ellipse(&self, centre: (f32, f32), rx: f32, ry: f32) {

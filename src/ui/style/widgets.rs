@@ -7,9 +7,9 @@ use crate::ui::style::icons::Icon;
 use crate::ui::style::theme;
 use crate::ui::style::theme::{GAP, LABEL, ROW};
 use egui::{
-    Align, Align2, Color32, CornerRadius, DragValue, Layout, Response, RichText, Role, ScrollArea, Sense, Slider,
+    Align, Align2, Color32, CornerRadius, DragValue, Layout, Popup, PopupCloseBehavior, Response, RichText, Role,
 };
-use egui::{SliderClamping, Stroke, TextStyle, Ui, WidgetInfo, vec2};
+use egui::{ScrollArea, Sense, Slider, SliderClamping, Stroke, TextStyle, Ui, WidgetInfo, vec2};
 use std::ops::RangeInclusive;
 
 /// A tooltip that stays while the control cannot be used.
@@ -303,12 +303,19 @@ pub(crate) fn icon_button(ui: &mut Ui, face: Face<'_>) -> Response {
         Some(_) => egui::Rect::from_center_size(rect.left_center() + vec2(16.0, 0.0), vec2(16.0, 16.0)),
         None => rect,
     };
-    icons::paint(ui.painter(), square, face.icon, colour);
+    let paint = if face.size < ROW { icons::paint_narrow } else { icons::paint };
+    paint(ui.painter(), square, face.icon, colour);
     if let Some(text) = text {
         let at = rect.left_center() + vec2(30.0, -text.size().y * 0.5);
         ui.painter().galley(at, text, colour);
     }
     tipped(response, face.tip)
+}
+
+/// What a button opens with controls in it, which look as they do in panels; it stays until something beside it is clicked.
+pub(crate) fn controls_under(button: &Response, body: impl FnOnce(&mut Ui)) {
+    let popup = Popup::menu(button).close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+    popup.style(egui::style::StyleModifier::default()).show(body);
 }
 
 /// Says that something runs, a few times a second: on software drivers a frame costs what runs its time.
