@@ -92,8 +92,8 @@ impl State {
         let world = |px| plane.world(px);
         let (at, overlay) = ((plane.axis, plane.index), self.overlay(&active, Layer::in_slices));
         let mut frame = SliceFrame::new(active.grid(), at, size, world, grey(&active).unwrap_or(ALL_BLACK), overlay);
-        frame.volume = active.id;
-        frame.opacity = if active.settings.visible { active.settings.opacity } else { 0.0 };
+        frame.own.volume = active.id;
+        frame.own.opacity = if active.settings.visible { active.settings.opacity } else { 0.0 };
         for subject in self.visible().filter(|subject| subject.id != active.id) {
             let lowest = frame.under.is_empty() && subject.id < active.id;
             // A label map over something else shows its labels, not their numbers.
@@ -104,7 +104,7 @@ impl State {
             if subject.id < active.id { frame.under.push(layer) } else { frame.over.push(layer) }
         }
         if !frame.under.is_empty() && (grey(&active).is_none() || active.is_label_map()) {
-            frame.window = None;
+            frame.own.window = None;
         }
         Some(frame)
     }

@@ -19,34 +19,22 @@ use crate::volume::{FieldKey, FieldKind, Grid, Segments, VolumeId};
 /// One slice picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SliceFrame {
-    /// Whose slice it is.
-    pub volume: VolumeId,
     /// The voxel axis (0 i, 1 j, 2 k) that the slice is normal to.
     pub axis: usize,
     /// The slice's voxel along that axis.
     pub index: u32,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// The picture's top-left corner in voxels.
-    pub top_left: DVec3,
-    /// Voxels per pixel to the right.
-    pub per_x: DVec3,
-    /// Voxels per pixel down.
-    pub per_y: DVec3,
-    /// Density shown as black and as white; `None`: its painted fields alone are shown.
-    pub window: Option<[f64; 2]>,
-    /// 0 to 1: how much of what lies under it it hides. At 0 nothing of it is looked at.
-    pub opacity: f32,
-    /// Painted fields.
-    pub overlay: Overlay,
+    /// The volume whose slice it is, on the slice's voxels.
+    pub own: SliceLayer,
     /// Other volumes under it, the first one lowest.
     pub under: Vec<SliceLayer>,
     /// Other volumes over it, the first one lowest.
     pub over: Vec<SliceLayer>,
 }
 
-/// Another volume on the plane of a slice: each pixel shows what lies at its place in the world. Values are linear between
-/// voxels, labels those of the voxel.
+/// A volume on the plane of a slice: each pixel shows what lies at its place in the world. Values are linear between voxels, labels
+/// those of the voxel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SliceLayer {
     /// Whose voxels they are.
@@ -59,7 +47,7 @@ pub struct SliceLayer {
     pub per_y: DVec3,
     /// Density shown as black and as white; `None`: its painted fields alone are shown.
     pub window: Option<[f64; 2]>,
-    /// 0 to 1: how much of what lies under it it hides.
+    /// 0 to 1: how much of what lies under it it hides. At 0 nothing of it is looked at.
     pub opacity: f32,
     /// Painted fields.
     pub overlay: Overlay,
@@ -106,29 +94,18 @@ impl SliceFrame {
         grey: (f64, f64),
         overlay: Overlay,
     ) -> Self {
-        let [mut top_left, mut per_x, mut per_y] = lie(grid, size, world);
+        let mut own = SliceLayer::new((VolumeId::FIRST, grid), size, world, Some(grey), 1.0, overlay);
         // Exactly on the voxels' centres, whatever rounding left.
-        top_left[axis] = f64::from(index.min(grid.dims[axis].saturating_sub(1)));
-        per_x[axis] = 0.0;
-        per_y[axis] = 0.0;
-        let (volume, window, opacity) = (VolumeId::FIRST, Some(window_of(grey)), 1.0);
-        let (under, over) = (Vec::new(), Vec::new());
-        Self { volume, axis, index, size, top_left, per_x, per_y, window, opacity, overlay, under, over }
+        own.top_left[axis] = f64::from(index.min(grid.dims[axis].saturating_sub(1)));
+        own.per_x[axis] = 0.0;
+        own.per_y[axis] = 0.0;
+        Self { axis, index, size, own, under: Vec::new(), over: Vec::new() }
     }
 
-    /// The layers from the lowest up; the slice's own is none of [`under`](Self::under) and [`over`](Self::over).
-    fn layers(&self) -> impl Iterator<Item = (SliceLayer, bool)> {
-        let own = SliceLayer {
-            volume: self.volume,
-            top_left: self.top_left,
-            per_x: self.per_x,
-            per_y: self.per_y,
-            window: self.window,
-            opacity: self.opacity,
-            overlay: self.overlay.clone(),
-        };
-        let other = |layers: &[SliceLayer]| layers.iter().cloned().map(|layer| (layer, false)).collect::<Vec<_>>();
-        other(&self.under).into_iter().chain([(own, true)]).chain(other(&self.over))
+    /// The layers from the lowest up; whether it is the slice's own.
+    fn layers(&self) -> impl Iterator<Item = (&SliceLayer, bool)> {
+        let other = |layers| <[SliceLayer]>::iter(layers).map(|layer| (layer, false));
+        other(&self.under).chain([(&self.own, true)]).chain(other(&self.over))
     }
 
     /// A rectangle of the picture, as a picture of its own: its top-left corner in pixels, and its size.
@@ -137,8 +114,7 @@ impl SliceFrame {
         let shift = |per_x: DVec3, per_y: DVec3| per_x * f64::from(corner[0]) + per_y * f64::from(corner[1]);
         let mut part = self.clone();
         part.size = size;
-        part.top_left += shift(self.per_x, self.per_y);
-        for layer in part.under.iter_mut().chain(&mut part.over) {
+        for layer in part.under.iter_mut().chain([&mut part.own]).chain(&mut part.over) {
             layer.top_left += shift(layer.per_x, layer.per_y);
         }
         part
@@ -256,7 +232,7 @@ impl SliceCaster {
                 SliceCut::Plane { view: frame.axis, corner: layer.top_left, across, down }
             };
             pools.make_slice_resident(gpu, fields, layer.volume, cut)?;
-            let over = self.layer(gpu, pools, &layer, frame.size)?;
+            let over = self.layer(gpu, pools, layer, frame.size)?;
             match &mut picture {
                 Some(picture) => {
                     for (under, over) in picture.iter_mut().zip(over) {
@@ -311,33 +287,33 @@ impl SliceCaster {
 }
 
 /// What the shader is compiled for.
-fn conditions(gpu: &Gpu, pools: &FieldPools, frame: &SliceLayer) -> Vec<&'static str> {
-    let layers = [
-        ("COLOUR", FieldKind::Colour, frame.overlay.colour),
-        ("LABELS", FieldKind::Labels, frame.overlay.labels),
-        ("SELECTION", FieldKind::Selection, frame.overlay.selection),
+fn conditions(gpu: &Gpu, pools: &FieldPools, layer: &SliceLayer) -> Vec<&'static str> {
+    let fields = [
+        ("COLOUR", FieldKind::Colour, layer.overlay.colour),
+        ("LABELS", FieldKind::Labels, layer.overlay.labels),
+        ("SELECTION", FieldKind::Selection, layer.overlay.selection),
     ];
-    let drawn = layers
+    let drawn = fields
         .iter()
-        .filter(|(_, kind, opacity)| *opacity > 0.0 && pools.texture(FieldKey::new(frame.volume, *kind)).is_some());
-    let bare = frame.window.is_none().then_some("BARE");
+        .filter(|(_, kind, opacity)| *opacity > 0.0 && pools.texture(FieldKey::new(layer.volume, *kind)).is_some());
+    let bare = layer.window.is_none().then_some("BARE");
     pools.defs(gpu).into_iter().map(|d| d.0).chain(drawn.map(|l| l.0)).chain(bare).collect()
 }
 
-fn uniform(frame: &SliceLayer, (lo, span): (f64, f64)) -> Slice {
-    let [black, white] = in_floats(frame.window.unwrap_or([0.0, 1.0]).map(|value| (value - lo) / span));
+fn uniform(layer: &SliceLayer, (lo, span): (f64, f64)) -> Slice {
+    let [black, white] = in_floats(layer.window.unwrap_or([0.0, 1.0]).map(|value| (value - lo) / span));
     let narrow = |v: DVec3| v.as_vec3().to_array();
     Slice {
-        top_left: narrow(frame.top_left),
+        top_left: narrow(layer.top_left),
         black,
-        per_x: narrow(frame.per_x),
+        per_x: narrow(layer.per_x),
         white,
-        per_y: narrow(frame.per_y),
-        colour_opacity: frame.overlay.colour,
-        selection_colour: frame.overlay.selection_colour,
-        selection_opacity: frame.overlay.selection,
-        label_opacity: frame.overlay.labels,
-        opacity: frame.opacity,
+        per_y: narrow(layer.per_y),
+        colour_opacity: layer.overlay.colour,
+        selection_colour: layer.overlay.selection_colour,
+        selection_opacity: layer.overlay.selection,
+        label_opacity: layer.overlay.labels,
+        opacity: layer.opacity,
         pad_b: 0,
         pad_c: 0,
     }

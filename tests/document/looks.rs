@@ -143,3 +143,29 @@ fn halves_look_as_what_was_cut_and_what_is_gone_leaves_no_look_behind() {
     say(&mut document, json!({"history":{"undo":{}}}));
     assert_eq!(own(&mut document), looks);
 }
+
+#[test]
+fn a_segment_that_is_removed_is_no_more_among_those_that_are_shown_alone_until_it_is_back() {
+    let mut document = labelled();
+    let only = |document: &mut Document| own(document).pointer("/only/0").cloned();
+    for (shown, left) in [
+        (json!([0, 1, 2]), Some(json!([0, 1]))),
+        (json!([2, 1]), Some(json!([1]))),
+        // Nothing would be left to be seen.
+        (json!([2]), None),
+        (json!([1]), Some(json!([1]))),
+    ] {
+        say(&mut document, json!({"segment":{"show_only":{"ids":shown}}}));
+        let before = only(&mut document);
+        say(&mut document, json!({"segment":{"remove":{"id":2}}}));
+        assert_eq!(only(&mut document), left, "of {shown}");
+        // One of the same number is another segment.
+        say(&mut document, json!({"segment":{"set":{"id":2,"name":"Another"}}}));
+        assert_eq!(only(&mut document), left, "of {shown}");
+        say(&mut document, json!({"history":{"undo":{"steps":2}}}));
+        assert_eq!(only(&mut document), before, "undone");
+        say(&mut document, json!({"history":{"redo":{}}}));
+        assert_eq!(only(&mut document), left, "done again");
+        say(&mut document, json!({"history":{"undo":{}}}));
+    }
+}

@@ -63,12 +63,13 @@ fn overlay(colour: f32, labels: f32, selection: f32) -> Overlay {
 }
 
 fn reference(of: &Painted, frame: &SliceFrame, px: [u32; 2]) -> [f64; 4] {
-    let p = frame.top_left + frame.per_x * (f64::from(px[0]) + 0.5) + frame.per_y * (f64::from(px[1]) + 0.5);
+    let own = &frame.own;
+    let p = own.top_left + own.per_x * (f64::from(px[0]) + 0.5) + own.per_y * (f64::from(px[1]) + 0.5);
     if p.cmplt(DVec3::splat(-0.5)).any() || p.cmpge(of.grid.dims_f64() - 0.5).any() {
         return [0.0; 4];
     }
     let density = bilinear(&of.density, p, |t| of.density.map().decode(t));
-    let [black, white] = frame.window.unwrap();
+    let [black, white] = own.window.unwrap();
     let grey = ((density - black) / (white - black)).clamp(0.0, 1.0);
     let mut c = [grey; 3];
     let mut mix = |with: [f64; 3], t: f64| {
@@ -77,13 +78,13 @@ fn reference(of: &Painted, frame: &SliceFrame, px: [u32; 2]) -> [f64; 4] {
         }
     };
     let channel = |i: usize| bilinear(&of.colour, p, |t| f64::from(t[i]) / 255.0);
-    mix([channel(0), channel(1), channel(2)], channel(3) * f64::from(frame.overlay.colour));
+    mix([channel(0), channel(1), channel(2)], channel(3) * f64::from(own.overlay.colour));
     let voxel = (p + 0.5).floor().to_array().map(|v| v as u32);
     if of.labels.value(voxel).unwrap() == 1.0 {
-        mix([0.9, 0.1, 0.2].map(|c: f64| (c * 255.0).round() / 255.0), f64::from(frame.overlay.labels));
+        mix([0.9, 0.1, 0.2].map(|c: f64| (c * 255.0).round() / 255.0), f64::from(own.overlay.labels));
     }
     let s = bilinear(&of.selection, p, |t| f64::from(t[0]) / 255.0);
-    mix(frame.overlay.selection_colour.map(f64::from), s * f64::from(frame.overlay.selection));
+    mix(own.overlay.selection_colour.map(f64::from), s * f64::from(own.overlay.selection));
     [c[0], c[1], c[2], 1.0]
 }
 
@@ -191,10 +192,11 @@ fn other_volumes_lie_over_a_slice_each_on_its_own_grid() {
     let mut pools = FieldPools::empty(&gpu, 64 << 20).unwrap();
     let mut caster = SliceCaster::new(&gpu).unwrap();
     for (axis, grey) in [(0, Some((900.0, 1500.0))), (1, None), (2, Some((1300.0, 2600.0)))] {
-        let mut frame = SliceFrame { volume: VolumeId(3), ..onto(&of, axis, 12, overlay(0.0, 0.5, 0.0)) };
+        let mut frame = onto(&of, axis, 12, overlay(0.0, 0.5, 0.0));
+        frame.own.volume = VolumeId(3);
         let base = frame.clone();
         let world = |px: DVec2| {
-            let p = base.top_left + base.per_x * px.x + base.per_y * px.y;
+            let p = base.own.top_left + base.own.per_x * px.x + base.own.per_y * px.y;
             of.grid.world_from_index.transform_point3(p)
         };
         let layer = |grey, opacity, overlay| {
@@ -202,7 +204,7 @@ fn other_volumes_lie_over_a_slice_each_on_its_own_grid() {
         };
         let above = layer(grey, 0.6, overlay(0.4, 0.7, 0.5));
         let below = layer(Some((1000.0, 2000.0)), 0.8, overlay(0.0, 0.0, 0.3));
-        (frame.under, frame.over, frame.opacity) = (vec![below], vec![above], 0.7);
+        (frame.under, frame.over, frame.own.opacity) = (vec![below], vec![above], 0.7);
         let picture = caster.pixels(&gpu, &mut pools, &fields, &frame).unwrap();
         let (mut both, mut off) = (0, 0);
         for (i, got) in picture.iter().enumerate() {

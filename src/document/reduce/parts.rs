@@ -57,8 +57,8 @@ impl Scene {
                 let step = format!("Remove segment {}", segment.name);
                 table.0.retain(|s| s.id != *id);
                 let of = self.meant(*volume)?;
-                if self.own_looks.segment(of, *id).is_some() {
-                    self.own_looks.set_segment(of, *id, None);
+                if self.own_looks.names_segment(of, *id) {
+                    self.own_looks.forget_segment(of, *id);
                 }
                 Ok(Changed::new(step, SegmentRemovedSaid { removed: *id }))
             }

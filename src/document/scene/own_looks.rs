@@ -109,6 +109,23 @@ impl OwnLooks {
         self.segments.retain(|_, looks| !looks.is_empty());
     }
 
+    /// Whether anything here is of a segment.
+    pub(crate) fn names_segment(&self, volume: VolumeId, label: u16) -> bool {
+        let alone = self.only.get(&volume).is_some_and(|only| only.contains(&label));
+        alone || self.segment(volume, label).is_some()
+    }
+
+    /// A segment is gone. Where no other was shown all are.
+    pub(crate) fn forget_segment(&mut self, volume: VolumeId, label: u16) {
+        self.set_segment(volume, label, None);
+        if let Some(only) = self.only.get_mut(&volume)
+            && only.remove(&label)
+            && only.is_empty()
+        {
+            self.only.remove(&volume);
+        }
+    }
+
     /// Keeps what is of parts and volumes that there are.
     pub(crate) fn keep(&mut self, part: impl Fn(PartId) -> bool, volume: impl Fn(VolumeId) -> bool) {
         self.parts.retain(|id, _| part(*id));
