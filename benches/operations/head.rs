@@ -1,6 +1,6 @@
 //! The volumes that are measured: the head as the other programs' benchmarks draw it, and cubes.
 
-use burin::gpu::{Body, Frame, Overlay};
+use burin::gpu::{Body, Fields, Frame, Overlay, VolumeFields};
 use burin::math::{Aabb, Camera, DVec3, Plane, Pose, Projection};
 use burin::volume::{
     DensityMap, Field, FieldKind, Grid, Lighting, MemorySource, Mode, TransferFunction, Value, Voxels,
@@ -21,8 +21,13 @@ pub struct Volume {
 }
 
 impl Volume {
+    /// Of voxels of 1 mm, the first at the origin.
     pub fn new(dims: [u32; 3], voxels: Voxels, max: f64) -> Result<Self, Failure> {
-        let grid = Grid::aligned(dims, DVec3::ONE, DVec3::ZERO);
+        Self::on(Grid::aligned(dims, DVec3::ONE, DVec3::ZERO), voxels, max)
+    }
+
+    /// Of whole numbers from 0 to `max`; nothing is painted.
+    pub fn on(grid: Grid, voxels: Voxels, max: f64) -> Result<Self, Failure> {
         let source = Arc::new(MemorySource::new("bench", grid, voxels, (1.0, 0.0))?);
         let map = DensityMap::codes(0.0, max, Some(1.0));
         let density = Field::from_source(source, map, &|_| true)?.ok_or("stopped")?;
@@ -36,14 +41,15 @@ impl Volume {
         })
     }
 
-    pub fn fields(&self) -> burin::gpu::Fields<'_> {
-        burin::gpu::Fields::one(burin::gpu::VolumeFields {
-            grid: self.grid,
-            density: &self.density,
-            colour: &self.colour,
-            selection: &self.selection,
-            labels: &self.labels,
-        })
+    /// As the only volume.
+    pub fn fields(&self) -> Fields<'_> {
+        Fields::one(self.volume_fields())
+    }
+
+    /// As one of several.
+    pub fn volume_fields(&self) -> VolumeFields<'_> {
+        let Self { grid, density, colour, selection, labels } = self;
+        VolumeFields { grid: *grid, density, colour, selection, labels }
     }
 }
 
@@ -129,7 +135,7 @@ pub fn camera(centre: DVec3, distance: f64, i: usize) -> Camera {
     turned(&turned(&front, 30.0, 20.0), 7.3 * i as f64, 0.0)
 }
 
-/// A frame of the head as the other programs draw it.
+/// A frame as the other programs draw the head, a sample a voxel.
 pub fn frame(camera: Camera, mode: Mode, shaded: bool, bodies: Vec<Body>) -> Frame {
     Frame {
         camera,

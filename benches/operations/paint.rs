@@ -1,9 +1,9 @@
 //! Dabs and what follows: the brush alone by the volume's size, and a stamp with the picture after it.
 
 use super::cube::{apply, document};
-use super::head::{Failure, Volume};
+use super::head::{Failure, Volume, frame};
 use super::measure::{Report, measure, measure_by_turns};
-use burin::gpu::{Body, Caster, FieldPools, Frame, Gpu, Overlay, Painter};
+use burin::gpu::{Body, Caster, FieldPools, Frame, Gpu, Painter};
 use burin::math::{Camera, DQuat, DVec3};
 use burin::paint::{Brush, Falloff, Reach, Sample, StrokePath, Target};
 use burin::volume::{Mode, Segments, TransferFunction, Value, VolumeId};
@@ -129,24 +129,12 @@ pub fn stamp(report: &mut Report) -> Result<(), Failure> {
     };
     let side = about(DVec3::Z, 30.0, front);
     let camera = about(side.right_up().0, -20.0, side);
-    let frame = Frame {
-        camera,
-        size: [512; 2],
-        step_mm: 1.0,
-        refine: false,
-        mode: Mode::Dvr,
-        lighting: None,
-        transfer: TransferFunction {
-            colour: vec![(1.0, [0.8, 0.6, 0.4]), (2.0, [1.0, 0.0, 0.0])],
-            opacity: vec![(0.0, 0.0), (0.9, 0.0), (1.0, 0.05), (2.0, 0.9)],
-            unit_mm: 1.0,
-        },
-        bodies: vec![Body::whole(0)],
-        overlay: Overlay::default(),
-        layers: Default::default(),
-        looks: Vec::new(),
-        overlays: Default::default(),
+    let transfer = TransferFunction {
+        colour: vec![(1.0, [0.8, 0.6, 0.4]), (2.0, [1.0, 0.0, 0.0])],
+        opacity: vec![(0.0, 0.0), (0.9, 0.0), (1.0, 0.05), (2.0, 0.9)],
+        unit_mm: 1.0,
     };
+    let frame = Frame { transfer, ..frame(camera, Mode::Dvr, false, vec![Body::whole(0)]) };
     let brush = Brush { radius_mm: 16.0, falloff: Falloff::Hard, target: Target::Density(2.0), ..Brush::default() };
     let mut picture = None;
     let time = measure(2, 9, |i| -> Result<(), Failure> {

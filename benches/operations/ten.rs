@@ -1,11 +1,10 @@
 //! Ten volumes of 256³ voxels of 16 bits in 128 MB of pools, beside all of them whole: what is drawn, and what it costs.
 
-use super::head::Failure;
+use super::head::{Failure, Volume, frame};
 use super::measure::{Report, measure};
-use burin::gpu::{Body, Caster, FieldPools, Fields, Frame, Gpu, Overlay, VolumeFields};
+use burin::gpu::{Body, Caster, FieldPools, Fields, Frame, Gpu};
 use burin::math::{Camera, DVec3, Projection};
-use burin::volume::{DensityMap, Field, FieldKind, Grid, MemorySource, Mode, TransferFunction, VolumeId, Voxels};
-use std::sync::Arc;
+use burin::volume::{FieldKind, Grid, Mode, TransferFunction, VolumeId, Voxels};
 
 const COUNT: u32 = 10;
 const SIDE: u32 = 256;
@@ -28,50 +27,32 @@ fn voxels(n: u32) -> Vec<u16> {
 pub fn volumes(report: &mut Report) -> Result<(), Failure> {
     let gpu = Gpu::headless()?;
     let at = |n: u32| Grid::aligned([SIDE; 3], DVec3::ONE, DVec3::new(f64::from(n) * 280.0, 0.0, 0.0));
-    let all = (0..COUNT).map(|n| -> Result<_, Failure> {
-        let grid = at(n);
-        let source = MemorySource::new("beads", grid, Voxels::U16(voxels(n)), (1.0, 0.0))?;
-        let map = DensityMap::codes(0.0, 65_535.0, Some(1.0));
-        let density = Field::from_source(Arc::new(source), map, &|_| true)?.ok_or("stopped")?;
-        Ok((grid, density, FieldKind::ALL.map(|kind| Field::blank(kind, &grid))))
-    });
+    let all = (0..COUNT).map(|n| Volume::on(at(n), Voxels::U16(voxels(n)), 65_535.0));
     let all = all.collect::<Result<Vec<_>, _>>()?;
     let mut fields = Fields::default();
-    for (n, (grid, density, [_, colour, selection, labels])) in (0..).zip(&all) {
-        fields.put(VolumeId(n), VolumeFields { grid: *grid, density, colour, selection, labels });
+    for (n, volume) in (0..).zip(&all) {
+        fields.put(VolumeId(n), volume.volume_fields());
     }
     let transfer = TransferFunction {
         colour: vec![(0.0, [0.9, 0.4, 0.2]), (50_000.0, [1.0; 3])],
         opacity: vec![(36_000.0, 0.0), (42_000.0, 0.08)],
         unit_mm: 1.0,
     };
-    let frame = |i: usize| {
+    let view = |i: usize| {
         let eye = DVec3::new(-300.0, 128.0 + 6.0 * i as f64, 360.0);
         let target = DVec3::new(1400.0, 128.0, 100.0);
         let camera = Camera { eye, target, up: DVec3::Z, projection: Projection::Perspective { fov_y_deg: 40.0 } };
-        Frame {
-            camera,
-            size: [512; 2],
-            step_mm: 1.0,
-            refine: false,
-            mode: Mode::Dvr,
-            lighting: None,
-            transfer: transfer.clone(),
-            bodies: (0..COUNT).map(|n| Body { volume: VolumeId(n), ..Body::whole(n) }).collect(),
-            overlay: Overlay::default(),
-            layers: Default::default(),
-            looks: Vec::new(),
-            overlays: Default::default(),
-        }
+        let bodies = (0..COUNT).map(|n| Body { volume: VolumeId(n), ..Body::whole(n) }).collect();
+        Frame { transfer: transfer.clone(), ..frame(camera, Mode::Dvr, false, bodies) }
     };
     let mut caster = Caster::new(&gpu)?;
     let mut tight = FieldPools::empty(&gpu, BUDGET)?;
-    let time = measure(2, 11, |i| caster.image(&gpu, &mut tight, &fields, &frame(i)).map(drop))?;
+    let time = measure(2, 11, |i| caster.image(&gpu, &mut tight, &fields, &view(i)).map(drop))?;
     let (held, most) = tight.room(FieldKind::Density);
-    let image = caster.image(&gpu, &mut tight, &fields, &frame(0))?;
+    let image = caster.image(&gpu, &mut tight, &fields, &view(0))?;
     drop(tight);
     let mut whole = FieldPools::empty(&gpu, 2 << 30)?;
-    let wanted = caster.image(&gpu, &mut whole, &fields, &frame(0))?;
+    let wanted = caster.image(&gpu, &mut whole, &fields, &view(0))?;
     // By volume: pixels of it, how far they are from those of the whole volumes, and those that are missing.
     let mut sums = vec![(0_u32, 0.0_f64); COUNT as usize];
     let mut missing = 0;
