@@ -10,7 +10,7 @@ use crate::document::command::answers_ask::{
 };
 use crate::document::scene::own_looks::LookChange;
 use crate::document::scene::past::PastOf;
-use crate::document::scene::{Layer, Look, Scene, SliceView, ViewName, Window};
+use crate::document::scene::{Layer, Scene, SliceView, ViewLook, ViewName, Window};
 use crate::explode::{Forces, PartId, PartPose, PartRecord};
 use crate::math::Camera;
 use serde::ser::{Error, SerializeStruct};
@@ -216,7 +216,7 @@ pub struct CrosshairSaid {
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LookSaid {
-    pub look: Look,
+    pub look: ViewLook,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -9,7 +9,7 @@ use crate::document::command::views::{LayerChange, TransferCommand};
 use crate::document::error::DocumentError;
 use crate::document::reduce::{Changed, Ground};
 use crate::document::scene::check::check_transfer;
-use crate::document::scene::{Layer, Look, Scene, Window, first_look};
+use crate::document::scene::{Layer, Scene, ViewLook, Window, first_look};
 use crate::volume::{FieldKind, Lighting, Mode, VolumeId};
 use std::collections::BTreeSet;
 
@@ -65,7 +65,7 @@ impl Scene {
         }
         let now = self.look_of(self.volumes.active);
         let lit = lighting.or(now.lighting);
-        let look = Look {
+        let look = ViewLook {
             mode: mode.unwrap_or(now.mode),
             lighting: match shaded {
                 Some(false) => None,

@@ -18,7 +18,7 @@ use serde::Serialize;
 pub(crate) struct Cause {
     explosion: Shared<Explosion>,
     camera: Option<Camera>,
-    matter: Vec<Matter>,
+    volumes: Vec<VolumeCause>,
     own_looks: Shared<OwnLooks>,
     /// How often voxels had changed that explosion points stand on.
     voxels: u64,
@@ -27,9 +27,9 @@ pub(crate) struct Cause {
 impl Cause {
     /// As it is now.
     pub(crate) fn of(scene: &Scene, voxels: u64) -> Self {
-        let (explosion, matter) = (scene.explosion.clone(), matter_of(scene));
+        let (explosion, volumes) = (scene.explosion.clone(), volumes_of(scene));
         let own_looks = scene.own_looks.clone();
-        Self { explosion, camera: camera_of(scene).copied(), matter, own_looks, voxels }
+        Self { explosion, camera: camera_of(scene).copied(), volumes, own_looks, voxels }
     }
 
     /// Whether it is this now.
@@ -37,7 +37,7 @@ impl Cause {
         self.voxels == voxels
             && pushes_alike(&self.explosion, &scene.explosion)
             && self.camera.as_ref() == camera_of(scene)
-            && self.matter == matter_of(scene)
+            && self.volumes == volumes_of(scene)
             && self.own_looks == scene.own_looks
     }
 
@@ -45,7 +45,7 @@ impl Cause {
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         pushes_alike(&self.explosion, &other.explosion)
             && self.camera == other.camera
-            && self.matter == other.matter
+            && self.volumes == other.volumes
             && self.own_looks == other.own_looks
     }
 
@@ -57,7 +57,7 @@ impl Cause {
 
 /// A volume, as far as it can hide something or be selected.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-struct Matter {
+struct VolumeCause {
     volume: VolumeId,
     transfer: TransferFunction,
     visible: bool,
@@ -65,10 +65,10 @@ struct Matter {
     pose: Pose,
 }
 
-fn matter_of(scene: &Scene) -> Vec<Matter> {
+fn volumes_of(scene: &Scene) -> Vec<VolumeCause> {
     let one = |(&volume, settings): (&VolumeId, &VolumeSettings)| {
         let VolumeSettings { visible, opacity, pose, .. } = *settings;
-        Matter { volume, transfer: scene.transfer_of(volume).clone(), visible, opacity, pose }
+        VolumeCause { volume, transfer: scene.transfer_of(volume).clone(), visible, opacity, pose }
     };
     scene.volumes.all.iter().map(one).collect()
 }
@@ -124,7 +124,7 @@ pub(crate) fn mark_of_parts(explosion: &Explosion) -> String {
 
 /// A name for all that a scene says of where its parts rest: the same wherever it says the same. Voxels are not in it.
 pub(crate) fn mark_of_scene(scene: &Scene) -> String {
-    let said = (mark_of_parts(&scene.explosion), camera_of(scene), matter_of(scene));
+    let said = (mark_of_parts(&scene.explosion), camera_of(scene), volumes_of(scene));
     // As projects have it in which nobody had said more.
     if scene.own_looks.is_empty() { mark_of(&said) } else { mark_of(&(said, &*scene.own_looks)) }
 }

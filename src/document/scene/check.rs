@@ -5,7 +5,7 @@
 
 use crate::document::error::DocumentError;
 use crate::document::scene::volumes::{OwnLook, VolumeLook, VolumeSettings};
-use crate::document::scene::{Layer, Look, Origin, Scene, Views, Window};
+use crate::document::scene::{Layer, Origin, Scene, ViewLook, Views, Window};
 use crate::explode::Explosion;
 use crate::math::{Aabb, Camera, DVec3, Pose, Projection};
 use crate::volume::{FieldKind, Lighting, Mode, Segment, Segments, TransferFunction, Volume, VolumeId};
@@ -16,7 +16,7 @@ const MOST_PARTS_EVER: u32 = 1 << 30;
 /// Further from where its file puts it a volume lies in no world of numbers that tell its voxels apart.
 const FARTHEST_MM: f64 = 1e9;
 
-impl Look {
+impl ViewLook {
     /// # Errors
     /// The first field that is wrong.
     pub(crate) fn check(&self) -> Result<(), DocumentError> {
@@ -162,7 +162,7 @@ impl OwnLook {
     /// The first field that is wrong.
     pub(crate) fn check(&self) -> Result<(), DocumentError> {
         check_transfer(&self.transfer)?;
-        Look { mode: self.mode, lighting: self.lighting, ..Look::default() }.check()
+        ViewLook { mode: self.mode, lighting: self.lighting, ..ViewLook::default() }.check()
     }
 }
 

@@ -3,7 +3,7 @@
 //! Pictures of one or a few layers, and thin slabs, are looked at from their face, and pictures are drawn as such: opaque, in the
 //! slices' greys, unlit. `transfer.reset` comes back here.
 
-use crate::document::scene::{Look, Window};
+use crate::document::scene::{ViewLook, Window};
 use crate::math::{Camera, DVec3};
 use crate::volume::{Grid, Histogram, TransferFunction};
 
@@ -57,10 +57,10 @@ pub(crate) fn of_labels(grid: &Grid, histogram: &Histogram) -> TransferFunction 
 }
 
 /// How the 3D view begins: a slab of few layers has its gradients along its face, and light would come from aside.
-pub(crate) fn look(grid: &Grid) -> Look {
-    let look = Look::default();
+pub(crate) fn look(grid: &Grid) -> ViewLook {
+    let look = ViewLook::default();
     let thin = slab(grid).is_some_and(|axis| f64::from(grid.dims[axis]) < THICK);
-    if is_picture(grid) || thin { Look { lighting: None, ..look } } else { look }
+    if is_picture(grid) || thin { ViewLook { lighting: None, ..look } } else { look }
 }
 
 /// The first view of a volume: from the front, a slab from its face, as the slices show it.

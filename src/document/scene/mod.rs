@@ -28,9 +28,9 @@ use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
-/// The 3D view's appearance.
+/// How the 3D view looks, as far as volumes have no look of their own.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-pub struct Look {
+pub struct ViewLook {
     /// Mode.
     pub mode: Mode,
     /// `None`: unshaded.
@@ -45,7 +45,7 @@ pub struct Look {
     pub background: [f32; 3],
 }
 
-impl Default for Look {
+impl Default for ViewLook {
     /// Plain samples a voxel apart show rings like the grain of wood on surfaces that turn away from the eye.
     fn default() -> Self {
         let lighting = Some(Lighting::default());
@@ -123,7 +123,7 @@ pub struct Looks {
     /// Colour and opacity.
     pub transfer: Shared<TransferFunction>,
     /// The 3D view's appearance.
-    pub look: Shared<Look>,
+    pub look: Shared<ViewLook>,
     /// Fields' display.
     pub layers: Shared<Vec<Layer>>,
     /// How each volume is shown.
@@ -168,7 +168,7 @@ components! {
     /// Colour and opacity.
     transfer: TransferFunction, Looks, first_look::transfer(grid, histogram);
     /// The 3D view's appearance.
-    look: Look, Looks, first_look::look(grid);
+    look: ViewLook, Looks, first_look::look(grid);
     /// Views.
     views: Views, Views, Views::new(grid);
     /// Fields' display.

@@ -5,7 +5,7 @@
 //! inherited. All of it is taken back by undo, with the parts and segments that it is of. Knows no voxels and no pictures.
 
 use crate::document::error::DocumentError;
-use crate::document::scene::Look;
+use crate::document::scene::ViewLook;
 use crate::document::scene::check::check_transfer;
 use crate::explode::PartId;
 use crate::volume::{Lighting, Mode, TransferFunction, VolumeId};
@@ -58,9 +58,9 @@ impl LookChange {
         if !(0.0..=1.0).contains(&self.opacity) {
             return Err(DocumentError::invalid("opacity", self.opacity, "0 to 1"));
         }
-        let plain = Look::default();
+        let plain = ViewLook::default();
         let (mode, lighting) = (self.mode.unwrap_or(plain.mode), self.lighting.unwrap_or(plain.lighting));
-        Look { mode, lighting, ..plain }.check()
+        ViewLook { mode, lighting, ..plain }.check()
     }
 }
 

@@ -5,7 +5,7 @@
 //! one step. Knows no voxels.
 
 use crate::document::error::DocumentError;
-use crate::document::scene::{Layer, Look, Origin, Scene, Window};
+use crate::document::scene::{Layer, Origin, Scene, ViewLook, Window};
 use crate::math::Pose;
 use crate::volume::{Lighting, Mode, Segments, TransferFunction, VolumeId};
 use serde::{Deserialize, Serialize};
@@ -227,16 +227,16 @@ impl Scene {
     }
 
     /// The look that the active volume is shown with: mode and light its own or the document's, the rest the document's.
-    pub fn look_of(&self, volume: VolumeId) -> Look {
-        Look { mode: self.mode_of(volume), lighting: self.lighting_of(volume), ..*self.look }
+    pub fn look_of(&self, volume: VolumeId) -> ViewLook {
+        ViewLook { mode: self.mode_of(volume), lighting: self.lighting_of(volume), ..*self.look }
     }
 
     /// Shows a volume so; one without a look of its own is shown as the document is.
-    pub(crate) fn show(&mut self, volume: VolumeId, look: Look) {
+    pub(crate) fn show(&mut self, volume: VolumeId, look: ViewLook) {
         match self.shown.get_mut(&volume).and_then(|shown| shown.own.as_mut()) {
             Some(own) => {
                 (own.mode, own.lighting) = (look.mode, look.lighting);
-                *self.look = Look { mode: self.look.mode, lighting: self.look.lighting, ..look };
+                *self.look = ViewLook { mode: self.look.mode, lighting: self.look.lighting, ..look };
             }
             None => *self.look = look,
         }
