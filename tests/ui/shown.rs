@@ -232,6 +232,18 @@ fn the_light_can_be_set_where_it_does_anything() {
     }
 }
 
+/// The pointer stands in the 3D view, which shows this.
+fn point_at(window: &mut Window, object: ObjectId) {
+    let camera = window.scene.views.camera;
+    let depth_mm = vec![camera.eye.distance(camera.target) as f32; 4];
+    let (view, size, rgba) = (ViewName::ThreeD, [2, 2], vec![9; 16]);
+    let picture = Picture { view, size, rgba, depth_mm, object: vec![object; 4], camera, serial: 0 };
+    window.report(Report::Picture(Box::new(picture)));
+    let at = window.rect("3D view").center();
+    window.harness.hover_at(at);
+    window.harness.run_steps(2);
+}
+
 #[test]
 fn the_status_line_says_of_3d_that_it_shows_what_is_selected_as_the_picture_tells() {
     let mut window = Window::open(SMALL);
@@ -241,22 +253,7 @@ fn the_status_line_says_of_3d_that_it_shows_what_is_selected_as_the_picture_tell
         Report::Probe(Some(VoxelSaid { inside: true, values: Some(values), ..VoxelSaid::default() }))
     };
     let says = |window: &mut Window, selected: bool, share: f32| {
-        let camera = window.scene.views.camera;
-        let object = ObjectId::new(VolumeId::FIRST, 0, selected, 0);
-        let depth_mm = vec![camera.eye.distance(camera.target) as f32; 4];
-        let (view, size, rgba) = (ViewName::ThreeD, [2, 2], vec![9; 16]);
-        window.report(Report::Picture(Box::new(Picture {
-            view,
-            size,
-            rgba,
-            depth_mm,
-            object: vec![object; 4],
-            camera,
-            serial: 0,
-        })));
-        let at = window.rect("3D view").center();
-        window.harness.hover_at(at);
-        window.harness.run_steps(2);
+        point_at(window, ObjectId::new(VolumeId::FIRST, 0, selected, 0));
         window.report(probe(share));
         let texts = ["selected 30 %", "selected 100 %", "selected  ·  Lower half", "selected  ·  Upper half"];
         texts.map(|text| window.harness.query_by_label_contains(text).is_some())
@@ -275,6 +272,10 @@ fn the_status_line_says_of_a_label_map_beside_others_its_segment_or_that_there_i
     let at = window.rect("Axial view").center();
     window.harness.hover_at(at);
     window.harness.run_steps(2);
+    let values = |label: u16, segment: Option<&str>| {
+        let (density, colour, segment) = (Number::Whole(0), [0.0; 4], segment.map(str::to_owned));
+        VoxelValues { voxel: [1; 3], density, half_step: 0.0, colour, selection: 0.0, label, segment }
+    };
     let mut said = |label_map: bool, segment: Option<&str>| {
         window.scene.volumes.all.get_mut(&VolumeId(1)).unwrap().label_map = label_map;
         window.snapshot(|_| {});
@@ -288,4 +289,13 @@ fn the_status_line_says_of_a_label_map_beside_others_its_segment_or_that_there_i
     assert_eq!(said(false, None), [true, false, false]);
     assert_eq!(said(true, None), [false, true, false]);
     assert_eq!(said(true, Some("Lung")), [false, false, true]);
+    // What 3D shows is told once.
+    for (volume, segment, again) in [(1, 5, false), (1, 0, true), (0, 5, true)] {
+        point_at(&mut window, ObjectId::new(VolumeId(volume), 0, false, segment));
+        let values = values(0, Some("Lung"));
+        let other = VolumeVoxelSaid { volume: VolumeId(1), name: "PET".into(), values: Some(values.clone()) };
+        let voxel = VoxelSaid { inside: true, values: Some(values), volumes: vec![other], ..VoxelSaid::default() };
+        window.report(Report::Probe(Some(voxel)));
+        assert_eq!(window.harness.query_by_label("PET: Lung").is_some(), again, "{volume} {segment}");
+    }
 }

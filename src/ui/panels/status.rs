@@ -10,7 +10,7 @@ use crate::ui::style::theme;
 use crate::ui::style::widgets::{from_right, spinner};
 use crate::ui::window::app::{App, Busy};
 use crate::volume::VolumeId;
-use egui::{Button, Frame, Label, Margin, Panel, ProgressBar, RichText, Ui};
+use egui::{Button, Frame, Label, Margin, Panel, ProgressBar, RichText, TextStyle, Ui};
 
 /// Seconds that nobody needs to be told of.
 const AT_ONCE: f64 = 0.1;
@@ -79,10 +79,13 @@ impl App {
         }
     }
 
-    /// What the other visible volumes have under the pointer: the name of the segment, else the value.
+    /// What the other visible volumes have under the pointer: the name of the segment, else the value. The segment that 3D shows is
+    /// told already.
     fn other_volumes(&self) -> String {
         let (Some(scene), Some(probe)) = (&self.scene, &self.probe) else { return String::new() };
-        let others = probe.volumes.iter().filter(|other| other.volume != scene.volumes.active);
+        let told = self.shown_object().filter(|object| object.segment().is_some()).and_then(ObjectId::volume);
+        let others =
+            probe.volumes.iter().filter(|other| ![Some(scene.volumes.active), told].contains(&Some(other.volume)));
         let told = others.filter_map(|other| {
             let values = other.values.as_ref()?;
             // The numbers of a label map are its segments'.
@@ -169,7 +172,12 @@ impl App {
             }
             Some(Ok(name)) => {
                 let (short, tip) = renderer(name);
-                ui.add(Label::new(RichText::new(short).color(theme::TEXT_WEAK)).truncate()).on_hover_text(tip);
+                // A letter of it would tell nobody anything.
+                let font = TextStyle::Body.resolve(ui.style());
+                let wide = ui.painter().layout_no_wrap(short.clone(), font, theme::TEXT_WEAK).size().x;
+                if wide <= ui.available_width() {
+                    ui.label(RichText::new(short).color(theme::TEXT_WEAK)).on_hover_text(tip);
+                }
             }
             None => {}
         }
