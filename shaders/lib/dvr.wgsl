@@ -4,7 +4,8 @@
 // REFINE: a sample stands for the stretch of the ray from the sample before it, or from where the ray enters the body. Density
 // goes evenly from one end to the other; the table's integrals (after Engel, Kraus and Ertl 2001, without absorption inside a
 // stretch) say how much extinction that is and where its centre lies. There colour and paint are taken; light is the mean over
-// the extent of what shows, the gradient going evenly too. Where a step adds much stretches are half as long.
+// the extent of what shows, the gradient going evenly too. Where a step adds much stretches are half as long. Where looks go by label
+// all of a stretch has that of the voxel in its middle.
 
 #import burin::constants::{CLEAR_END, FAR}
 #import burin::field::{selection_at, selected}
@@ -64,6 +65,10 @@ var<private> begins_at: f32;
 var<private> ends_at: f32;
 var<private> matter: Matter;
 var<private> far_end: vec4<f32>;
+#ifdef LABEL_LOOKS
+// The texel there: what the table has below it hangs on the look of the stretch that follows.
+var<private> far_texel: f32;
+#endif
 // Where the next one should end.
 var<private> next_at: f32;
 // The slope at the end of the matter that was lit last, and where that is.
@@ -72,7 +77,12 @@ var<private> lit_at: f32;
 
 fn open(r: BodyRay, k: f32) {
     ends_at = max(k - 1.0, r.within.x);
+#ifdef LABEL_LOOKS
+    far_texel = texel_on(r, ends_at);
+    far_end = vec4<f32>(0.0);
+#else
     far_end = integrals_at(texel_on(r, ends_at));
+#endif
     lit_at = -1.0;
 }
 
@@ -80,9 +90,20 @@ fn inside() -> bool {
     return far_end.w > 0.0;
 }
 
+// The middle of the stretch up to sample k, in steps.
+fn middle_to(r: BodyRay, k: f32) -> f32 {
+    return 0.5 * (ends_at + min(k, r.within.y));
+}
+
 // Meets the stretch up to sample k. If that is too much for one stretch it is refused, and its first half is next. Values are
 // chosen, not branched on: software Vulkan computes both sides of a branch.
 fn meet(r: BodyRay, run: Run, k: f32, texel: f32) -> vec4<f32> {
+#ifdef LABEL_LOOKS
+#ifndef LABEL_RUNS
+    look_at(r.o + r.d * middle_to(r, k));
+#endif
+    far_end = integrals_at(far_texel);
+#endif
     let here = integrals_at(texel);
     let shows = shows_between(far_end, here);
     matter = matter_between(far_end, here);
@@ -93,6 +114,9 @@ fn meet(r: BodyRay, run: Run, k: f32, texel: f32) -> vec4<f32> {
     begins_at = select(ends_at, begins_at, refused);
     ends_at = select(min(k, r.within.y), ends_at, refused);
     far_end = select(here, far_end, refused);
+#ifdef LABEL_LOOKS
+    far_texel = select(texel, far_texel, refused);
+#endif
     // Two steps on if the run has as many.
     let far = select(1.0, max(1.0, min(2.0, run.end - 1.0 - k)), shows && clear < FAINT);
     next_at = select(k + select(far, 0.5, much || !whole), middle, refused);

@@ -14,19 +14,19 @@
 @group(0) @binding(6) var segment_colours: texture_2d<f32>;
 @group(0) @binding(11) var label_looks: texture_2d<f32>;
 
+// An entry of the row that is the look's, or of one behind it; nothing where the matter is none of the body's.
+fn row_at(entry: i32, behind: i32) -> vec4<f32> {
+    let row = table_row();
+#ifdef HIDES_LABELS
+    return select(textureLoad(table, vec2<i32>(entry, max(row, 0) + behind), 0), vec4<f32>(0.0), row < 0);
+#else
+    return textureLoad(table, vec2<i32>(entry, row + behind), 0);
+#endif
+}
+
 // Colour and opacity of a step for a density texel; nothing for NaN.
 fn table_at(texel: f32) -> vec4<f32> {
-    let entry = i32(clamp(table_place(texel), 0.0, TABLE_LAST));
-#ifdef ROW_A_LABEL
-    let c = textureLoad(table, vec2<i32>(entry, table_row()), 0);
-#else
-#ifdef LABEL_LOOKS
-    let row = table_row();
-    let c = select(textureLoad(table, vec2<i32>(entry, max(row, 0)), 0), vec4<f32>(0.0), row < 0);
-#else
-    let c = textureLoad(table, vec2<i32>(entry, table_row()), 0);
-#endif
-#endif
+    let c = row_at(i32(clamp(table_place(texel), 0.0, TABLE_LAST)), 0);
 #ifdef FLOAT_DENSITY
     return select(c, vec4<f32>(0.0), is_nan(texel));
 #else
@@ -45,7 +45,7 @@ const BEYOND: f32 = 1.0e6;
 fn integrals_at(texel: f32) -> vec4<f32> {
     let x = clamp(table_x(texel), -BEYOND, BEYOND);
     let entry = clamp(floor(x + 0.5), 0.0, TABLE_LAST);
-    let t = textureLoad(table, vec2<i32>(i32(entry), table_row() + 1), 0);
+    let t = row_at(i32(entry), 1);
     let off = x - entry;
     let all = vec4<f32>(x, t.x + t.z * off, t.y + t.z * off * (entry - TABLE_MIDDLE + 0.5 * off), t.z);
 #ifdef FLOAT_DENSITY
@@ -85,7 +85,7 @@ fn matter_between(a: vec4<f32>, b: vec4<f32>) -> Matter {
 
 // Colour at a place of the table.
 fn colour_of_entry(entry: f32) -> vec3<f32> {
-    return textureLoad(table, vec2<i32>(i32(clamp(entry + 0.5, 0.0, TABLE_LAST)), table_row()), 0).rgb;
+    return row_at(i32(clamp(entry + 0.5, 0.0, TABLE_LAST)), 0).rgb;
 }
 #endif
 
@@ -117,7 +117,11 @@ fn take_label(label: u32) {
 #ifdef OWN_LOOKS
     let i = min(label, meaning.last_label);
 #ifdef ROW_A_LABEL
+#ifdef REFINE
+    meaning.row = i32(meaning.label_rows + 2u * i);
+#else
     meaning.row = i32(meaning.label_rows + i);
+#endif
 #else
     let look = textureLoad(label_looks, vec2<i32>(i32(i & 255u), i32(meaning.label_rows + (i >> 8u))), 0);
     meaning.table_scale = look.x;

@@ -44,6 +44,9 @@
 #ifdef LABEL_RUNS
 #import burin::field::label_in
 #import burin::look::take_label
+#ifdef REFINE
+#import burin::dvr::middle_to
+#endif
 #endif
 
 // Where a run shows something next.
@@ -65,6 +68,17 @@ fn place_found(found: Found) -> f32 {
 #endif
 }
 
+#ifdef LABEL_RUNS
+// Where a ray is asked whose look the matter of sample k has.
+fn told_at(r: BodyRay, k: f32) -> f32 {
+#ifdef REFINE
+    return middle_to(r, k);
+#else
+    return k;
+#endif
+}
+#endif
+
 fn seek(r: BodyRay, run: Run, first: f32) -> Found {
 #ifdef REFINE
     var found = Found(first, first, 0.0, vec4<f32>(0.0));
@@ -77,7 +91,7 @@ fn seek(r: BodyRay, run: Run, first: f32) -> Found {
         if (!run.varies || found.k >= run.end) {
             break;
         }
-        take_label(label_in(run.labels, run.brick, r.o + r.d * found.k));
+        take_label(label_in(run.labels, run.brick, r.o + r.d * told_at(r, found.k)));
         found.texel = run_texel(run, found.k);
         found.colour = mode::meet(r, run, found.k, found.texel);
 #ifdef REFINE
@@ -165,7 +179,7 @@ fn march(r: BodyRay, k0: f32, k1: f32) {
             if (!run.varies || k >= run.end || mode::done()) {
                 break;
             }
-            take_label(label_in(run.labels, run.brick, r.o + r.d * k));
+            take_label(label_in(run.labels, run.brick, r.o + r.d * told_at(r, k)));
             let texel = run_texel(run, k);
             mode::add(r, run, k, texel, mode::meet(r, run, k, texel));
             k = mode::after(k);

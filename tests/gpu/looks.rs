@@ -171,13 +171,59 @@ fn looks_and_volumes_of_their_own_refine_and_others_leave_samples_as_they_are() 
         assert!(d.covered > 0.05 && d.largest <= 8.0 && d.mean <= 0.2 && d.misplaced < 0.01, "{d:?}");
         let plain = draw(&Frame { refine: false, ..view.clone() });
         assert_ne!(image.colour, plain.colour, "a look of its own refines");
-        // A surface among them, or looks that go by label: samples are steps of what lies at them.
-        let by_label = LabelLooks { default: Some(0), by_label: BTreeMap::from([(3, Some(4))]) };
-        let labels = Some(Arc::new(by_label));
-        for first in [Body { look: Some(1), ..bodies[0].clone() }, Body { labels, ..bodies[0].clone() }] {
-            view.bodies[0] = first;
-            assert_eq!(draw(&view), draw(&Frame { refine: false, ..view.clone() }));
-        }
+        // A surface among them: samples are steps of what lies at them.
+        view.bodies[0].look = Some(1);
+        assert_eq!(draw(&view), draw(&Frame { refine: false, ..view.clone() }));
+    }
+}
+
+#[test]
+fn looks_by_label_refine_wherever_labels_lie() {
+    let Some(gpu) = gpu() else { return };
+    let grid = oblique_grid([66, 44, 36]);
+    let mut stage = Stage::new(gpu, grid, lumps(grid));
+    stage.fields[3] = painted(FieldKind::Labels, &grid, |v| match v {
+        [x, ..] if x < 34 => [5, 0, 0, 0],
+        [x, y, z] => [((x / 5 + y / 4 + z / 6) % 7) as u8, 0, 0, 0],
+    });
+    let dense = Dense::of(&stage.fields(), &grid);
+    let mut view = Frame { refine: true, ..close_by(&grid, DVec3::new(-1.0, -1.0, 0.9)) };
+    let lit = Some(Lighting::default());
+    view.looks = vec![
+        look(Mode::Dvr, 1.0, [0.9, 0.2, 0.1]),
+        Look { lighting: lit, ..look(Mode::Dvr, 0.5, [0.3, 0.6, 0.6]) },
+        Look { lighting: lit, ..look(Mode::Dvr, 0.2, [0.2, 0.9, 0.5]) },
+        look(Mode::Dvr, 1.0, [0.1, 0.2, 0.9]),
+    ];
+    view.looks[3].transfer.opacity = vec![(15_000.0, 0.0), (50_000.0, 0.4)];
+    view.looks[3].transfer.colour = vec![(15_000.0, [1.0, 0.0, 0.0]), (50_000.0, [0.0, 0.5, 1.0])];
+    let labels = |default, rows: &[(u16, Option<usize>)]| {
+        Some(Arc::new(LabelLooks { default, by_label: rows.iter().copied().collect() }))
+    };
+    for (what, labels) in [
+        ("a look a label", labels(Some(1), &[(1, Some(0)), (3, None), (4, Some(2))])),
+        ("few of many numbers", labels(Some(1), &[(1, Some(0)), (3, None), (900, Some(2))])),
+        ("looks of other values", labels(Some(0), &[(1, Some(3)), (2, None), (5, Some(3))])),
+        ("a set as a mask", labels(None, &[(5, Some(1)), (6, Some(1))])),
+    ] {
+        view.bodies = vec![Body { labels, ..Body::whole(0) }];
+        let image = stage.image(&view);
+        let d = difference(&image, &picture(&dense, &view), view.step_mm);
+        println!("{what}: {d:?}");
+        assert!(d.covered > 0.1 && d.mean <= 0.2 && d.beyond_one < 0.02 && d.misplaced < 0.02, "{what}: {d:?}");
+        let d = difference(&stage.image_apart(&view), &picture(&dense, &view), view.step_mm);
+        println!("{what}, apart: {d:?}");
+        // A brick's first stretch asks the brick for its label, that ends in it.
+        assert!(d.mean <= 0.3 && d.beyond_one < 0.05 && d.misplaced < 0.03, "{what}, apart: {d:?}");
+        let plain = stage.image(&Frame { refine: false, ..view.clone() });
+        assert_ne!(image.colour, plain.colour, "{what}");
+        stage.caster.shortcuts = false;
+        let every = stage.image(&view);
+        stage.caster.shortcuts = true;
+        let far = |(a, b): &(&[f32; 4], &[f32; 4])| (0..4).any(|i| (a[i] - b[i]).abs() > 1.0 / 255.0);
+        let others = image.colour.iter().zip(&every.colour).filter(far).count();
+        println!("{what}: {others} pixels are others where nothing is skipped");
+        assert!(others * 200 <= image.colour.len(), "{what}: skipping changes {others} pixels");
     }
 }
 

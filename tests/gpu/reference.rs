@@ -166,7 +166,7 @@ impl Met<'_> {
     }
 
     /// The look of the matter at a place; `None` where the place is not the body's.
-    fn look(&self, p: DVec3) -> Option<LookRef<'_>> {
+    pub(super) fn look(&self, p: DVec3) -> Option<LookRef<'_>> {
         match &self.body.labels {
             Some(labels) => labels.row(self.dense.label(p)).map(|row| self.frame.look(Some(row))),
             None => Some(self.frame.look(self.body.look)),
@@ -488,12 +488,7 @@ fn pixel_among(dense: &Dense, frame: &Frame, layers: &Boxes, px: DVec2) -> Pixel
     let one = looks.windows(2).all(|pair| pair[0] == pair[1]) && frame.volumes().len() < 2;
     let all = |of: fn(Mode) -> bool| looks.iter().all(|look| of(look.mode));
     let front = if all(|mode| mode == Mode::Dvr) {
-        // Looks by label do not refine.
-        if frame.refine && frame.bodies.iter().all(|b| b.labels.is_none()) {
-            refined(frame, met, &ray)
-        } else {
-            dvr(frame, &met, Vec::new(), &ray)
-        }
+        if frame.refine { refined(frame, met, &ray) } else { dvr(frame, &met, Vec::new(), &ray) }
     } else if all(|mode| matches!(mode, Mode::Iso(_))) && looks.iter().all(|look| look.opacity == 1.0) {
         iso(frame, &met, &ray)
     } else if one && all(|mode| mode == Mode::Mip) {

@@ -4,7 +4,7 @@
 //! leaves; halved where a step of its matter would add more than 1/40; of two steps where less than 1/16 comes through. In it
 //! density goes evenly from end to end. Its extinction is the mean of the transfer function's over it, its colour that of the
 //! density in the middle of its extinction, its light the mean over as far as that middle is from the nearer end, with the
-//! gradient going evenly too.
+//! gradient going evenly too. Where looks go by label all of it has that of the voxel in its middle.
 
 use super::reference::{Met, NOTHING, Pixel, painted, weight};
 use burin::gpu::{Frame, LookRef};
@@ -49,7 +49,7 @@ pub(super) fn refined(frame: &Frame, mut met: Vec<Met<'_>>, ray: &Ray) -> Pixel 
     let mut pixel = NOTHING;
     let mut clear = 1.0;
     for m in &met {
-        let (dense, look) = (m.dense, frame.look(m.body.look));
+        let dense = m.dense;
         let gradient = |t: f64| {
             let g = dense.gradient(|p| dense.density(p), m.at(t));
             m.body.pose.rotation * (m.index_from_world.transpose() * g)
@@ -61,14 +61,16 @@ pub(super) fn refined(frame: &Frame, mut met: Vec<Met<'_>>, ray: &Ray) -> Pixel 
         while begin < exit && clear >= 1.0 / 256.0 {
             let end = k.min(exit);
             let (s0, s1) = (dense.density(m.at(begin * step)), dense.density(m.at(end * step)));
-            let (mean, share) = if s0.is_nan() || s1.is_nan() { (0.0, 0.5) } else { between(look, step, s0, s1) };
+            let number = !(s0.is_nan() || s1.is_nan());
+            let look = m.look(m.at((begin + end) / 2.0 * step)).filter(|_| number);
+            let (mean, share) = look.map_or((0.0, 0.5), |look| between(look, step, s0, s1));
             let much = clear * mean.min(1.0) > 1.0 / 40.0;
             let whole = k.fract() == 0.0;
             if much && whole && k - 0.5 > begin && k - 0.5 < exit {
                 k -= 0.5;
                 continue;
             }
-            if mean > 0.0 {
+            if let Some(look) = look.filter(|_| mean > 0.0) {
                 let p = m.at((begin + share * (end - begin)) * step);
                 let own = mean * (end - begin) * weight(m.body.mask, dense.selection(p));
                 let value = s0 + (s1 - s0) * share;

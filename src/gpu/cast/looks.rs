@@ -56,7 +56,7 @@ pub(crate) struct Looks {
     /// Whether any body's looks go by label.
     pub(crate) by_label: bool,
     pub(crate) lit: bool,
-    /// Whether samples stand for stretches: in pictures of direct volume rendering alone in which no look goes by label.
+    /// Whether samples stand for stretches: in pictures of direct volume rendering alone.
     pub(crate) refines: bool,
     /// Whether every label has a row of its own in the table, so that shaders need not look up which: in direct volume rendering, where
     /// texels mean the same to all labels' looks and most labels have one.
@@ -81,6 +81,10 @@ fn last_label(labels: &LabelLooks) -> u32 {
 fn are_alike(labels: &LabelLooks, frame: &Frame) -> bool {
     let domains: Vec<_> = labels.rows().into_iter().map(|row| frame.look(Some(row)).transfer.domain()).collect();
     domains.windows(2).all(|pair| pair[0] == pair[1])
+}
+
+fn rows_each(refines: bool) -> usize {
+    if refines { 2 } else { 1 }
 }
 
 fn rows_of(segments: &Segments) -> u32 {
@@ -127,6 +131,8 @@ impl Looks {
             segments.insert(volume, segment_rows);
             segment_rows += rows_of(&frame.overlay_of(volume).segments);
         }
+        let refines = frame.refine && kind == Kind::Dvr;
+        let rows_each = rows_each(refines);
         let mut rows: Vec<Row> = rows.into_iter().map(Row::Look).collect();
         let of_labels: usize = tables.iter().map(|(labels, _)| last_label(labels) as usize + 1).sum();
         let row_a_label = kind == Kind::Dvr
@@ -137,7 +143,7 @@ impl Looks {
         for (labels, _) in &tables {
             let last = last_label(labels);
             if row_a_label {
-                firsts.push((rows.len() as u32, last));
+                firsts.push(((rows.len() * rows_each) as u32, last));
                 let row = |label| labels.row(label as u16).map_or(Row::Nothing, |row| Row::Look(Some(row)));
                 rows.extend((0..=last).map(row));
             } else {
@@ -149,7 +155,7 @@ impl Looks {
             kind,
             own: own || kind == Kind::Modes,
             by_label: !tables.is_empty(),
-            refines: frame.refine && kind == Kind::Dvr && tables.is_empty(),
+            refines,
             lit,
             row_a_label,
             rows,
@@ -162,7 +168,7 @@ impl Looks {
 
     /// Rows of a look in the table: its own, and that of its integrals where the picture refines.
     pub(crate) fn rows_each(&self) -> usize {
-        if self.refines { 2 } else { 1 }
+        rows_each(self.refines)
     }
 
     /// The first row of a look in the table.

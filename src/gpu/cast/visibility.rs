@@ -98,6 +98,7 @@ impl Caster {
             ("OWN_LOOKS", looks.own),
             ("LABEL_LOOKS", looks.by_label),
             ("ROW_A_LABEL", looks.row_a_label),
+            ("HIDES_LABELS", looks.by_label && !looks.row_a_label),
             ("LABEL_RUNS", looks.by_label && !pools.has_labels_in_place()),
         ];
         names.extend(own.iter().filter(|n| n.1).map(|n| n.0));
