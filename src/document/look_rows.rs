@@ -125,6 +125,7 @@ impl<'a> LookRows<'a> {
             Mask::None | Mask::Background => own.parts.get(&PartId(body.id)),
         };
         let look = change.map_or(subject.look(), |change| change.over(subject.look()));
+        let body = Body { own_colours: change.is_some_and(|change| change.transfer.is_some()), ..body };
         let by_label = own.segments.contains_key(&subject.id) || own.only.contains_key(&subject.id);
         if !by_label || subject.labels.is_blank() {
             let shown = own.shows_label(subject.id, 0);

@@ -251,4 +251,24 @@ fn what_is_labelled_has_its_segments_colour_in_3d_or_the_colours_of_its_look_and
     near(colours(&mut document), [own, [0.9, 0.1, 0.1], mixed(0.75, 1.0)], "the colours of its look are its own");
     say(&mut document, json!({"segment": {"set": {"id": 2, "look": {"opacity": 1, "shaded": false}, "volume": 0}}}));
     near(colours(&mut document), [own, [0.9, 0.1, 0.1], mixed(0.75, 1.0)], "a look without colours has its segment's");
+    // What parts and selections have for themselves shows too, before any segment's colour and the selection's, but for colours that
+    // a segment has for itself.
+    let one = |colour: [f32; 3]| json!({"colour": [[0, colour]], "opacity": [[20, 0], [60, 1]], "unit_mm": 0.1});
+    let (green, blue) = ([0.1, 0.8, 0.3], [0.2, 0.3, 1.0]);
+    say(&mut document, json!({"part": {"set": {"id": 1, "look": {"transfer": one(green)}}}}));
+    near(colours(&mut document), [green, [0.9, 0.1, 0.1], mixed(0.75, 1.0)], "the colours of a part's look");
+    say(&mut document, json!({"segment": {"set": {"id": 2, "look": "inherit", "volume": 1}}}));
+    near(colours(&mut document), [green, green, mixed(0.75, 1.0)], "of all its matter");
+    say(&mut document, json!({"view": {"layer": {"field": "selection", "opacity": 0.5}}}));
+    say(&mut document, json!({"selection": {"from_label": {"label": 2, "volume": 0}}}));
+    let tinted: [f32; 3] = std::array::from_fn(|i| own[i] * 0.5 + burin::document::SELECTION_COLOUR[i] * 0.5);
+    let found = colours(&mut document);
+    assert!(found[1].iter().zip(green).all(|(a, b)| (a - b).abs() < 0.011), "a part: {found:?}");
+    assert!(
+        found[0].iter().zip(tinted).all(|(a, b)| (a - b).abs() < 0.011),
+        "the selection, without a look: {found:?}"
+    );
+    say(&mut document, json!({"selection": {"set": {"volume": 0, "look": {"transfer": one(blue)}}}}));
+    let found = colours(&mut document);
+    assert!(found[0].iter().zip(blue).all(|(a, b)| (a - b).abs() < 0.011), "the colours of its look: {found:?}");
 }

@@ -251,10 +251,12 @@ pub(super) fn painted(dense: &Dense, frame: &Frame, body: &Body, rgb: [f32; 3], 
     let overlay = frame.overlay_of(body.volume);
     c = over(c, [paint[0], paint[1], paint[2]], paint[3] * f64::from(overlay.colour));
     if let Some(s) = overlay.segments.get(dense.label(p)).filter(|s| s.visible) {
-        c = over(c, s.colour.map(f64::from), f64::from(overlay.labels));
+        c = over(c, s.colour.map(f64::from), if body.own_colours { 0.0 } else { f64::from(overlay.labels) });
     }
     let tint = overlay.selection_colour.map(f64::from);
-    c = over(c, tint, dense.selection(p) * f64::from(overlay.selection));
+    if !(body.own_colours && body.mask == Mask::Selection) {
+        c = over(c, tint, dense.selection(p) * f64::from(overlay.selection));
+    }
     let own = body.tint.unwrap_or([1.0; 3]);
     std::array::from_fn(|i| c[i] * f64::from(own[i]))
 }

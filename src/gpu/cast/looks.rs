@@ -115,7 +115,7 @@ impl Looks {
         let looks: Vec<LookRef<'_>> = rows.iter().map(|&row| frame.look(row)).collect();
         let one = looks.windows(2).all(|pair| pair[0] == pair[1]) && tables.is_empty();
         let volumes = frame.volumes();
-        let own = !one || volumes.len() > 1;
+        let own = !one || volumes.len() > 1 || drawn.iter().any(|d| d.own_colours);
         let all = |mode: u32| looks.iter().all(|look| number_of(look.mode) == mode);
         let opaque = looks.iter().all(|look| look.opacity >= 1.0);
         let kind = match () {

@@ -12,7 +12,7 @@ use crate::gpu::fields::pools::FieldPools;
 use crate::gpu::fields::visible_values::VisibleValues;
 use crate::gpu::fields::volumes::Fields;
 use crate::gpu::layers::MESH_CODE;
-use crate::gpu::picture::frame::{Body, Frame, LabelLooks, Mask};
+use crate::gpu::picture::frame::{Body, Frame, LabelLooks, Mask, Overlay};
 use crate::gpu::picture::image::Image;
 use crate::gpu::picture::object_id::ObjectId;
 use crate::math::{Aabb, DVec2, DVec3, Plane, Pose, nearest_region, outside_by};
@@ -34,6 +34,7 @@ pub(crate) struct MergedBody {
     /// Row of the frame's looks.
     pub look: Option<usize>,
     pub labels: Option<Arc<LabelLooks>>,
+    pub own_colours: bool,
     pub tint: Option<[f32; 3]>,
     /// In world mm: what clips this body too.
     pub clips: Vec<Plane>,
@@ -54,6 +55,16 @@ impl MergedBody {
             None => Showing::One(values(self.look)),
         };
         Matter { volume: self.volume, values, mask: self.mask }
+    }
+
+    /// Opacities of painted colour, segments and selection over it.
+    pub(crate) fn overlay(&self, frame: &Frame) -> [f32; 3] {
+        let Overlay { colour, labels, selection, .. } = *frame.overlay_of(self.volume);
+        match (self.own_colours, self.mask) {
+            (true, Mask::Selection) => [colour, 0.0, 0.0],
+            (true, _) => [colour, 0.0, selection],
+            (false, _) => [colour, labels, selection],
+        }
     }
 
     /// The body that a point of the world on it belongs to.
@@ -142,6 +153,7 @@ pub(crate) fn unite(
             mask,
             look,
             labels,
+            own_colours: body.own_colours,
             tint,
             clips: Vec::new(),
             bounds,
@@ -170,7 +182,7 @@ fn unite_regions(single: Vec<MergedBody>, blocks: &BTreeMap<VolumeId, Block>) ->
         let same = |g: &&mut Vec<MergedBody>| {
             let g = &g[0];
             (g.volume, g.mask, g.tint) == (drawn.volume, drawn.mask, drawn.tint)
-                && (g.look, &g.labels) == (drawn.look, &drawn.labels)
+                && (g.look, &g.labels, g.own_colours) == (drawn.look, &drawn.labels, drawn.own_colours)
                 && g.pose == drawn.pose
                 && g.bounds == drawn.bounds
         };
@@ -210,7 +222,7 @@ fn unite_matter(mut list: Vec<MergedBody>) -> Vec<MergedBody> {
             list.iter().position(|d| {
                 d.mask == Mask::Background
                     && d.volume == list[at].volume
-                    && (d.look, &d.labels) == (list[at].look, &list[at].labels)
+                    && (d.look, &d.labels, d.own_colours) == (list[at].look, &list[at].labels, list[at].own_colours)
                     && d.pose == list[at].pose
                     && d.tint == list[at].tint
                     && d.planes == list[at].planes

@@ -197,7 +197,7 @@ impl FrameUniforms {
                 table_bias,
                 iso,
                 row: if d.labels.is_some() { -1 } else { looks.row_of(d.look) },
-                overlay: [overlay.colour, overlay.labels, overlay.selection],
+                overlay: d.overlay(frame),
                 segments_row: looks.segments_of(d.volume),
                 mode: number_of(look.mode),
                 label_rows,

@@ -38,6 +38,8 @@ pub struct Body {
     pub look: Option<usize>,
     /// Looks by label, in place of `look`: what has none is not the body's. All of them have one kind of mode.
     pub labels: Option<Arc<LabelLooks>>,
+    /// Whether it has colours for itself: then those of segments do not lie over them, nor over the selection that of selections.
+    pub own_colours: bool,
     /// Display-referred; multiplies colour.
     pub tint: Option<[f32; 3]>,
 }
@@ -53,6 +55,7 @@ impl Body {
             mask: Mask::None,
             look: None,
             labels: None,
+            own_colours: false,
             tint: None,
         }
     }
