@@ -39,7 +39,7 @@ fn unnamed(root: &Path) -> Vec<PathBuf> {
 
 #[test]
 fn every_file_is_a_module_that_somebody_names() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = crate::common::root();
     for folder in ["src", "tests", "benches/operations"] {
         assert_eq!(
             unnamed(&root.join(folder)),
