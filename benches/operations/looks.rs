@@ -63,14 +63,15 @@ pub fn labels(report: &mut Report) -> Result<(), Failure> {
         Ok((volume, pools, Caster::new(&gpu)?))
     });
     let [Ok(none), Ok(one), Ok(many)] = &mut stages else { return Err("a stage could not be made".into()) };
-    for (words, mode, light) in [
-        ("unshaded", Mode::Dvr, None),
-        ("shaded", Mode::Dvr, Some(Lighting::default())),
-        ("iso-surface at 60", Mode::Iso(60.0), Some(Lighting::default())),
+    for (words, mode, light, refine) in [
+        ("unshaded", Mode::Dvr, None, false),
+        ("shaded", Mode::Dvr, Some(Lighting::default()), false),
+        ("shaded and refined", Mode::Dvr, Some(Lighting::default()), true),
+        ("iso-surface at 60", Mode::Iso(60.0), Some(Lighting::default()), false),
     ] {
         let make = |i: usize, count: u32| {
             let plain = frame(camera(CENTRE, 480.0, i), mode, light.is_some(), vec![Body::whole(0)]);
-            dressed(plain, count)
+            dressed(Frame { refine, ..plain }, count)
         };
         let [none, one, many]: [Time; 3] = measure_by_turns(2, 11, |which, i| -> Result<(), Failure> {
             let (volume, pools, caster) = match which {
