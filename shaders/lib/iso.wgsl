@@ -1,6 +1,8 @@
 #define_import_path burin::iso
 // The surface at a density: the nearest hit of any body, refined by bisection, cut faces capped with the plane's normal.
 //
+// ONE_SURFACE: looks go by label, and all labels' surfaces are at one density: labels tell its colour alone.
+//
 // Bodies may overlap: each ends the others' search at its own hit. A mask divides matter at ½; where it, and not the density,
 // makes the surface, the selection's gradient is the normal.
 
@@ -42,14 +44,23 @@ fn owns(mask: u32, s: f32) -> bool {
     return mask == 0u || (s >= 0.5) == (mask == MASK_SELECTION);
 }
 
+// Whether a texel at a place lies at or beyond the surface of the matter there.
+fn lies_beyond(p: vec3<f32>, texel: f32) -> bool {
+#ifdef ONE_SURFACE
+    return may_reach(texel);
+#else
+    look_at(p);
+    return reaches(texel);
+#endif
+}
+
 fn dense(p: vec3<f32>) -> bool {
     let page = density_page(brick_of(p));
-    return reaches(density_texel(page, address(page, p)));
+    return lies_beyond(p, density_texel(page, address(page, p)));
 }
 
 fn holds(r: BodyRay, k: f32) -> bool {
     let p = r.o + r.d * k;
-    look_at(p);
     return dense(p) && owns(r.mask, selected(p));
 }
 
@@ -88,8 +99,7 @@ fn meet(r: BodyRay, run: Run, k: f32, texel: f32) -> vec4<f32> {
 
 fn add(r: BodyRay, run: Run, k: f32, texel: f32, c: vec4<f32>) {
 #ifdef LABEL_LOOKS
-    look_at(r.o + r.d * k);
-    if (!reaches(texel)) {
+    if (!lies_beyond(r.o + r.d * k, texel)) {
         return;
     }
 #endif

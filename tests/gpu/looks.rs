@@ -250,6 +250,7 @@ fn looks_by_label_are_the_references_and_hidden_labels_are_skipped() {
     view.looks.extend([thin([0.1, 0.2, 0.9]), thin([0.9, 0.9, 0.9]), look(Mode::Dvr, 1.0, [0.2, 0.9, 0.4])]);
     view.looks[9].transfer.opacity = vec![(15_000.0, 0.0), (50_000.0, 0.4)];
     view.looks[9].transfer.colour = vec![(15_000.0, [1.0, 0.0, 0.0]), (50_000.0, [0.0, 0.5, 1.0])];
+    view.looks.push(Look { lighting: Some(Lighting::default()), ..look(Mode::Iso(20_000.0), 1.0, [0.1, 0.9, 0.9]) });
     let labels = |default, rows: &[(u16, Option<usize>)]| {
         Some(Arc::new(LabelLooks { default, by_label: rows.iter().copied().collect() }))
     };
@@ -262,6 +263,7 @@ fn looks_by_label_are_the_references_and_hidden_labels_are_skipped() {
         ),
         ("looks of other values", labels(Some(0), &[(1, Some(9)), (3, None), (5, Some(9))])),
         ("surfaces", labels(None, &[(1, Some(1)), (3, Some(5)), (5, Some(1))])),
+        ("one surface in two colours", labels(Some(5), &[(1, Some(10)), (4, Some(10))])),
         ("thin surfaces", labels(Some(3), &[(5, None), (0, None)])),
         ("maxima", labels(Some(2), &[(1, None), (4, Some(6)), (900, None)])),
     ];

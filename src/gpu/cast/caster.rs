@@ -283,6 +283,7 @@ impl Caster {
             ("OWN_LOOKS", looks.own),
             ("LABEL_LOOKS", looks.by_label),
             ("ROW_A_LABEL", looks.row_a_label),
+            ("ONE_SURFACE", looks.one_surface),
             ("HIDES_LABELS", looks.by_label && !looks.row_a_label),
             // A surface asks for labels only where it may be.
             ("LABEL_RUNS", looks.by_label && !iso && !pools.has_labels_in_place()),

@@ -61,6 +61,8 @@ pub(crate) struct Looks {
     /// Whether every label has a row of its own in the table, so that shaders need not look up which: in direct volume rendering, where
     /// texels mean the same to all labels' looks and most labels have one.
     pub(crate) row_a_label: bool,
+    /// Whether labels' looks have their surfaces at one density, and every label one.
+    pub(crate) one_surface: bool,
     /// What is in the table.
     pub(crate) rows: Vec<Row>,
     /// Tables of labels with the volumes that their numbers are of.
@@ -81,6 +83,13 @@ fn last_label(labels: &LabelLooks) -> u32 {
 fn are_alike(labels: &LabelLooks, frame: &Frame) -> bool {
     let domains: Vec<_> = labels.rows().into_iter().map(|row| frame.look(Some(row)).transfer.domain()).collect();
     domains.windows(2).all(|pair| pair[0] == pair[1])
+}
+
+/// Whether every label of a table has a surface, all at one density.
+fn have_one_surface(labels: &LabelLooks, frame: &Frame) -> bool {
+    let shown = labels.by_label.values().chain([&labels.default]).all(Option::is_some);
+    let modes: Vec<_> = labels.rows().into_iter().map(|row| frame.look(Some(row)).mode).collect();
+    shown && modes.windows(2).all(|pair| pair[0] == pair[1])
 }
 
 fn rows_each(refines: bool) -> usize {
@@ -158,6 +167,9 @@ impl Looks {
             refines,
             lit,
             row_a_label,
+            one_surface: kind == Kind::Iso
+                && !tables.is_empty()
+                && tables.iter().all(|(labels, _)| have_one_surface(labels, frame)),
             rows,
             tables,
             firsts,
