@@ -40,6 +40,8 @@ fn assert_is_the_ball(document: &mut Document) {
     let scene = ask(document, json!({"scene": {}}))["scene"].take();
     assert_eq!((&scene["look"]["step_voxels"], &scene["look"]["mode"]), (&json!(0.75), &json!("dvr")));
     assert_eq!(scene["look"]["refine"], false, "its pictures stay those that were seen");
+    let layer = document.state().unwrap().scene.layer(burin::volume::FieldKind::Labels);
+    assert_eq!((layer.in_slices(), layer.in_3d()), (0.5, 0.5), "segments too");
     assert_eq!((&scene["window"]["level"], &scene["window"]["width"]), (&json!(300.0), &json!(900.0)));
     assert_eq!((&scene["segments"][0]["locked"], &scene["segments"][1]["locked"]), (&json!(true), &json!(false)));
     assert_eq!(scene["explosion"]["degree"], json!(0.6));

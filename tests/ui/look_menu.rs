@@ -269,3 +269,18 @@ fn the_brush_says_that_what_it_paints_is_hidden() {
     window.click("Show volume small");
     assert!(has(&window, hidden));
 }
+
+#[test]
+fn menus_of_what_every_volume_may_have_say_of_which_volume_it_is() {
+    for (button, title) in
+        [("Look of Segment 1", "Look in 3D: Segment 1"), ("Look of the selection", "Look in 3D: the selection")]
+    {
+        let mut window = opened(button);
+        assert!(has(&window, title), "{title}");
+        window.key(egui::Modifiers::NONE, egui::Key::Escape);
+        two_volumes(&mut window);
+        window.click(button);
+        window.harness.run_steps(2);
+        assert!(has(&window, &format!("{title} of small")), "{title}");
+    }
+}

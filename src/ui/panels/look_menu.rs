@@ -68,7 +68,9 @@ impl App {
         controls_under(&response, |ui| {
             ui.set_width(LABEL + GAP + CONTROLS);
             let width = ui.available_width();
-            line(ui, &format!("Look in 3D: {called}"), width, theme::TEXT);
+            let whose = self.scene.as_ref().and_then(|scene| of.within(scene));
+            let whose = whose.map_or_else(String::new, |volume| format!(" of {volume}"));
+            line(ui, &format!("Look in 3D: {called}{whose}"), width, theme::TEXT);
             self.look_rows(ui, of, own);
         });
     }

@@ -132,7 +132,8 @@ impl App {
             whose_line(ui, scene, "Function");
             return;
         };
-        let text = format!("Own function of {}", of.called(scene).unwrap_or_default());
+        let whose = of.within(scene).map_or_else(String::new, |volume| format!(" of {volume}"));
+        let text = format!("Own function of {}{whose}", of.called(scene).unwrap_or_default());
         ui.horizontal(|ui| {
             let width = ui.available_width() - ROW - GAP;
             line(ui, &text, width, theme::ACCENT);

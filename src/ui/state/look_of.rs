@@ -88,6 +88,16 @@ impl LookOf {
         }
     }
 
+    /// The volume that it is of, where that is a question.
+    pub(crate) fn within(self, scene: &Scene) -> Option<String> {
+        match self {
+            Self::Volume(_) | Self::Part(_) => None,
+            Self::Selection(id) | Self::Segment(id, _) => {
+                volume_name(&scene.volumes, id).filter(|_| scene.volumes.all.len() > 1)
+            }
+        }
+    }
+
     /// The command that gives it this.
     pub(crate) fn set(self, scene: &Scene, look: LookSetting) -> Command {
         let named = |id: VolumeId| (id != scene.volumes.active).then_some(id);
