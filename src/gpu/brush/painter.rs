@@ -4,7 +4,6 @@
 //! again after a loss of the device. The pools' slots show it in the same frame; the host's fields stay as they are until
 //! [`Painter::finish`]. Sees to it that the volumes of a stroke get its dabs together or not at all. Knows no history.
 
-use crate::gpu::brush::live_cells;
 use crate::gpu::brush::stroke::Stroke;
 use crate::gpu::brush::tools::{Tools, of};
 use crate::gpu::device::error::GpuError;
@@ -12,7 +11,7 @@ use crate::gpu::device::gpu::Gpu;
 use crate::gpu::fields::pools::FieldPools;
 use crate::gpu::fields::volumes::Fields;
 use crate::paint::{Brush, Dab, Reach, VoxelSet};
-use crate::volume::{Brick, BrickIndex, BrickKey, FieldKey, LiveCells, Refresh, Segments, VolumeId};
+use crate::volume::{Brick, BrickIndex, BrickKey, FieldKey, FieldKind, LiveCells, Refresh, Segments, VolumeId};
 use std::collections::BTreeMap;
 
 /// Paints strokes, one at a time. Long-lived: it keeps pipelines and some buffers.
@@ -75,8 +74,8 @@ impl Painter {
         let gpu = &self.tools.gpu;
         let mut aside = Vec::new();
         let mut begun = Ok(());
-        // What a picture shows, and where, hangs on density and selection alone.
-        for stroke in self.strokes.values_mut().filter(|s| live_cells::matters(s.kind())) {
+        // Where a picture shows something does not hang on colour; on labels it does where looks go by them.
+        for stroke in self.strokes.values_mut().filter(|s| s.kind() != FieldKind::Colour) {
             let bricks: Vec<_> = stroke.touched().into_iter().filter(|&brick| under(stroke.volume, brick)).collect();
             if begun.is_ok() && !bricks.is_empty() {
                 begun = stroke.show_start(gpu, pools, &bricks);
