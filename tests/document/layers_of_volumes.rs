@@ -154,11 +154,11 @@ fn segments_have_a_strength_of_their_own_in_3d_which_walks_with_the_past_of_look
         [layer.in_slices(), layer.in_3d()]
     };
     let both = |document: &Document| [shown(document, 0), shown(document, 1)];
-    assert_eq!(both(&document), [[0.5, 1.0]; 2]);
+    assert_eq!(both(&document), [[0.5; 2]; 2]);
     layer(&mut document, json!({"field": "labels", "visible": false}));
     assert_eq!(both(&document), [[0.0; 2]; 2]);
     layer(&mut document, json!({"field": "labels", "visible": true}));
-    assert_eq!(both(&document), [[0.5, 1.0]; 2]);
+    assert_eq!(both(&document), [[0.5; 2]; 2]);
     // Who names one strength means it everywhere, as it always was.
     let answer = layer(&mut document, json!({"field": "labels", "opacity": 0.25}));
     assert_eq!(answer["layers"][3], json!({"field": "labels", "visible": true, "opacity": 0.25}));
@@ -240,7 +240,7 @@ fn what_is_labelled_has_its_segments_colour_in_3d_or_the_colours_of_its_look_and
     let own = [0.2, 0.4, 0.8];
     let mixed = |strength: f32, under: f32| own.map(|c| under + (c - under) * strength);
     // 80 to 84 are white in slices.
-    near(colours(&mut document), [own, own, mixed(0.5, 1.0)], "as it begins");
+    near(colours(&mut document), [mixed(0.5, 1.0); 3], "as it begins");
     layer(&mut document, json!({"field": "labels", "opacity_3d": 0.25}));
     near(colours(&mut document), [mixed(0.25, 1.0), mixed(0.25, 1.0), mixed(0.5, 1.0)], "in 3D alone");
     layer(&mut document, json!({"field": "labels", "opacity": 0.75}));

@@ -74,7 +74,7 @@ fn fields(state: &State) -> Fields<'_> {
 fn wanted(state: &State, bodies: Vec<Body>, looks: Vec<Look>) -> Frame {
     let overlay = |id: u32| Overlay {
         colour: 1.0,
-        labels: if state.scene.layer(FieldKind::Labels).visible { 1.0 } else { 0.0 },
+        labels: if state.scene.layer(FieldKind::Labels).visible { 0.5 } else { 0.0 },
         selection: 0.5,
         selection_colour: SELECTION_COLOUR,
         segments: state.scene.volumes.all[&VolumeId(id)].segments.clone(),

@@ -346,10 +346,8 @@ fn segments_have_a_strength_in_slices_and_one_in_3d() {
     let said = layer(&window.click("Show layer Segments"));
     assert_eq!((&said["visible"], &said["opacity"]), (&json!(false), &json!(0.25)));
     assert!(said["opacity_3d"].is_number());
-    // A project of before has one for both.
+    // Until that of 3D is said it is one for both.
     let mut window = Window::open(SMALL);
-    window.scene.layers.iter_mut().for_each(|layer| layer.opacity_3d = None);
-    window.snapshot(|_| {});
     let said = layer(&enter(&mut window, slices, "25"));
     assert_eq!((&said["opacity"], said.get("opacity_3d")), (&json!(0.25), None), "both follow");
 }

@@ -68,15 +68,13 @@ pub(crate) fn brush_for(grid: &Grid) -> Brush {
 }
 
 impl Layer {
-    /// As a field is shown until somebody says otherwise: segments let the grey values of slices through, and have their own colours
-    /// in 3D, where nothing lies behind them.
+    /// As a field is shown until somebody says otherwise.
     pub fn new(field: FieldKind) -> Self {
-        let (opacity, opacity_3d) = match field {
-            FieldKind::Density | FieldKind::Colour => (1.0, None),
-            FieldKind::Selection => (0.5, None),
-            FieldKind::Labels => (0.5, Some(1.0)),
+        let opacity = match field {
+            FieldKind::Density | FieldKind::Colour => 1.0,
+            FieldKind::Selection | FieldKind::Labels => 0.5,
         };
-        Self { field, visible: true, opacity, opacity_3d }
+        Self { field, visible: true, opacity, opacity_3d: None }
     }
 
     /// How strongly it shows in slices, 0..1.
