@@ -46,6 +46,10 @@
 #import burin::look::take_label
 #ifdef REFINE
 #import burin::dvr::middle_to
+#ifdef MODES
+#import burin::constants::MODE_DVR
+#import burin::body::body_mode
+#endif
 #endif
 #endif
 
@@ -72,7 +76,11 @@ fn place_found(found: Found) -> f32 {
 // Where a ray is asked whose look the matter of sample k has.
 fn told_at(r: BodyRay, k: f32) -> f32 {
 #ifdef REFINE
+#ifdef MODES
+    return select(k, middle_to(r, k), body_mode() == MODE_DVR);
+#else
     return middle_to(r, k);
+#endif
 #else
     return k;
 #endif

@@ -97,6 +97,26 @@ struct Event {
 // Events that lie no farther apart come in the order of their bodies.
 const TOGETHER: f32 = 0.001;
 
+// The sample at which those of an interval end that come before an event. Stretches end at the event; what is left of the one that it
+// lies in begins at it.
+fn end_before(event_at: f32, k1: f32, within: vec2<f32>) -> f32 {
+#ifdef REFINE
+    let end = select(0.0, ceil(event_at) + 1.0, within.x < event_at);
+    return select(k1, min(k1, end), event_at < within.y);
+#else
+    return min(k1, ceil(event_at));
+#endif
+}
+
+// What of an interval lies before an event, as far as samples stand for stretches.
+fn up_to(event_at: f32, within: vec2<f32>) -> vec2<f32> {
+#ifdef REFINE
+    return vec2<f32>(within.x, min(within.y, event_at));
+#else
+    return within;
+#endif
+}
+
 // Looks for the surface or the maximum of a body on an interval of its ray.
 fn search(whole: BodyRay, within: vec2<f32>) {
     var r = whole;
@@ -186,19 +206,6 @@ fn march_merged(listed: Listed, ray: Ray) {
 #endif
     }
     loop {
-        var first = FAR;
-        var second = FAR;
-        var nearest = 0u;
-        for (var j = 0u; j < n; j += 1u) {
-            let at = select(FAR, ahead[j], ahead[j] < k1[j]);
-            if (at < first) {
-                second = first;
-                first = at;
-                nearest = j;
-            } else {
-                second = min(second, at);
-            }
-        }
 #ifdef MODES
         var next = CAPACITY;
         var next_at = FAR;
@@ -210,17 +217,51 @@ fn march_merged(listed: Listed, ray: Ray) {
                 next_at = at;
             }
         }
+#endif
+        var first = FAR;
+        var second = FAR;
+        var nearest = 0u;
+        for (var j = 0u; j < n; j += 1u) {
+#ifdef MODES
+            let end = end_before(next_at, k1[j], within[j]);
+#else
+            let end = k1[j];
+#endif
+            let at = select(FAR, ahead[j], ahead[j] < end);
+            if (at < first) {
+                second = first;
+                first = at;
+                nearest = j;
+            } else {
+                second = min(second, at);
+            }
+        }
+#ifdef MODES
         if (clouded()) {
             break;
         }
-        if (next_at <= first && next_at < FAR) {
+        if (first == FAR && next_at < FAR) {
             turn_to(event_body[next]);
             compose(events[next].colour, events[next].shown_at);
             events[next].at = FAR;
+#ifdef REFINE
+            for (var j = 0u; j < n; j += 1u) {
+                if (within[j].x < next_at && next_at < within[j].y) {
+                    within[j].x = next_at;
+                    inside_at[j] = false;
+                    ahead[j] = next_sample(ray_within(who[j], ray, within[j]), max(ceil(next_at), view.k_from), k1[j]);
+                }
+            }
+#endif
             continue;
         }
         // Samples before it come first.
-        second = min(second, ceil(next_at));
+#ifdef REFINE
+        let until = ceil(next_at) + 1.0;
+#else
+        let until = ceil(next_at);
+#endif
+        second = min(second, until);
 #endif
         if (first == FAR || clouded()) {
             break;
@@ -228,23 +269,34 @@ fn march_merged(listed: Listed, ray: Ray) {
         var reached = min(second, k1[nearest]);
         if (second - first >= ALONE) {
             turn_to(who[nearest]);
+#ifdef MODES
+            reached = min(reached, end_before(next_at, k1[nearest], within[nearest]));
+            march(ray_within(who[nearest], ray, up_to(next_at, within[nearest])), first, reached);
+#else
             march(ray_within(who[nearest], ray, within[nearest]), first, reached);
+#endif
 #ifdef REFINE
             inside_at[nearest] = inside();
 #endif
         } else {
             reached = first + f32(SHARED_RUN);
 #ifdef MODES
-            reached = min(reached, ceil(next_at));
+            reached = min(reached, until);
 #endif
             for (var i = 0u; i < SHARED_RUN; i += 1u) {
                 matter[i] = vec4<f32>(0.0);
                 strongest[i] = vec2<f32>(0.0);
             }
             for (var j = 0u; j < n; j += 1u) {
+#ifdef MODES
+                let end = min(reached, end_before(next_at, k1[j], within[j]));
+                let part = up_to(next_at, within[j]);
+#else
                 let end = min(reached, k1[j]);
+                let part = within[j];
+#endif
                 if (ahead[j] < end) {
-                    gather(ray_within(who[j], ray, within[j]), first, ahead[j], end);
+                    gather(ray_within(who[j], ray, part), first, ahead[j], end);
 #ifdef REFINE
                     inside_at[j] = inside();
 #endif

@@ -2,10 +2,10 @@
 // Bodies of several modes in one picture: each body's samples are its own mode's.
 //
 // Bodies of direct volume rendering are composed sample by sample. An iso-surface is one sample of its look's opacity at the hit, a
-// maximum one sample at the end of the body's span: `merge` finds and orders them. A sample is a
-// step of what lies at it, never a stretch (REFINE).
+// maximum one sample at the end of the body's span: `merge` finds and orders them. Where samples stand for stretches (REFINE) those
+// of bodies of direct volume rendering do.
 
-#import burin::constants::{MODE_ISO, MODE_MIP}
+#import burin::constants::{MODE_DVR, MODE_ISO, MODE_MIP}
 #import burin::body::{Ray, BodyRay, body_mode}
 #import burin::picture::Picture
 #import burin::span::Run
@@ -31,6 +31,21 @@ fn meet(r: BodyRay, run: Run, k: f32, texel: f32) -> vec4<f32> {
     return dvr::meet(r, run, k, texel);
 }
 
+#ifdef REFINE
+fn after(k: f32) -> f32 {
+    return select(k + 1.0, dvr::after(k), body_mode() == MODE_DVR);
+}
+
+fn open(r: BodyRay, k: f32) {
+    if (body_mode() == MODE_DVR) {
+        dvr::open(r, k);
+    }
+}
+
+fn inside() -> bool {
+    return body_mode() == MODE_DVR && dvr::inside();
+}
+#else
 fn after(k: f32) -> f32 {
     return k + 1.0;
 }
@@ -40,6 +55,7 @@ fn open(r: BodyRay, k: f32) {}
 fn inside() -> bool {
     return false;
 }
+#endif
 
 fn add(r: BodyRay, run: Run, k: f32, texel: f32, c: vec4<f32>) {
     let mode = body_mode();

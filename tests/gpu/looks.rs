@@ -171,9 +171,56 @@ fn looks_and_volumes_of_their_own_refine_and_others_leave_samples_as_they_are() 
         assert!(d.covered > 0.05 && d.largest <= 8.0 && d.mean <= 0.2 && d.misplaced < 0.01, "{d:?}");
         let plain = draw(&Frame { refine: false, ..view.clone() });
         assert_ne!(image.colour, plain.colour, "a look of its own refines");
-        // A surface among them: samples are steps of what lies at them.
-        view.bodies[0].look = Some(1);
-        assert_eq!(draw(&view), draw(&Frame { refine: false, ..view.clone() }));
+        // A surface and a maximum among them: stretches of the others end at them and begin anew.
+        for first in [1, 3, 6] {
+            view.bodies[0].look = Some(first);
+            let image = draw(&view);
+            let d = difference(&image, &picture(&dense, &view), view.step_mm);
+            println!("beside look {first}: {d:?}");
+            assert!(d.mean <= 0.2 && d.beyond_one < 0.03 && d.misplaced < 0.01, "beside look {first}: {d:?}");
+        }
+    }
+}
+
+#[test]
+fn matter_refines_before_and_behind_surfaces_and_maxima_in_it() {
+    let Some(gpu) = gpu() else { return };
+    let grid = oblique_grid([66, 44, 36]);
+    let mut stage = Stage::new(gpu, grid, lumps(grid));
+    stage.fields[3] = painted(FieldKind::Labels, &grid, |[x, y, z]| [((x / 5 + y / 4 + z / 6) % 7) as u8, 0, 0, 0]);
+    let dense = Dense::of(&stage.fields(), &grid);
+    let mut view = Frame { refine: true, ..close_by(&grid, DVec3::new(-1.0, -1.0, 0.9)) };
+    view.looks = all_looks();
+    let labels = |default, rows: &[(u16, Option<usize>)]| {
+        Some(Arc::new(LabelLooks { default, by_label: rows.iter().copied().collect() }))
+    };
+    let body = |id: u32, look: usize| Body { look: Some(look), ..Body::whole(id) };
+    let some = |id: u32, labels| Body { labels, ..Body::whole(id) };
+    let cases = [
+        ("a surface", vec![body(1, 4), body(2, 1)]),
+        ("a thin surface", vec![body(1, 0), body(2, 3)]),
+        ("a maximum", vec![body(1, 4), body(2, 6)]),
+        ("two thin surfaces", vec![body(1, 4), body(2, 3), Body { look: Some(7), ..Body::whole(3) }]),
+        (
+            "surfaces of some labels in others",
+            vec![
+                some(1, labels(Some(4), &[(1, None), (2, Some(0)), (3, None)])),
+                some(2, labels(None, &[(1, Some(3)), (3, Some(7))])),
+            ],
+        ),
+    ];
+    view.looks.push(Look { lighting: Some(Lighting::default()), ..look(Mode::Iso(30_000.0), 0.5, [0.9, 0.9, 0.9]) });
+    for (what, bodies) in cases {
+        view.bodies = bodies;
+        let image = stage.image(&view);
+        let d = difference(&image, &picture(&dense, &view), view.step_mm);
+        println!("{what}: {d:?}");
+        assert!(d.covered > 0.1 && d.mean <= 0.2 && d.beyond_one < 0.03 && d.misplaced < 0.02, "{what}: {d:?}");
+        let d = difference(&stage.image_apart(&view), &picture(&dense, &view), view.step_mm);
+        println!("{what}, apart: {d:?}");
+        assert!(d.mean <= 0.3 && d.beyond_one < 0.05 && d.misplaced < 0.03, "{what}, apart: {d:?}");
+        let plain = stage.image(&Frame { refine: false, ..view.clone() });
+        assert_ne!(image.colour, plain.colour, "{what}");
     }
 }
 

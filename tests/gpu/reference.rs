@@ -262,17 +262,17 @@ pub(super) fn painted(dense: &Dense, frame: &Frame, body: &Body, rgb: [f32; 3], 
 }
 
 /// A sample that stands for a whole body: an iso-surface, or a maximum.
-struct Event {
+pub(super) struct Event {
     /// Where it lies among the samples of others, mm.
-    at: f64,
-    depth_mm: f64,
-    rgb: [f64; 3],
-    alpha: f64,
-    object: u32,
+    pub(super) at: f64,
+    pub(super) depth_mm: f64,
+    pub(super) rgb: [f64; 3],
+    pub(super) alpha: f64,
+    pub(super) object: u32,
 }
 
 /// Lays a sample behind what is there; `clear` is what light still comes through.
-fn lay(pixel: &mut Pixel, clear: &mut f64, (rgb, alpha): ([f64; 3], f64), depth_mm: f64, object: u32) {
+pub(super) fn lay(pixel: &mut Pixel, clear: &mut f64, (rgb, alpha): ([f64; 3], f64), depth_mm: f64, object: u32) {
     for (c, l) in pixel.colour.iter_mut().zip(rgb) {
         *c += *clear * alpha * l;
     }
@@ -428,7 +428,7 @@ fn modes(frame: &Frame, met: Vec<Met<'_>>, ray: &Ray) -> Pixel {
     // Bodies come in the order of their names; a stable sort keeps it among events at one place.
     let place = |e: &Event| (e.at / frame.step_mm * 500.0).round() as i64;
     events.sort_by_key(place);
-    dvr(frame, &samples, events, ray)
+    if frame.refine { refined(frame, &samples, events, ray) } else { dvr(frame, &samples, events, ray) }
 }
 
 /// The kind of mode that a body has.
@@ -490,7 +490,7 @@ fn pixel_among(dense: &Dense, frame: &Frame, layers: &Boxes, px: DVec2) -> Pixel
     let one = looks.windows(2).all(|pair| pair[0] == pair[1]) && frame.volumes().len() < 2;
     let all = |of: fn(Mode) -> bool| looks.iter().all(|look| of(look.mode));
     let front = if all(|mode| mode == Mode::Dvr) {
-        if frame.refine { refined(frame, met, &ray) } else { dvr(frame, &met, Vec::new(), &ray) }
+        if frame.refine { refined(frame, &met, Vec::new(), &ray) } else { dvr(frame, &met, Vec::new(), &ray) }
     } else if all(|mode| matches!(mode, Mode::Iso(_))) && looks.iter().all(|look| look.opacity == 1.0) {
         iso(frame, &met, &ray)
     } else if one && all(|mode| mode == Mode::Mip) {

@@ -6,7 +6,7 @@
 //! density in the middle of its extinction, its light the mean over as far as that middle is from the nearer end, with the
 //! gradient going evenly too. Where looks go by label all of it has that of the voxel in its middle.
 
-use super::reference::{Met, NOTHING, Pixel, painted, weight};
+use super::reference::{Event, Met, NOTHING, Pixel, lay, painted, weight};
 use burin::gpu::{Frame, LookRef};
 use burin::math::{DVec3, Ray};
 
@@ -42,19 +42,32 @@ fn lit(look: LookRef<'_>, rgb: [f64; 3], ray: &Ray, [a, b]: [DVec3; 2], share: f
     rgb.map(|x| x * diffuse + f64::from(light.specular) * white)
 }
 
-/// A pixel; the bodies' intervals must not overlap.
-pub(super) fn refined(frame: &Frame, mut met: Vec<Met<'_>>, ray: &Ray) -> Pixel {
-    met.sort_by(|a, b| a.entry.total_cmp(&b.entry));
+/// A pixel; the bodies' intervals must not overlap. Stretches end and begin at events, in order along the ray.
+pub(super) fn refined(frame: &Frame, met: &[Met<'_>], events: Vec<Event>, ray: &Ray) -> Pixel {
     let step = frame.step_mm;
+    let mut pieces: Vec<(f64, f64, &Met<'_>)> = Vec::new();
+    for m in met {
+        let cuts = events.iter().map(|e| e.at).filter(|at| (m.entry..m.exit).contains(at) && *at > m.entry);
+        let mut from = m.entry;
+        for to in cuts.chain([m.exit]) {
+            pieces.push((from, to, m));
+            from = to;
+        }
+    }
+    pieces.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut pixel = NOTHING;
     let mut clear = 1.0;
-    for m in &met {
+    let mut events = events.into_iter().peekable();
+    for (entry, exit, m) in pieces {
+        while let Some(e) = events.next_if(|e| e.at <= entry && clear >= 1.0 / 256.0) {
+            lay(&mut pixel, &mut clear, (e.rgb, e.alpha), e.depth_mm, e.object);
+        }
         let dense = m.dense;
         let gradient = |t: f64| {
             let g = dense.gradient(|p| dense.density(p), m.at(t));
             m.body.pose.rotation * (m.index_from_world.transpose() * g)
         };
-        let (entry, exit) = (m.entry / step, m.exit / step);
+        let (entry, exit) = (entry / step, exit / step);
         let mut begin = entry;
         let mut k = entry.ceil();
         let mut last: Option<(f64, DVec3)> = None;
@@ -97,6 +110,11 @@ pub(super) fn refined(frame: &Frame, mut met: Vec<Met<'_>>, ray: &Ray) -> Pixel 
                 () if mean > 0.0 && clear < 1.0 / 16.0 && k + 2.0 <= exit.ceil() => 2.0,
                 () => 1.0,
             };
+        }
+    }
+    for e in events {
+        if clear >= 1.0 / 256.0 {
+            lay(&mut pixel, &mut clear, (e.rgb, e.alpha), e.depth_mm, e.object);
         }
     }
     pixel.colour[3] = 1.0 - clear;

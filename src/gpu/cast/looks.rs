@@ -56,7 +56,7 @@ pub(crate) struct Looks {
     /// Whether any body's looks go by label.
     pub(crate) by_label: bool,
     pub(crate) lit: bool,
-    /// Whether samples stand for stretches: in pictures of direct volume rendering alone.
+    /// Whether samples stand for stretches, where bodies are rendered directly.
     pub(crate) refines: bool,
     /// Whether every label has a row of its own in the table, so that shaders need not look up which: in direct volume rendering, where
     /// texels mean the same to all labels' looks and most labels have one.
@@ -140,7 +140,7 @@ impl Looks {
             segments.insert(volume, segment_rows);
             segment_rows += rows_of(&frame.overlay_of(volume).segments);
         }
-        let refines = frame.refine && kind == Kind::Dvr;
+        let refines = frame.refine && matches!(kind, Kind::Dvr | Kind::Modes);
         let rows_each = rows_each(refines);
         let mut rows: Vec<Row> = rows.into_iter().map(Row::Look).collect();
         let of_labels: usize = tables.iter().map(|(labels, _)| last_label(labels) as usize + 1).sum();

@@ -58,7 +58,9 @@ impl Caster {
         }
         let boxes = frame.volumes().into_iter().filter_map(|id| Some(fields.get(id)?.grid.world_bounds()));
         let length = boxes.map(|b| 2.0 * b.half_diagonal()).sum::<f64>();
-        let mut frame = Frame { step_mm: frame.step_mm.max(length / MOST_SAMPLES), ..frame.clone() };
+        let step_mm = frame.step_mm.max(length / MOST_SAMPLES);
+        // By plain samples, as scripts of before.
+        let mut frame = Frame { step_mm, refine: false, ..frame.clone() };
         frame.mode = Mode::Dvr;
         frame.looks.iter_mut().for_each(|look| look.mode = Mode::Dvr);
         pools.make_resident(gpu, fields, &frame)?;
