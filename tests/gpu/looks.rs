@@ -183,6 +183,28 @@ fn looks_and_volumes_of_their_own_refine_and_others_leave_samples_as_they_are() 
 }
 
 #[test]
+fn how_much_is_seen_is_told_by_plain_samples_where_looks_go_by_label_too() {
+    let Some(gpu) = gpu() else { return };
+    let grid = oblique_grid([66, 44, 36]);
+    let mut stage = Stage::new(gpu, grid, lumps(grid));
+    stage.fields[2] = painted(FieldKind::Selection, &grid, |[x, y, _]| [u8::from(x > 30 && y > 20) * 255, 0, 0, 0]);
+    stage.fields[3] = painted(FieldKind::Labels, &grid, |[x, y, z]| [((x / 5 + y / 4 + z / 6) % 7) as u8, 0, 0, 0]);
+    let mut view = close_by(&grid, DVec3::new(-1.0, -1.0, 0.9));
+    view.looks = vec![look(Mode::Dvr, 1.0, [0.9, 0.2, 0.1]), look(Mode::Dvr, 0.1, [0.3, 0.6, 0.6])];
+    let by_label = [(1, Some(1)), (2, None), (3, None), (4, Some(1)), (6, Some(1))].into_iter().collect();
+    let labels = Some(Arc::new(LabelLooks { default: Some(1), by_label }));
+    let stays = Body { mask: Mask::Selection, look: Some(0), ..Body::whole(9) };
+    view.bodies = vec![Body { mask: Mask::Background, labels, ..Body::whole(1) }, stays];
+    let Stage { gpu, pools, fields, caster, .. } = &mut stage;
+    let [density, colour, selection, labels] = &*fields;
+    let fields = one_volume(&grid, density, colour, selection, labels);
+    let mut seen = |refine| caster.visibility(gpu, pools, &fields, &Frame { refine, ..view.clone() }).unwrap();
+    let plain = seen(false);
+    assert!(plain.selected > 100 && plain.visible > 0 && plain.visible < plain.selected, "{plain:?}");
+    assert_eq!(seen(true), plain);
+}
+
+#[test]
 fn matter_refines_before_and_behind_surfaces_and_maxima_in_it() {
     let Some(gpu) = gpu() else { return };
     let grid = oblique_grid([66, 44, 36]);
