@@ -56,6 +56,12 @@ fn a_volume_that_shows_a_field_in_its_own_way_leaves_the_others_and_can_show_it_
     layer(&mut document, json!({"field": "labels", "opacity": 0.75}));
     assert_eq!(shown(&document, labels), [(false, 0.75), (true, 0.25)], "the active one has no way of its own");
     assert_eq!(shown(&document, FieldKind::Colour), [(true, 1.0); 2]);
+    // One field beside another.
+    layer(&mut document, json!({"field": "colour", "opacity": 0.75, "volume": 1}));
+    assert_eq!(shown(&document, labels), [(false, 0.75), (true, 0.25)]);
+    layer(&mut document, json!({"field": "labels", "opacity": 0.25, "volume": 1}));
+    assert_eq!(shown(&document, FieldKind::Colour), [(true, 1.0), (true, 0.75)]);
+    layer(&mut document, json!({"field": "colour", "shared": true, "volume": 1}));
     // The active one's own way is meant where it has one.
     say(&mut document, json!({"volume": {"set": {"volume": 1, "active": true}}}));
     layer(&mut document, json!({"field": "labels", "opacity": 0.5}));

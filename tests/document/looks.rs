@@ -113,7 +113,7 @@ fn halves_look_as_what_was_cut_and_what_is_gone_leaves_no_look_behind() {
     let said = say(&mut document, json!({"part":{"split":{"by":{"plane":{"point":[0,0,0],"normal":[1,0,0]}}}}}));
     let halves = said["halves"][0].clone();
     say(&mut document, json!({"part":{"set":{"id":halves[0],"look":{"opacity":0.5}}}}));
-    // Only one of the two is cut again; the plane of the second cut misses the other.
+    // Both are cut again.
     let said = say(&mut document, json!({"part":{"split":{"by":{"plane":{"point":[0,0,0],"normal":[0,1,0]}}}}}));
     let looks = own(&mut document);
     for (pair, opacity) in said["halves"].as_array().unwrap().iter().zip([Some(0.5), None]) {
@@ -123,6 +123,25 @@ fn halves_look_as_what_was_cut_and_what_is_gone_leaves_no_look_behind() {
         }
     }
     assert_eq!(looks["parts"].as_object().unwrap().len(), 4);
+    // A plane that only some of them meet leaves the others as they are.
+    let weak =
+        |looks: &Value| looks["parts"].as_object().unwrap().values().filter(|look| look["opacity"] == 0.5).count();
+    let bounds = document.state().unwrap().at(None).unwrap().grid().world_bounds();
+    let mut weaker = Vec::new();
+    for x in [bounds.min.x * 0.5, bounds.max.x * 0.5] {
+        say(&mut document, json!({"part":{"split":{"by":{"plane":{"point":[x,0,0],"normal":[1,0,0]}}}}}));
+        let cut = own(&mut document);
+        let same = |id: &String, look: &Value| cut["parts"].get(id) == Some(look);
+        let kept = looks["parts"].as_object().unwrap().iter().filter(|&(id, look)| same(id, look)).count();
+        assert_eq!((cut["parts"].as_object().unwrap().len(), kept), (6, 2), "{looks}, then {cut}");
+        weaker.push(weak(&cut));
+        say(&mut document, json!({"history":{"undo":{}}}));
+    }
+    weaker.sort_unstable();
+    assert_eq!((weak(&looks), weaker), (2, vec![2, 4]), "two of a look became four of it, or stayed two");
+    say(&mut document, json!({"selection":{"set":{"look":{"mode":"mip"}}}}));
+    say(&mut document, json!({"segment":{"show_only":{"ids":[0, 1]}}}));
+    let looks = own(&mut document);
     // A project keeps them.
     let path = dir.path().join("p.burin");
     say(&mut document, json!({"project":{"save":{"path":path}}}));
@@ -135,7 +154,7 @@ fn halves_look_as_what_was_cut_and_what_is_gone_leaves_no_look_behind() {
     say(&mut document, json!({"segment":{"remove":{"id":2}}}));
     assert_eq!(own(&mut document).get("segments"), None);
     say(&mut document, json!({"part":{"reset":{}}}));
-    assert_eq!(own(&mut document), Value::Null);
+    assert_eq!(own(&mut document).as_object().unwrap().keys().collect::<Vec<_>>(), ["selections", "only"]);
     say(&mut document, json!({"history":{"undo":{"steps":2}}}));
     assert_eq!(own(&mut document), looks);
     say(&mut document, json!({"volume":{"remove":{"volume":0}}}));
@@ -167,5 +186,26 @@ fn a_segment_that_is_removed_is_no_more_among_those_that_are_shown_alone_until_i
         say(&mut document, json!({"history":{"redo":{}}}));
         assert_eq!(only(&mut document), left, "done again");
         say(&mut document, json!({"history":{"undo":{}}}));
+    }
+}
+
+#[test]
+fn what_is_to_be_lit_is_lit_as_it_was_until_then_and_what_is_changed_beside_leaves_the_light() {
+    let light = |ambient: f64| json!({"ambient": ambient, "diffuse": 0.5, "specular": 0.25, "power": 8.0});
+    for noun in ["segment", "part", "selection", "volume"] {
+        let mut document = labelled();
+        say(&mut document, json!({"view":{"look":{"lighting": light(0.5)}}}));
+        let mut given = |look: Value| {
+            let fields = match noun {
+                "selection" => json!({ "look": look }),
+                "volume" => json!({"volume": 0, "look": look}),
+                _ => json!({"id": 1, "look": look}),
+            };
+            say(&mut document, json!({noun:{"set":fields}}))["look"]["lighting"].clone()
+        };
+        assert_eq!(given(json!({"shaded": true})), light(0.5), "{noun}: as it is seen");
+        assert_eq!(given(json!({"lighting": light(0.75)})), light(0.75), "{noun}");
+        assert_eq!(given(json!({"shaded": true})), light(0.75), "{noun}: as its own was");
+        assert_eq!(given(json!({"mode": "mip"})), light(0.75), "{noun}: another mode");
     }
 }

@@ -14,9 +14,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-const SIZE: [u32; 2] = [60, 48];
+pub(super) const SIZE: [u32; 2] = [60, 48];
 
-fn say(document: &mut Document, line: Value) -> Value {
+pub(super) fn say(document: &mut Document, line: Value) -> Value {
     run(document, &line.to_string()).unwrap_or_else(|e| panic!("{line}: {e}"))
 }
 
@@ -29,7 +29,7 @@ fn transfer(colour: [f32; 3], lo: f64) -> TransferFunction {
 }
 
 /// A scan, an oblique one of another spacing that was moved by hand, and a map of labels on a grid of its own.
-fn three(dir: &Path) -> Document {
+pub(super) fn three(dir: &Path) -> Document {
     let lumps = |[x, y, z]: [u32; 3]| {
         let wave = (x as f32 * 0.31).sin() + (y as f32 * 0.23).cos() + (z as f32 * 0.41).sin();
         (450.0 + 150.0 * wave).round()
@@ -97,14 +97,14 @@ fn wanted(state: &State, bodies: Vec<Body>, looks: Vec<Look>) -> Frame {
 }
 
 /// The looks of the three volumes, and that of segments.
-fn looks() -> Vec<Look> {
+pub(super) fn looks() -> Vec<Look> {
     let flat = TransferFunction { colour: vec![(0.0, [0.5; 3])], opacity: vec![(0.2, 0.0), (0.8, 0.3)], unit_mm: 1.0 };
     let look = |transfer, opacity| Look { transfer, mode: Mode::Dvr, lighting: None, opacity };
     let (scan, other) = (transfer([0.9, 0.2, 0.1], 450.0), transfer([0.1, 0.8, 0.3], 520.0));
     vec![look(scan, 1.0), look(other, 0.7), look(flat, 1.0)]
 }
 
-fn compare(document: &mut Document, bodies: Vec<Body>, looks: Vec<Look>, what: &str) {
+pub(super) fn compare(document: &mut Document, bodies: Vec<Body>, looks: Vec<Look>, what: &str) {
     let image = document.picture(ViewName::ThreeD, SIZE, None).unwrap();
     let state = document.state().unwrap();
     let frame = wanted(state, bodies, looks);
@@ -113,7 +113,7 @@ fn compare(document: &mut Document, bodies: Vec<Body>, looks: Vec<Look>, what: &
     assert!(d.covered > 0.1 && d.mean <= 0.2 && d.beyond_one < 0.02 && d.misplaced < 0.02, "{what}: {d:?}");
 }
 
-fn body(id: u32, volume: u32) -> Body {
+pub(super) fn body(id: u32, volume: u32) -> Body {
     Body { volume: VolumeId(volume), look: Some(volume as usize), ..Body::whole(id) }
 }
 
@@ -201,7 +201,7 @@ fn parts_selections_and_segments_of_every_volume_have_their_looks_when_moved_apa
 }
 
 /// Density between voxels, in f64; `None` outside.
-fn value(state: &State, id: u32, world: DVec3) -> Option<f64> {
+pub(super) fn value(state: &State, id: u32, world: DVec3) -> Option<f64> {
     let subject = state.subject(VolumeId(id)).unwrap();
     let p = subject.grid().index_from_world().transform_point3(world);
     let last = subject.grid().dims_f64() - 1.0;

@@ -24,6 +24,7 @@ mod keep_zarr;
 mod labels;
 mod layers_of_volumes;
 mod looks;
+mod looks_by_label;
 mod looks_drawn;
 pub mod maker;
 pub mod maker_gpu;

@@ -67,6 +67,28 @@ fn a_file_that_was_read_is_kept_by_its_hash() {
 }
 
 #[test]
+fn a_volume_of_several_files_is_kept_by_the_hashes_of_all_of_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let [path, voxels] = ["v.nhdr", "v.raw"].map(|name| folder.path().join(name));
+    std::fs::write(&path, "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 3 2\nencoding: raw\ndata file: v.raw\n\n")
+        .unwrap();
+    std::fs::write(&voxels, (0..24).collect::<Vec<u8>>()).unwrap();
+    let mut document = labelled();
+    say(&mut document, &json!({"volume":{"add":{"path":path}}}));
+    let mut found: Vec<_> = kept(&mut document, "undo_commands")[0][0]
+        .files
+        .iter()
+        .map(|file| (file.path.clone(), file.bytes, file.blake3.clone()))
+        .collect();
+    found.sort();
+    let wanted = [path, voxels].map(|path| {
+        let content = std::fs::read(&path).unwrap();
+        (path, content.len() as u64, blake3::hash(&content).to_hex().to_string())
+    });
+    assert_eq!(found, wanted);
+}
+
+#[test]
 fn a_group_keeps_what_counts_of_it_and_does_the_same_again() {
     let mut document = labelled();
     say(&mut document, &json!({"history":{"begin":{}}}));

@@ -72,7 +72,9 @@ fn codes_and_floats_lie_beside_each_other_and_a_volume_that_goes_gives_up_its_sl
     let (one, two) = (unit_grid([70, 40, 33]), unit_grid([40, 70, 33]));
     let codes = noisy(one);
     let floats = density_f32(two, |v| (v[0] * 31 + v[1] * 57 + v[2] * 11) as f32 * 0.25 - 300.0);
-    let (blank_one, mut blank_two) = (blanks(&one), blanks(&two));
+    let (mut blank_one, mut blank_two) = (blanks(&one), blanks(&two));
+    blank_one[2] = painted(FieldKind::Labels, &one, |v| [(v[0] / 3) as u8, 0, 0, 0]);
+    blank_two[2] = painted(FieldKind::Labels, &two, |v| [(v[2] / 3 + 100) as u8, 0, 0, 0]);
     blank_two[1] = painted(FieldKind::Selection, &two, |v| [(v[1] * 3) as u8, 0, 0, 0]);
     let mut fields = Fields::default();
     put(&mut fields, 3, one, &codes, &blank_one);
@@ -94,6 +96,10 @@ fn codes_and_floats_lie_beside_each_other_and_a_volume_that_goes_gives_up_its_sl
         assert!((f64::from(s.density) - expected).abs() < 0.2, "{p:?}: {} for {expected}", s.density);
         let expected = trilinear(&blank_two[1], 0, *p, |t| f64::from(t[0]) / 255.0);
         assert!((f64::from(s.selection) - expected).abs() <= 1.0 / 200.0, "{p:?}");
+        if p.iter().all(|v| (v + 0.5 - (v + 0.5).round()).abs() > 1e-3) {
+            let voxel = p.map(|v| (v + 0.5) as u32);
+            assert_eq!(u64::from(s.label), blank_two[2].value(voxel).unwrap() as u64, "{p:?}");
+        }
     }
     // The selection of the one is not that of the other.
     pools.bind(&gpu, &[VolumeId(3)]).unwrap();

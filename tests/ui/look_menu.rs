@@ -229,11 +229,20 @@ fn segments_are_shown_alone_others_join_them_and_the_window_says_that_the_rest_i
     assert!(window.rect("Show all").bottom() <= list.top() && list.width() > 60.0, "{list:?}");
     assert_eq!(as_json(&window.click("Also what has no label")), only(json!([0, 1])));
     assert_eq!(as_json(&window.click("Show Segment 2 in 3D")), only(json!([0, 1, 2])));
+    assert!(has(&window, "None hidden in 3D") && !has(&window, "1 hidden in 3D, not gone"));
     assert_eq!(as_json(&window.click("Show Segment 2 in 3D")), only(json!([0, 1])));
     assert_eq!(as_json(&window.click("Also what has no label")), only(json!([1])));
     // Where the last one would be hidden all come back, rather than an empty picture.
     assert_eq!(as_json(&window.click("Show Segment 1 in 3D")), only(json!(null)));
     assert!(!has(&window, "Show all"));
+    // From the menu of one that is among them, and of one that is not.
+    window.click("Look of Segment 1");
+    window.click("Show only this one");
+    window.key(egui::Modifiers::NONE, egui::Key::Escape);
+    window.click("Look of Segment 2");
+    assert_eq!(as_json(&window.click("Show this one too")), only(json!([1, 2])));
+    assert_eq!(as_json(&window.click("Hide this one")), only(json!([1])));
+    window.key(egui::Modifiers::NONE, egui::Key::Escape);
 }
 
 #[test]
@@ -283,4 +292,88 @@ fn menus_of_what_every_volume_may_have_say_of_which_volume_it_is() {
         window.harness.run_steps(2);
         assert!(has(&window, &format!("{title} of small")), "{title}");
     }
+}
+
+#[test]
+fn the_menu_says_what_changes_and_no_more_of_what_has_a_look_already() {
+    let function = (*Window::open(SMALL).scene.transfer).clone();
+    let curve = TransferFunction { opacity: vec![(10.0, 0.0), (30.0, 0.8)], ..function };
+    let all = LookChange { mode: Some(Mode::Mip), lighting: Some(None), opacity: 0.5, transfer: Some(curve.clone()) };
+    let dressed = || {
+        let mut window = Window::open(SMALL);
+        dress_segment(&mut window, all.clone());
+        window.click("Look of Segment 1");
+        window
+    };
+    assert_eq!(given(&dressed().click("Mode of the look: Volume"), "segment"), json!({ "mode": "dvr" }));
+    let look = given(&dressed().click("Light of the look: On"), "segment");
+    assert_eq!(look.as_object().unwrap().keys().collect::<Vec<_>>(), ["lighting"]);
+    // What is inherited again is given up; the rest is said anew.
+    for (control, field) in
+        [("Mode of the look", "mode"), ("Light of the look", "lighting"), ("Colours of the look", "transfer")]
+    {
+        let sent = dressed().click(&format!("{control}: As inherited"));
+        let [_, inherit, rest, _] = &said(&sent)[..] else { panic!("{control}: {sent:?}") };
+        assert_eq!(inherit["segment"]["set"]["look"], json!("inherit"));
+        let mut wanted = json!({"mode": "mip", "lighting": null, "opacity": 0.5, "transfer": curve});
+        wanted.as_object_mut().unwrap().remove(field);
+        assert_eq!(rest["segment"]["set"]["look"], wanted, "{control}");
+    }
+    // Colours by value are again those of what it belongs to, as opaque as it was.
+    let mut window = dressed();
+    window.click("Colours of the look: One colour");
+    let look = given(&window.click("Colours of the look: By value"), "segment");
+    let function: TransferFunction = serde_json::from_value(look["transfer"].clone()).unwrap();
+    assert_eq!((function.colour, function.opacity), (window.scene.transfer.colour.clone(), curve.opacity));
+    // A drag of the surface's value is one step.
+    let mut window = opened("Look of Segment 1");
+    window.click("Mode of the look: Surface");
+    let sent = window.drag("Surface value of the look", vec2(30.0, 0.0));
+    let [Command::History(HistoryCommand::Begin {}), changes @ .., Command::History(HistoryCommand::End {})] =
+        &sent[..]
+    else {
+        panic!("{sent:?}")
+    };
+    assert!(!changes.is_empty() && said(changes).iter().all(|c| c["segment"]["set"]["look"]["mode"]["iso"].is_f64()));
+}
+
+#[test]
+fn what_a_menu_takes_as_inherited_is_of_the_volume_that_it_is_of_and_not_of_another() {
+    let lit = |window: &Window, name: &str| {
+        window.harness.get_by_label(name).accesskit_node().toggled() == Some(egui::accesskit::Toggled::True)
+    };
+    let mut window = Window::open(SMALL);
+    two_volumes(&mut window);
+    let colours = TransferFunction {
+        colour: vec![(1000.0, [1.0, 0.0, 0.0]), (2000.0, [1.0; 3])],
+        opacity: vec![(1000.0, 0.0), (1600.0, 0.5), (2000.0, 1.0)],
+        unit_mm: 1.0,
+    };
+    // The volume at hand has a look of its own; the other is shown as the document is, which is unlit.
+    window.scene.shown.get_mut(&VolumeId::FIRST).unwrap().own =
+        Some(OwnLook { transfer: colours.clone(), mode: Mode::Mip, lighting: Some(Default::default()) });
+    window.scene.look.lighting = None;
+    window.snapshot(|_| {});
+    window.click("Look of volume PET");
+    assert!(lit(&window, "Mode of the look: Volume") && lit(&window, "Light of the look: Off"));
+    window.key(egui::Modifiers::NONE, egui::Key::Escape);
+    // Segments begin as their volume; of a volume that is not at hand surfaces lie among the values of its function.
+    window.scene.volumes.all.get_mut(&VolumeId(1)).unwrap().segments.ensure(1);
+    let own = OwnLook { transfer: colours.clone(), mode: Mode::Mip, lighting: None };
+    window.scene.shown.get_mut(&VolumeId::FIRST).unwrap().own = None;
+    window.scene.shown.get_mut(&VolumeId(1)).unwrap().own = Some(own);
+    window.snapshot(|_| {});
+    window.click("Look of volume PET");
+    assert_eq!(given(&window.click("Mode of the look: Surface"), "volume"), json!({"mode": {"iso": 1600.0}}));
+    window.key(egui::Modifiers::NONE, egui::Key::Escape);
+    window.scene.volumes.active = VolumeId(1);
+    window.snapshot(|_| {});
+    window.click("Look of Segment 1");
+    let look = given(&window.click("Colours of the look: By value"), "segment");
+    assert_eq!(look["transfer"], serde_json::to_value(&colours).unwrap());
+    assert!(has(&window, "Own function of Segment 1 of PET"));
+    // Another volume at hand shows its own function.
+    window.scene.volumes.active = VolumeId::FIRST;
+    window.snapshot(|_| {});
+    assert!(!has(&window, "Back to the volume's function"));
 }
