@@ -123,3 +123,29 @@ fn slices_let_what_lies_under_maps_of_labels_and_hidden_densities_through() {
         assert!(both > 200 && largest <= 1.5, "active {active}, hidden {hidden:?}: off by {largest}, {both} pixels");
     }
 }
+
+#[test]
+fn a_part_is_seen_in_its_colour_and_its_look_goes_with_the_last_volume() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut document = three(dir.path());
+    let own_looks = |document: &mut Document| say(document, json!({"ask":{"scene":{}}}))["scene"]["own_looks"].clone();
+    for id in [1, 2] {
+        say(&mut document, json!({"volume":{"set":{"volume":id,"visible":false}}}));
+    }
+    say(&mut document, json!({"part":{"set":{"id":1,"colour":[0.2,0.5,1.0],"look":{"opacity":0.5}}}}));
+    if gpu().is_some() {
+        let weak = Look { opacity: 0.5, ..looks().remove(0) };
+        let tinted = Body { tint: Some([0.2, 0.5, 1.0]), look: Some(0), ..body(1, 0) };
+        compare(&mut document, vec![tinted], vec![weak], "tinted");
+    }
+    let dressed = own_looks(&mut document);
+    assert_eq!(dressed["parts"]["1"]["opacity"], 0.5);
+    for id in [0, 1, 2] {
+        say(&mut document, json!({"volume":{"remove":{"volume":id}}}));
+    }
+    // What comes next is in one piece that nobody has said anything of.
+    say(&mut document, json!({"volume":{"add":{"path":dir.path().join("a.nrrd")}}}));
+    assert_eq!(own_looks(&mut document), Value::Null);
+    say(&mut document, json!({"history":{"undo":{"steps":4}}}));
+    assert_eq!(own_looks(&mut document), dressed);
+}
