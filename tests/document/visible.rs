@@ -1,5 +1,5 @@
 //! Strokes that keep to what is visible, where the look at it is difficult: pictures coarser than voxels, an eye within the ball;
-//! and what is seen of a stroke that still runs.
+//! what is seen of a stroke that still runs, and which looks count.
 
 use super::maker::run;
 use super::maker_gpu::{block, labelled, made};
@@ -119,4 +119,30 @@ fn matter_that_is_painted_into_the_clear_is_seen_before_the_stroke_ends() {
     assert!(shows && document.is_painting());
     run(&mut document, r#"{"stroke":{"cancel":{}}}"#).unwrap();
     assert_eq!(covered(&mut document), 0.0);
+}
+
+#[test]
+fn strokes_that_keep_to_the_visible_go_by_the_looks_of_segments_and_of_the_selection() {
+    let Some(mut document) = plate(96) else { return };
+    let say = |document: &mut Document, line: Value| run(document, &line.to_string()).unwrap();
+    let centre = DVec3::new(31.5, 53.4, 31.5);
+    click(&mut document, centre, 13.0);
+    say(&mut document, json!({"brush":{"set":{"target":{"label":2}}}}));
+    // The first layer's segment is not there any more: the one under it is seen and painted.
+    say(&mut document, json!({"segment":{"set":{"id":1,"look":{"opacity":0}}}}));
+    click(&mut document, centre, 6.0);
+    let painted: BTreeSet<_> = labelled(&document, 2).into_iter().collect();
+    let under = layer(centre + DVec3::Y, 6.0).into_iter().map(|[x, _, z]| [x, 52, z]).collect();
+    assert_eq!(painted, under);
+    say(&mut document, json!({"history":{"undo":{}}}));
+    say(&mut document, json!({"segment":{"set":{"id":1,"look":"inherit"}}}));
+    // Nothing is seen but what is selected.
+    say(&mut document, json!({"selection":{"from_label":{"label":1}}}));
+    let seen = document.state().unwrap().scene.transfer.clone();
+    say(&mut document, json!({"selection":{"set":{"look":{"transfer":*seen}}}}));
+    let clear = json!({"colour":[[0,[1,1,1]]],"opacity":[[0,0]],"unit_mm":1});
+    say(&mut document, json!({"transfer":{"set":{"function":clear}}}));
+    click(&mut document, centre, 6.0);
+    let painted: BTreeSet<_> = labelled(&document, 2).into_iter().collect();
+    assert_eq!(layer(centre, 6.0).difference(&painted).count(), 0);
 }
