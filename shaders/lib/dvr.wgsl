@@ -14,7 +14,7 @@
 #ifdef REFINE
 #import burin::look::{Matter, integrals_at, shows_between, matter_between, colour_of_entry}
 #endif
-#import burin::light::{gradient, slope_of, lit, lit_evenly, facing}
+#import burin::light::{gradient_here, slope_of, lit, lit_evenly, facing}
 #import burin::picture::{Picture, object_at}
 #import burin::span::{Run, samples_in, stretches_in, texel_on}
 
@@ -143,7 +143,7 @@ fn evaluate(r: BodyRay, run: Run, k: f32, texel: f32, c: vec4<f32>) -> vec4<f32>
 #endif
     var colour = painted(colour_of_entry(matter.entry), p, s) * r.tint;
 #ifdef LIT
-    let slope = slope_of(r, gradient(run.page, r.o + r.d * ends_at), texel);
+    let slope = slope_of(r, gradient_here(run.page, r.o + r.d * ends_at), texel);
     let before = select(slope, lit_end, lit_at == begins_at);
     lit_end = slope;
     lit_at = ends_at;
@@ -185,7 +185,7 @@ fn evaluate(r: BodyRay, run: Run, k: f32, texel: f32, c: vec4<f32>) -> vec4<f32>
 #endif
     var colour = painted(c.rgb, p, s) * r.tint;
 #ifdef LIT
-    colour = lit(colour, facing(r, gradient(run.page, p), texel));
+    colour = lit(colour, facing(r, gradient_here(run.page, p), texel));
 #endif
     return vec4<f32>(colour, out.a);
 }

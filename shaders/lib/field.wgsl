@@ -166,11 +166,30 @@ fn float_at(q: vec3<f32>) -> f32 {
 }
 
 #ifdef PAIRS
+// The pair that was read last, and its layer.
+var<private> last_pair: vec2<f32>;
+var<private> last_layer: f32;
+
+fn pair_at(q: vec2<f32>, layer: f32) -> vec2<f32> {
+    return textureSampleLevel(pair_layers, linear_sampler, q, i32(layer), 0.0).rg;
+}
+
 // Between two layers on end.
 fn paired(q: vec3<f32>) -> f32 {
-    let layer = floor(q.z);
-    let pair = textureSampleLevel(pair_layers, linear_sampler, q.xy, i32(layer), 0.0).rg;
-    return pair.r + (q.z - layer) * (pair.g - pair.r);
+    last_layer = floor(q.z);
+    last_pair = pair_at(q.xy, last_layer);
+    return last_pair.r + (q.z - last_layer) * (last_pair.g - last_pair.r);
+}
+
+// The difference of density half a voxel either way along z, at the address of the texel that was read last: of the three layers that
+// asks for, its pair has two.
+fn rise(q: vec3<f32>) -> f32 {
+    let f = q.z - last_layer;
+    let below = f < 0.5;
+    let other = pair_at(q.xy, last_layer + select(1.0, -1.0, below));
+    let low = select(last_pair, other, below);
+    let high = select(other, last_pair, below);
+    return high.r - low.r + (f + select(-0.5, 0.5, below)) * (high.g - high.r - low.g + low.r);
 }
 #endif
 

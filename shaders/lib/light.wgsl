@@ -2,6 +2,9 @@
 // Light on matter: the gradient as its normal, a headlight, lit on both sides.
 
 #import burin::field::{Page, density_texel, selection_at, address, is_nan}
+#ifdef PAIRS
+#import burin::field::rise
+#endif
 #import burin::body::{BodyRay, view}
 #import burin::look::look_light
 
@@ -14,16 +17,31 @@ fn difference(a: f32, b: f32) -> f32 {
 #endif
 }
 
-// Central differences half a voxel either way, in texels per voxel along the axes of index space.
-fn gradient(page: Page, p: vec3<f32>) -> vec3<f32> {
+// Central differences half a voxel either way along x and y, in texels per voxel.
+fn gradient_across(page: Page, p: vec3<f32>) -> vec2<f32> {
     let x = vec3<f32>(0.5, 0.0, 0.0);
     let y = vec3<f32>(0.0, 0.5, 0.0);
-    let z = vec3<f32>(0.0, 0.0, 0.5);
-    return vec3<f32>(
+    return vec2<f32>(
         difference(density_texel(page, address(page, p + x)), density_texel(page, address(page, p - x))),
         difference(density_texel(page, address(page, p + y)), density_texel(page, address(page, p - y))),
-        difference(density_texel(page, address(page, p + z)), density_texel(page, address(page, p - z))),
     );
+}
+
+// The same along the axes of index space.
+fn gradient(page: Page, p: vec3<f32>) -> vec3<f32> {
+    let z = vec3<f32>(0.0, 0.0, 0.5);
+    let along_z = difference(density_texel(page, address(page, p + z)), density_texel(page, address(page, p - z)));
+    return vec3<f32>(gradient_across(page, p), along_z);
+}
+
+// The same at the place of the texel that was read last.
+fn gradient_here(page: Page, p: vec3<f32>) -> vec3<f32> {
+#ifdef PAIRS
+    let along_z = rise(address(page, p));
+    return vec3<f32>(gradient_across(page, p), along_z);
+#else
+    return gradient(page, p);
+#endif
 }
 
 // The same of the selection.
