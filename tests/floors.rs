@@ -1,7 +1,8 @@
 //! The house's floors: imports go down only, neighbours on a floor do not import each other, and each outside library stays
 //! on its own floor.
 
-use std::path::{Path, PathBuf};
+use crate::common::sources;
+use std::path::PathBuf;
 
 /// Ground to roof; modules of one entry are neighbours.
 const FLOORS: &[&[&str]] = &[
@@ -25,17 +26,6 @@ const LIBRARIES: &[(&str, &[&str])] = &[
     ("rapier3d", &["explode/bodies"]),
     ("zarrs", &["document/"]),
 ];
-
-fn sources(dir: &Path, into: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(dir).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            sources(&path, into);
-        } else if path.extension().is_some_and(|e| e == "rs") {
-            into.push(path);
-        }
-    }
-}
 
 /// Folders and files inside a floor, ground to roof, as [`FLOORS`]: a file names only what stands below its own folder. `mod` is
 /// what the floor's own `mod.rs` defines; that file and what the whole floor is seen by (its re-exports) may name all.

@@ -1,17 +1,7 @@
 //! Every file of the program, its tests and its benches is compiled: a module that nobody names holds nothing and fails never.
 
+use crate::common::sources;
 use std::path::{Path, PathBuf};
-
-fn sources(dir: &Path, into: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(dir).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            sources(&path, into);
-        } else if path.extension().is_some_and(|e| e == "rs") {
-            into.push(path);
-        }
-    }
-}
 
 /// The files below a folder that no file where their module would be declared names, as a module or as a tool of the list of tools.
 /// `build.rs` lists formats of files.

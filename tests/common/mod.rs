@@ -5,7 +5,7 @@ pub mod one;
 pub mod oracle;
 pub mod volumes;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The folder with assets and fixtures: the repository, or what `BURIN_ROOT` says where the tests were carried elsewhere.
 pub fn root() -> PathBuf {
@@ -15,4 +15,16 @@ pub fn root() -> PathBuf {
 /// The program: the one built beside the tests, or what `BURIN_PROGRAM` says.
 pub fn program() -> PathBuf {
     std::env::var_os("BURIN_PROGRAM").map_or_else(|| env!("CARGO_BIN_EXE_burin").into(), PathBuf::from)
+}
+
+/// All sources below a folder.
+pub fn sources(dir: &Path, into: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(dir).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            sources(&path, into);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            into.push(path);
+        }
+    }
 }

@@ -33,6 +33,11 @@ fn all_looks() -> Vec<Look> {
     ]
 }
 
+/// Looks by label: the row of each that is named, and of all others.
+fn labels(default: Option<usize>, rows: &[(u16, Option<usize>)]) -> Option<Arc<LabelLooks>> {
+    Some(Arc::new(LabelLooks { default, by_label: rows.iter().copied().collect() }))
+}
+
 /// A picture that the volume fills.
 fn close_by(grid: &Grid, direction: DVec3) -> Frame {
     let view = frame(grid, tissue(), direction, [60, 48]);
@@ -213,9 +218,6 @@ fn matter_refines_before_and_behind_surfaces_and_maxima_in_it() {
     let dense = Dense::of(&stage.fields(), &grid);
     let mut view = Frame { refine: true, ..close_by(&grid, DVec3::new(-1.0, -1.0, 0.9)) };
     view.looks = all_looks();
-    let labels = |default, rows: &[(u16, Option<usize>)]| {
-        Some(Arc::new(LabelLooks { default, by_label: rows.iter().copied().collect() }))
-    };
     let body = |id: u32, look: usize| Body { look: Some(look), ..Body::whole(id) };
     let some = |id: u32, labels| Body { labels, ..Body::whole(id) };
     let cases = [
@@ -266,9 +268,6 @@ fn looks_by_label_refine_wherever_labels_lie() {
     ];
     view.looks[3].transfer.opacity = vec![(15_000.0, 0.0), (50_000.0, 0.4)];
     view.looks[3].transfer.colour = vec![(15_000.0, [1.0, 0.0, 0.0]), (50_000.0, [0.0, 0.5, 1.0])];
-    let labels = |default, rows: &[(u16, Option<usize>)]| {
-        Some(Arc::new(LabelLooks { default, by_label: rows.iter().copied().collect() }))
-    };
     for (what, labels) in [
         ("a look a label", labels(Some(1), &[(1, Some(0)), (3, None), (4, Some(2))])),
         ("few of many numbers", labels(Some(1), &[(1, Some(0)), (3, None), (900, Some(2))])),
@@ -320,9 +319,6 @@ fn looks_by_label_are_the_references_and_hidden_labels_are_skipped() {
     view.looks[9].transfer.opacity = vec![(15_000.0, 0.0), (50_000.0, 0.4)];
     view.looks[9].transfer.colour = vec![(15_000.0, [1.0, 0.0, 0.0]), (50_000.0, [0.0, 0.5, 1.0])];
     view.looks.push(Look { lighting: Some(Lighting::default()), ..look(Mode::Iso(20_000.0), 1.0, [0.1, 0.9, 0.9]) });
-    let labels = |default, rows: &[(u16, Option<usize>)]| {
-        Some(Arc::new(LabelLooks { default, by_label: rows.iter().copied().collect() }))
-    };
     let cases = [
         ("two looks", labels(Some(0), &[(1, Some(4)), (2, None), (5, Some(0)), (900, Some(4))])),
         ("a set as a mask", labels(None, &[(1, Some(4)), (3, Some(4))])),

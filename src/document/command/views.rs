@@ -41,7 +41,7 @@ pub struct LayerChange {
     /// Strength of its overlay, 0..1; without `opacity_3d` in slices and in 3D. Density has 1: what it lies over is black.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub opacity: Option<f32>,
-    /// Strength of its overlay in 3D alone, 0..1. Segments begin with 1: what is labelled has its segment's colour there.
+    /// Strength of its overlay in 3D alone, 0..1. Until it is said, and whenever `opacity` is said alone, that of slices.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub opacity_3d: Option<f32>,
     /// Whose field: that volume then shows it in its own way. Left out: the active one's own way if it has one, else the document's,

@@ -280,13 +280,6 @@ impl Caster {
             ("ISO", iso),
             ("MIP", looks.kind == Kind::Mip),
             ("MODES", modes),
-            ("OWN_LOOKS", looks.own),
-            ("LABEL_LOOKS", looks.by_label),
-            ("ROW_A_LABEL", looks.row_a_label),
-            ("ONE_SURFACE", looks.one_surface),
-            ("HIDES_LABELS", looks.by_label && !looks.row_a_label),
-            // A surface asks for labels only where it may be.
-            ("LABEL_RUNS", looks.by_label && !iso && !pools.has_labels_in_place()),
             ("TELLS_SELECTION", tells_selection),
             ("TELLS_LABELS", tells_labels),
             ("LIT", lit),
@@ -307,7 +300,8 @@ impl Caster {
             ("PLAIN", !self.shortcuts),
         ];
         let own = own.into_iter().filter(|c| c.1).map(|c| c.0);
-        own.chain(pools.defs(gpu).into_iter().map(|d| d.0)).collect()
+        let of_looks = looks.conditions(pools.has_labels_in_place());
+        own.chain(of_looks).chain(pools.defs(gpu).into_iter().map(|d| d.0)).collect()
     }
 
     /// Has the tables of a frame's looks, labels and segment colours.

@@ -34,9 +34,15 @@ impl Higher {
         }
         let [least, most] = density.extremes().map(f64::from);
         let (lo, span) = pools.value_of_texel(volume);
+        if !(most > least && span > 0.0) {
+            return None;
+        }
+        // Rounded, so that a stroke that makes something a little more leaves the values, and with them whole maps, as they are.
+        let step = ((most - least).log2().floor() - 3.0).exp2();
+        let (least, most) = ((least / step).floor() * step, (most / step).ceil() * step);
         let values = SHARES.map(|share| least + share * (most - least));
         let texels = values.map(|value| ((value - lo) / span + MARGIN) as f32);
-        (most > least && span > 0.0).then_some(Self { volume, values, texels })
+        Some(Self { volume, values, texels })
     }
 
     /// What their maps are of.

@@ -178,6 +178,20 @@ impl Looks {
         }
     }
 
+    /// What shaders that march these looks are compiled for. `in_place`: labels lie where their voxels are.
+    pub(crate) fn conditions(&self, in_place: bool) -> impl Iterator<Item = &'static str> {
+        let all = [
+            ("OWN_LOOKS", self.own),
+            ("LABEL_LOOKS", self.by_label),
+            ("ROW_A_LABEL", self.row_a_label),
+            ("ONE_SURFACE", self.one_surface),
+            ("HIDES_LABELS", self.by_label && !self.row_a_label),
+            // A surface asks for labels only where it may be.
+            ("LABEL_RUNS", self.by_label && self.kind != Kind::Iso && !in_place),
+        ];
+        all.into_iter().filter(|condition| condition.1).map(|condition| condition.0)
+    }
+
     /// Rows of a look in the table: its own, and that of its integrals where the picture refines.
     pub(crate) fn rows_each(&self) -> usize {
         rows_each(self.refines)

@@ -96,14 +96,7 @@ impl Caster {
         let counter = self.visibility.get_or_insert_with(|| Counter::new(gpu));
         let mut names: Vec<&'static str> = pools.defs(gpu).into_iter().map(|d| d.0).collect();
         names.extend(["SELECTION", "COUNTS"]);
-        let own = [
-            ("OWN_LOOKS", looks.own),
-            ("LABEL_LOOKS", looks.by_label),
-            ("ROW_A_LABEL", looks.row_a_label),
-            ("HIDES_LABELS", looks.by_label && !looks.row_a_label),
-            ("LABEL_RUNS", looks.by_label && !pools.has_labels_in_place()),
-        ];
-        names.extend(own.iter().filter(|n| n.1).map(|n| n.0));
+        names.extend(looks.conditions(pools.has_labels_in_place()));
         names.extend(layers.into_iter().flat_map(DrawnLayers::conditions));
         let after = self.layers.as_ref().filter(|_| layers.is_some()).map(|l| &l.layout);
         let before = [Some(&self.layout), Some(pools.layout())];
