@@ -4,6 +4,10 @@
 
 #import burin::stroke::{LARGEST, LINEAR, PRODUCT, SMOOTH, Choices, dabs, stroke}
 
+// e^(-4.5), what a bell has left at the radius: taken from it, or it would jump there.
+const GAUSSIAN_RIM: f32 = 0.011108997;
+// Pieces of a drawn falloff.
+const CURVE_PIECES: u32 = 15u;
 // 1.0
 const ONE: u32 = 0x3f800000u;
 
@@ -28,8 +32,7 @@ fn g_of(i: u32, x: vec4<i32>, yz: vec2<i32>, falloff: u32) -> vec4<f32> {
     dz -= n.z * lift;
     let squared = dots(dx, dy, dz, dx, dy, dz);
     let r = min(sqrt(squared), vec4<f32>(1.0));
-    let rest = 1.0 - r * r;
-    let f = select(select(vec4<f32>(1.0), 1.0 - r, falloff == LINEAR), rest * rest, falloff == SMOOTH);
+    let f = falloff_of(r, falloff);
     var g = select(dab.gain * f, vec4<f32>(0.0), squared > vec4<f32>(dab.edge));
     // Not `&&` here: a branch must not hang on a uniform's value alone (see the kernel's choices).
     let held = ((dab.form & 1u) != 0u) & all(o > vec2<f32>(-0.5)) & all(o <= vec2<f32>(0.5));
@@ -39,6 +42,25 @@ fn g_of(i: u32, x: vec4<i32>, yz: vec2<i32>, falloff: u32) -> vec4<f32> {
     let beside = ((axis == 2u) & (yz.x != layer)) | ((axis == 3u) & (yz.y != layer));
     let off = vec4<bool>(beside) | (vec4<bool>(axis == 1u) & (x != vec4<i32>(layer)));
     return select(g, vec4<f32>(0.0), off);
+}
+
+// F at distances in radii, up to 1.
+fn falloff_of(r: vec4<f32>, falloff: u32) -> vec4<f32> {
+#ifdef CURVE
+    var f = vec4<f32>(stroke.curve[0].w);
+    for (var i = 0u; i < CURVE_PIECES; i += 1u) {
+        let piece = stroke.curve[i];
+        f += piece.z * clamp((r - piece.x) * piece.y, vec4<f32>(0.0), vec4<f32>(1.0));
+    }
+    return f;
+#else
+#ifdef GAUSSIAN
+    return (exp(-4.5 * r * r) - GAUSSIAN_RIM) / (1.0 - GAUSSIAN_RIM);
+#else
+    let rest = 1.0 - r * r;
+    return select(select(vec4<f32>(1.0), 1.0 - r, falloff == LINEAR), rest * rest, falloff == SMOOTH);
+#endif
+#endif
 }
 
 // Of four vectors with four others.

@@ -2,6 +2,7 @@
 
 use crate::math::DVec3;
 use crate::paint::error::PaintError;
+use crate::paint::falloff::Falloff;
 use crate::volume::{FieldKind, Number};
 use serde::{Deserialize, Serialize};
 
@@ -13,18 +14,6 @@ pub enum Shape {
     Sphere,
     /// A disc one voxel thick in the plane of the slice that is painted on.
     Disc,
-}
-
-/// F(d/radius): 1 at the centre, 0 beyond the radius.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Falloff {
-    /// 1 up to the radius (inclusive).
-    Hard,
-    /// 1 − x.
-    Linear,
-    /// (1 − x²)².
-    Smooth,
 }
 
 /// The `op` of equation 1, and how dabs of a stroke add up.

@@ -5,13 +5,9 @@
 //! the voxel's diagonal may reach no centre at all: there the voxel that holds the dab's centre has G = strength·pressure.
 
 use crate::math::{DMat3, DVec3};
-use crate::paint::brush::{Brush, Falloff, Shape};
+use crate::paint::brush::{Brush, Shape};
+use crate::paint::falloff::{EDGE, Falloff};
 use crate::volume::{BRICK, BrickIndex, Grid};
-
-/// A voxel further from the centre than the radius by less than this share counts as lying on it, so that a voxel at exactly
-/// the radius is inside however its distance is rounded (f64 here, f32 in the kernel, where lengths are in radii, so that the unit
-/// of the grid decides nothing), and one that is outside by a millionth is outside.
-pub const EDGE: f64 = 5e-7;
 
 /// One footprint along a stroke.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -186,20 +182,5 @@ impl Footprint {
             d -= layer.normal * layer.normal.dot(d);
         }
         f64::from(self.gain) * self.falloff.at(d.length(), self.radius_mm)
-    }
-}
-
-impl Falloff {
-    /// F: 1 at the centre, 0 beyond the radius; radius 0 is 1 at distance 0 only.
-    pub fn at(self, distance_mm: f64, radius_mm: f64) -> f64 {
-        if distance_mm > radius_mm * (1.0 + EDGE) {
-            return 0.0;
-        }
-        let x = if radius_mm > 0.0 { (distance_mm / radius_mm).min(1.0) } else { 0.0 };
-        match self {
-            Self::Hard => 1.0,
-            Self::Linear => 1.0 - x,
-            Self::Smooth => (1.0 - x * x) * (1.0 - x * x),
-        }
     }
 }

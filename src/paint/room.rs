@@ -6,8 +6,9 @@
 //! Otherwise density moves to floats, which hold every value to 24 bits. Nothing is ever refused for want of room. Knows fields,
 //! neither documents nor the GPU.
 
-use crate::paint::brush::{Brush, Falloff, Operation, Target, Tip};
+use crate::paint::brush::{Brush, Operation, Target, Tip};
 use crate::paint::error::PaintError;
+use crate::paint::falloff::Falloff;
 use crate::volume::{DensityMap, Field, Statistics, TexelFormat, unit};
 
 /// Codes between neighbouring integers below which a soft brush would paint in steps.

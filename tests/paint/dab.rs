@@ -32,6 +32,8 @@ fn equation_2(grid: &Grid, brush: &Brush, dab: &Dab, v: [u32; 3]) -> f64 {
         Falloff::Hard => 1.0,
         Falloff::Linear => 1.0 - x,
         Falloff::Smooth => (1.0 - x.powi(2)).powi(2),
+        Falloff::Gaussian => ((-4.5 * x * x).exp() - (-4.5_f64).exp()) / (1.0 - (-4.5_f64).exp()),
+        Falloff::Curve(_) => drawn(x),
     };
     f64::from(brush.strength * dab.pressure) * f
 }
@@ -41,9 +43,9 @@ fn coverage_is_equation_2_on_every_grid() {
     let mut rng = StdRng::seed_from_u64(7);
     for (name, grid) in grids() {
         for shape in [Shape::Sphere, Shape::Disc] {
-            for falloff in [Falloff::Hard, Falloff::Linear, Falloff::Smooth] {
+            for falloff in falloffs() {
                 let brush =
-                    Brush { shape, falloff, strength: 0.6, radius_mm: rng.random_range(0.5..9.0), ..Brush::default() };
+                    Brush { shape, falloff, strength: 0.6, radius_mm: rng.random_range(1.5..9.0), ..Brush::default() };
                 let at =
                     DVec3::from_array(std::array::from_fn(|a| rng.random_range(-2.0..f64::from(grid.dims[a]) + 1.0)));
                 let normal = DVec3::new(rng.random_range(-1.0..1.0), rng.random_range(-1.0..1.0), 1.0).normalize();

@@ -32,6 +32,7 @@ fn one() -> f32 {
 /// See [`Command::Brush`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[expect(clippy::large_enum_variant, reason = "made by hand, one at a time")]
 pub enum BrushCommand {
     /// Changes what is given and leaves the rest.
     Set(BrushChange),

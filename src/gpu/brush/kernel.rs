@@ -8,7 +8,7 @@ use crate::gpu::device::gpu::Gpu;
 use crate::gpu::device::kernel::{Binding, Compute, Kernel};
 use crate::gpu::device::shader::shader;
 use crate::math::DMat3;
-use crate::paint::{Brush, EDGE, Falloff, Footprint, Operation, Reach, Target, Tip};
+use crate::paint::{Brush, CURVE_POINTS, EDGE, Falloff, Footprint, Operation, Reach, Target, Tip};
 use crate::shared_struct;
 use crate::volume::{Field, FieldKind, Grid, SLOT, SLOT_VOXELS, TexelFormat};
 
@@ -36,6 +36,8 @@ shared_struct! {
         normals: [[f32; 4]; 3],
         /// C; colour in 0..1; a label's id in x.
         paint: [f32; 4],
+        /// Of a drawn falloff: by piece x where it begins, 1 over its width, by how much it rises; in w of the first F at x = 0.
+        curve: [[f32; 4]; 15],
         dims: [i32; 3],
         /// Where numbers begin.
         low: f32,
@@ -158,9 +160,15 @@ pub(crate) fn tight_bytes(format: TexelFormat) -> u64 {
     (SLOT_VOXELS * format.bytes()) as u64
 }
 
-/// What the kernel is compiled under: a stroke's first dab, if it is one, need not gather coverage.
-pub(crate) fn conditions(variant: Variant, gathers: bool) -> Vec<&'static str> {
-    std::iter::once(variant.condition()).chain((!gathers).then_some("ONE_DAB")).collect()
+/// What the kernel is compiled under: a stroke's first dab, if it is one, need not gather coverage; of falloffs, those that cost more than
+/// the others, which need not pay for them.
+pub(crate) fn conditions(variant: Variant, gathers: bool, brush: &Brush) -> Vec<&'static str> {
+    let falloff = match brush.effective_falloff() {
+        Falloff::Gaussian => Some("GAUSSIAN"),
+        Falloff::Curve(_) => Some("CURVE"),
+        Falloff::Hard | Falloff::Linear | Falloff::Smooth => None,
+    };
+    std::iter::once(variant.condition()).chain((!gathers).then_some("ONE_DAB")).chain(falloff).collect()
 }
 
 /// The kernel of shaders/brush/brush.wgsl. Its bindings are numbered as there.
@@ -219,6 +227,7 @@ impl BrushStroke {
             columns: columns(&(grid.world_from_index.matrix3 * length.recip())),
             normals: columns(&normals),
             paint,
+            curve: curve(brush.effective_falloff()),
             dims: grid.dims.map(|d| d as i32),
             low,
             top,
@@ -248,9 +257,23 @@ pub(crate) fn choices(brush: &Brush) -> u32 {
         Falloff::Hard => 0,
         Falloff::Linear => 1,
         Falloff::Smooth => 2,
+        Falloff::Gaussian | Falloff::Curve(_) => 3,
     };
     let gated = u32::from(brush.range.is_some() || brush.visible_only);
     operation | gather << 3 | falloff << 5 | gated << 7 | u32::from(brush.ends()) << 8
+}
+
+/// A drawn falloff by its pieces; those that it lacks rise by nothing.
+fn curve(falloff: Falloff) -> [[f32; 4]; CURVE_POINTS - 1] {
+    let mut pieces = [[0.0; 4]; CURVE_POINTS - 1];
+    if let Falloff::Curve(curve) = falloff {
+        for (piece, pair) in pieces.iter_mut().zip(curve.points().windows(2)) {
+            let [[a, f], [b, g]] = [pair[0], pair[1]];
+            *piece = [a, 1.0 / (b - a), g - f, 0.0];
+        }
+        pieces[0][3] = curve.points()[0][1];
+    }
+    pieces
 }
 
 fn columns(m: &DMat3) -> [[f32; 4]; 3] {

@@ -129,7 +129,7 @@ impl Tools {
         gathers: bool,
     ) -> Result<(), GpuError> {
         let Self { gpu, kernel, dispatcher, cells, .. } = self;
-        let pipeline = kernel.pipeline(gpu, &kernel::conditions(variant, gathers), &[], &[])?;
+        let pipeline = kernel.pipeline(gpu, &kernel::conditions(variant, gathers, &stroke.brush), &[], &[])?;
         if live_cells::matters(stroke.kind()) {
             cells.prepare(gpu, variant)?;
             stroke.live.begin(fields.get(stroke.kind()), new.iter().map(|slot| (slot.brick, slot.texel)))?;
@@ -168,7 +168,8 @@ impl Tools {
         if !touched.is_empty() {
             pools.wrote_slots(stroke.key(), &touched);
             let (texture, variant) = shown(stroke, pools, fields.get(stroke.kind()))?;
-            let pipeline = self.kernel.pipeline(&self.gpu, &kernel::conditions(variant, true), &[], &[])?;
+            let pipeline =
+                self.kernel.pipeline(&self.gpu, &kernel::conditions(variant, true, &stroke.brush), &[], &[])?;
             let label = wgpu::CommandEncoderDescriptor { label: Some("dabs taken back") };
             let mut encoder = self.gpu.device.create_command_encoder(&label);
             stroke.begin_gathering(&touched, &mut encoder, texture);

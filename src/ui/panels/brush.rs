@@ -4,7 +4,8 @@ use crate::document::Scene;
 use crate::interact::readout;
 use crate::interact::readout::LengthUnit;
 use crate::interact::{Tool, brush_change};
-use crate::paint::{Brush, EraseDensity, Falloff, Operation, Shape, Target, Tip};
+use crate::paint::{Brush, EraseDensity, Falloff, FalloffCurve, Operation, Shape, Target, Tip};
+use crate::ui::panels::falloff::falloff_curve;
 use crate::ui::style::colour::colour_button;
 use crate::ui::style::theme;
 use crate::ui::style::theme::{GAP, LABEL, ROW};
@@ -100,6 +101,9 @@ impl App {
             new.shape = choice(ui, "Shape", Some(new.shape), &options).unwrap_or(new.shape);
         });
         row(ui, "Edge", |ui| edge(ui, &mut new));
+        if let Falloff::Curve(curve) = new.effective_falloff() {
+            row(ui, "Curve", |ui| new.falloff = Falloff::Curve(falloff_curve(ui, curve)));
+        }
         row(ui, "Overlap", |ui| {
             let options = [
                 (Tip::Wash, "Even", "Going over a place again in the same stroke changes nothing more"),
@@ -204,6 +208,8 @@ fn edge(ui: &mut Ui, new: &mut Brush) {
         (Falloff::Hard, "Hard", "Full strength up to the rim"),
         (Falloff::Linear, "Linear", "Evenly weaker from the middle to the rim"),
         (Falloff::Smooth, "Smooth", "Strong in the middle, fading softly to the rim"),
+        (Falloff::Gaussian, "Bell", "A Gaussian bell: narrower than smooth"),
+        (Falloff::Curve(FalloffCurve::of(new.falloff)), "Curve", "As you draw it below"),
     ];
     if label {
         let why = "A voxel is of a segment or is not: labels fill the whole radius up to a hard rim";

@@ -6,6 +6,7 @@
 pub(crate) mod bar;
 pub(crate) mod brush;
 pub(crate) mod explosion;
+pub(crate) mod falloff;
 pub(crate) mod history;
 pub(crate) mod keys;
 pub(crate) mod layers;

@@ -152,6 +152,7 @@ pub struct Offer {
 
 /// See [`Offer::then`].
 #[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "there is one at a time")]
 pub enum Then {
     /// A command, and what its button says.
     Do(String, Command),

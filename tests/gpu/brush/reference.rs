@@ -62,8 +62,12 @@ impl Laid {
             Falloff::Hard => 1.0,
             Falloff::Linear => 1.0 - x,
             Falloff::Smooth => (1.0 - x * x).powi(2),
+            Falloff::Gaussian => ((-4.5 * x * x).exp() - (-4.5_f64).exp()) / (1.0 - (-4.5_f64).exp()),
+            Falloff::Curve(_) => drawn(x),
         };
-        (self.gain * f, falloff == Falloff::Hard && (x - 1.0).abs() < 1e-6)
+        // Where F is not 0 at the rim, rounding decides who is inside.
+        let ends = matches!(falloff, Falloff::Hard | Falloff::Curve(_));
+        (self.gain * f, ends && (x - 1.0).abs() < 1e-6)
     }
 }
 

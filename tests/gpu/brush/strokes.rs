@@ -26,7 +26,7 @@ fn every_brush(canvases: &mut [Canvas], target: Target, range: [f64; 2]) {
     let mut n = 0;
     for operation in OPERATIONS {
         for tip in [Tip::Wash, Tip::BuildUp] {
-            for falloff in [Falloff::Hard, Falloff::Linear, Falloff::Smooth] {
+            for falloff in falloffs() {
                 for shape in [Shape::Sphere, Shape::Disc] {
                     n += 1;
                     let count = canvases.len();
