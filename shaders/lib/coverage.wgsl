@@ -7,7 +7,7 @@
 // e^(-4.5), what a bell has left at the radius: taken from it, or it would jump there.
 const GAUSSIAN_RIM: f32 = 0.011108997;
 // Pieces of a drawn falloff.
-const CURVE_PIECES: u32 = 15u;
+const CURVE_PIECES: u32 = 11u;
 // 1.0
 const ONE: u32 = 0x3f800000u;
 

@@ -3,6 +3,8 @@
 use crate::math::DVec3;
 use crate::paint::error::PaintError;
 use crate::paint::falloff::Falloff;
+use crate::paint::mirror::Mirror;
+use crate::paint::only::Only;
 use crate::volume::{FieldKind, Number};
 use serde::{Deserialize, Serialize};
 
@@ -119,6 +121,20 @@ pub struct Brush {
     /// stroke that begins on a slice is drawn where one sees it already, and takes no heed of it.
     #[serde(default)]
     pub visible_only: bool,
+    /// How far from the surface that the 3D view shows a voxel may lie to be painted, mm, 0 or more: that surface and what is just
+    /// behind it. A stroke that begins on a slice takes no heed of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub within_mm: Option<f64>,
+    /// Where alone it paints: a side of the selection, of a segment.
+    #[serde(default, skip_serializing_if = "Only::is_anything")]
+    pub only: Only,
+    /// Whether only voxels are painted that are connected to where the stroke began, through the faces of voxels that the present looks
+    /// show at all.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub connected: bool,
+    /// Across what its strokes are mirrored.
+    #[serde(default, skip_serializing_if = "Mirror::is_off")]
+    pub mirror: Mirror,
 }
 
 impl Default for Brush {
@@ -137,6 +153,10 @@ impl Default for Brush {
             erase: false,
             erase_density: EraseDensity::Restore,
             visible_only: false,
+            within_mm: None,
+            only: Only::default(),
+            connected: false,
+            mirror: Mirror::Off,
         }
     }
 }
@@ -199,6 +219,10 @@ impl Brush {
         {
             return wrong("erase_density.to", value.to_string(), "a finite value in the volume's unit");
         }
+        if let Some(depth) = self.within_mm.filter(|depth| !(0.0..1e100).contains(depth)) {
+            return wrong("within_mm", depth.to_string(), "a finite depth in mm, 0 or more");
+        }
+        self.mirror.check()?;
         match self.target {
             Target::Density(value) if !value.is_finite() => {
                 return wrong("target.density", value.to_string(), "a finite value in the volume's unit");
@@ -258,6 +282,18 @@ pub struct BrushChange {
     pub erase_density: Option<EraseDensity>,
     /// Whether strokes keep to the surface that the 3D view shows.
     pub visible_only: Option<bool>,
+    /// How far from that surface a voxel may lie, mm.
+    pub within_mm: Option<f64>,
+    /// Takes that limit away.
+    pub any_depth: bool,
+    /// Where alone it paints, instead of what was said before: `{"selection": "inside"}`, `{"segment": {"id": 3, "side":
+    /// "outside"}}`, both, or `{}` for everywhere.
+    pub only: Option<Only>,
+    /// Whether it paints only what is connected to where the stroke began.
+    pub connected: Option<bool>,
+    /// Across what strokes are mirrored: `"off"`, `{"axis": "x"}`, `{"points": [a, b, c]}`, `{"plane": …}`, `{"face": {"part": 2,
+    /// "face": 6}}`.
+    pub mirror: Option<Box<Mirror>>,
 }
 
 impl BrushChange {
@@ -280,6 +316,11 @@ impl BrushChange {
             erase: changed(old.erase, new.erase),
             erase_density: changed(old.erase_density, new.erase_density),
             visible_only: changed(old.visible_only, new.visible_only),
+            within_mm: changed(old.within_mm, new.within_mm).flatten(),
+            any_depth: old.within_mm.is_some() && new.within_mm.is_none(),
+            only: changed(old.only, new.only),
+            connected: changed(old.connected, new.connected),
+            mirror: changed(old.mirror, new.mirror).map(Box::new),
         }
     }
 
@@ -308,6 +349,10 @@ impl BrushChange {
             erase: self.erase.unwrap_or(old.erase),
             erase_density: self.erase_density.unwrap_or(old.erase_density),
             visible_only: self.visible_only.unwrap_or(old.visible_only),
+            within_mm: self.within_mm.or(if self.any_depth { None } else { old.within_mm }),
+            only: self.only.unwrap_or(old.only),
+            connected: self.connected.unwrap_or(old.connected),
+            mirror: self.mirror.as_deref().copied().unwrap_or(old.mirror),
         }
     }
 }

@@ -4,7 +4,7 @@
 //! Direct Volume Editing (2008), equation 2: G = strength·F(d/m), zero beyond the support m. A dab whose support is under half
 //! the voxel's diagonal may reach no centre at all: there the voxel that holds the dab's centre has G = strength·pressure.
 
-use crate::math::{DMat3, DVec3};
+use crate::math::{DMat3, DVec3, Plane};
 use crate::paint::brush::{Brush, Shape};
 use crate::paint::falloff::{EDGE, Falloff};
 use crate::volume::{BRICK, BrickIndex, Grid};
@@ -20,6 +20,22 @@ pub struct Dab {
     pub pressure: f32,
     /// Normal of the slice for a disc; a ball ignores it.
     pub normal: DVec3,
+}
+
+/// The image of a place across a plane.
+pub fn image(plane: &Plane, at: DVec3) -> DVec3 {
+    at - plane.normal * (2.0 * plane.distance(at))
+}
+
+/// Dabs with their images across a plane behind each of them; one that is its own image lies there once.
+pub fn with_images(plane: &Plane, dabs: &[Dab]) -> Vec<Dab> {
+    let both = |dab: &Dab| {
+        let normal = dab.normal - plane.normal * (2.0 * plane.normal.dot(dab.normal));
+        let other = Dab { centre: image(plane, dab.centre), normal, ..*dab };
+        let own = other.centre.distance(dab.centre) <= 1e-9 * (dab.radius_mm + dab.centre.length());
+        std::iter::once(*dab).chain((!own).then_some(other))
+    };
+    dabs.iter().flat_map(both).collect()
 }
 
 /// A box of voxels, never empty.

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 pub const EDGE: f64 = 5e-7;
 
 /// The most points of a drawn curve.
-pub const CURVE_POINTS: usize = 16;
+pub const CURVE_POINTS: usize = 12;
 
 /// Points that are moved or added by hand keep so far from each other.
 const GAP: f32 = 0.01;
@@ -30,7 +30,7 @@ pub enum Falloff {
     Smooth,
     /// (e^(−4.5x²) − e^(−4.5)) / (1 − e^(−4.5)): a bell that is 0 at the radius.
     Gaussian,
-    /// Straight between the points [x, F] of a curve: 2 to 16 of them, x from 0 at the centre to 1 at the radius and growing from
+    /// Straight between the points [x, F] of a curve: 2 to 12 of them, x from 0 at the centre to 1 at the radius and growing from
     /// point to point, F from 0 to 1.
     Curve(FalloffCurve),
 }
@@ -48,11 +48,11 @@ impl FalloffCurve {
     /// A curve through these points [x, F].
     ///
     /// # Errors
-    /// If there are fewer than 2 or more than 16 points, x does not grow from 0 to 1, or F is outside 0..1.
+    /// If there are fewer than 2 or more than 12 points, x does not grow from 0 to 1, or F is outside 0..1.
     pub fn new(points: &[[f32; 2]]) -> Result<Self, PaintError> {
         let wrong = |found: String, expected| PaintError::Brush { field: "falloff.curve", found, expected };
         if !(2..=CURVE_POINTS).contains(&points.len()) {
-            return Err(wrong(format!("a curve of {} points", points.len()), "2 to 16 points [x, strength]"));
+            return Err(wrong(format!("a curve of {} points", points.len()), "2 to 12 points [x, strength]"));
         }
         if let Some([x, f]) = points.iter().find(|p| !(0.0..=1.0).contains(&p[1]) || !p[0].is_finite()) {
             return Err(wrong(format!("[{x}, {f}]"), "points [x, strength] of numbers from 0 to 1"));

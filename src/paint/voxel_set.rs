@@ -7,11 +7,11 @@ use crate::volume::{BRICK, BRICK_VOXELS, BrickIndex, SLOT};
 use std::collections::HashMap;
 
 /// A bit for every voxel of a brick, x fastest.
-type Bits = [u32; BRICK_VOXELS / 32];
+pub type BrickBits = [u32; BRICK_VOXELS / 32];
 
 /// Voxels by brick of level 0, a bit each; bricks without any take no room.
 #[derive(Clone, Debug, Default)]
-pub struct VoxelSet(HashMap<BrickIndex, Box<Bits>>);
+pub struct VoxelSet(HashMap<BrickIndex, Box<BrickBits>>);
 
 impl VoxelSet {
     /// Whether it holds a voxel.
@@ -53,11 +53,22 @@ impl VoxelSet {
         bits
     }
 
-    /// Bricks whose slots show any of its voxels in a volume of `dims` voxels.
-    pub fn slots(&self, dims: [u32; 3]) -> Vec<BrickIndex> {
+    /// A brick's voxels, to change them.
+    pub(super) fn brick_mut(&mut self, index: BrickIndex) -> &mut BrickBits {
+        self.0.entry(index).or_insert_with(|| Box::new([0; BRICK_VOXELS / 32]))
+    }
+
+    /// Bricks with a voxel between `lo` and `end` (exclusive) that the set has something of.
+    pub(super) fn bricks_within(&self, lo: [u32; 3], end: [u32; 3]) -> impl Iterator<Item = BrickIndex> + '_ {
+        crate::paint::dab::IndexBox { lo, end }.bricks().filter(|index| self.0.contains_key(index))
+    }
+
+    /// Bricks whose slots show any of its voxels, or one so near to one of them along an axis, in a volume of `dims` voxels.
+    pub fn slots(&self, dims: [u32; 3], margin: [u32; 3]) -> Vec<BrickIndex> {
         let reach = |index: &BrickIndex| {
-            let lo = index.origin();
-            let end = std::array::from_fn(|a| (lo[a] + BRICK).min(dims[a]));
+            let origin = index.origin();
+            let lo: [u32; 3] = std::array::from_fn(|a| origin[a].saturating_sub(margin[a]));
+            let end = std::array::from_fn(|a| (origin[a] + BRICK).saturating_add(margin[a]).min(dims[a]));
             crate::paint::dab::IndexBox { lo, end }.slots(dims)
         };
         let mut all: Vec<_> = self.0.keys().flat_map(reach).collect();
@@ -67,7 +78,8 @@ impl VoxelSet {
     }
 }
 
-fn place(voxel: [u32; 3]) -> (usize, u32) {
+/// The word of a brick's bits that a voxel lies in, and its bit.
+pub(super) fn place(voxel: [u32; 3]) -> (usize, u32) {
     let [x, y, z] = voxel.map(|v| v % BRICK);
     let i = x + BRICK * (y + BRICK * z);
     ((i / 32) as usize, 1 << (i % 32))

@@ -2,6 +2,7 @@
 
 mod brush;
 mod build_up;
+mod connected;
 mod dab;
 mod falloff;
 mod path;

@@ -111,7 +111,7 @@ fn the_slots_that_show_a_voxel_are_its_brick_s_and_those_beside_it() {
     ] {
         let mut set = VoxelSet::default();
         set.insert(voxel);
-        let slots = set.slots(dims);
+        let slots = set.slots(dims, [0; 3]);
         assert!(beside.iter().all(|b| slots.contains(&BrickIndex(*b))), "{voxel:?}: {slots:?}");
     }
 }

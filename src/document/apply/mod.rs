@@ -6,6 +6,7 @@
 
 pub(crate) mod ask;
 pub(crate) mod colours;
+mod connected;
 pub(crate) mod explosion;
 pub(crate) mod labels;
 pub(crate) mod open;

@@ -17,9 +17,13 @@ use crate::document::state::State;
 use crate::document::subject::Subject;
 use crate::gpu::PaintedBricks;
 use crate::math::Camera;
-use crate::paint::{Brush, BuildUpBound, Dab, PaintError, Reach, Sample, StrokePath, VoxelSet};
+use crate::paint::{
+    Brush, BuildUpBound, Confines, Dab, Limit, Mirror, PaintError, Reach, Sample, StrokePath, VoxelSet,
+};
+use crate::paint::{image, with_images};
 use crate::volume::{DensityMap, FieldKind, SourceError, Volume, VolumeId};
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// A stroke that has begun.
 #[derive(Debug)]
@@ -50,6 +54,8 @@ pub(super) struct OnVolume {
     pub(super) needs: Option<DensityMap>,
     /// What of the visible surface it has come to, if it keeps to that.
     pub(super) seen: VoxelSet,
+    /// Sets of voxels that it keeps within, once they were found.
+    pub(super) confines: Confines,
     dabs: u64,
     /// Voxels and bricks that hold another value than before, once the stroke has ended.
     changed: (u64, usize),
@@ -83,6 +89,9 @@ impl Running {
             let mut dabs = path.extend(samples)?;
             if ends {
                 dabs.extend(path.end());
+            }
+            if let Mirror::Plane(plane) = &self.brush.mirror {
+                dabs = with_images(plane, &dabs);
             }
             paths.push(path);
             laid.push((on.id, dabs));
@@ -161,7 +170,7 @@ impl Running {
         let (voxels_changed, bricks_touched) = on.changed;
         let why = || {
             let subject = state.subject(on.id)?;
-            let on = (&on.seen, on.path.step_mm());
+            let on = (&on.seen, &on.confines, on.path.step_mm());
             let why = why_nothing(&subject, &self.brush, (&self.samples, self.missed), on);
             Some(why.unwrap_or_else(|error| error.to_string()))
         };
@@ -227,7 +236,17 @@ impl OnVolume {
         };
         let reach = [before, before.after(brush, &volume.density, room)];
         let needs = map_for(brush, volume, room, reach[1]);
-        Ok(Self { id: subject.id, path, build_up, reach, needs, seen: VoxelSet::default(), dabs: 0, changed: (0, 0) })
+        Ok(Self {
+            id: subject.id,
+            path,
+            build_up,
+            reach,
+            needs,
+            seen: VoxelSet::default(),
+            confines: Confines::new(),
+            dabs: 0,
+            changed: (0, 0),
+        })
     }
 
     /// The map that density needs once these dabs add up too, if it is another than it has.
@@ -269,7 +288,10 @@ impl Document {
         }
         let painted = self.begin_on_device().and_then(|()| {
             let (Some(running), Some(state)) = (&self.running, &self.state) else { return Ok(()) };
-            running.on.iter().for_each(|on| self.graphics.open(on.id, &on.seen));
+            for on in &running.on {
+                self.graphics.confine(on.id, &on.confines);
+                self.graphics.open(on.id, &on.seen);
+            }
             match before.iter().all(|(_, dabs)| dabs.is_empty()) {
                 true => Ok(()),
                 false => self.graphics.extend(state, &lent(&before)).map(drop),
@@ -288,20 +310,33 @@ impl Document {
         on.iter().try_for_each(|on| self.graphics.begin(state, on.id, brush, on.reach[1]))
     }
 
-    /// Before dabs are painted by a stroke that keeps to the visible surface: finds what that is under them.
-    pub(super) fn keep_to_surface(&mut self, dabs: &Laid) -> Result<(), DocumentError> {
-        if !self.running.as_ref().is_some_and(|r| r.brush.visible_only) {
-            return Ok(());
-        }
-        for (i, (id, dabs)) in dabs.iter().enumerate().filter(|(_, (_, dabs))| !dabs.is_empty()) {
-            let of_it = |running: &mut Running| std::mem::take(&mut running.on[i].seen);
-            let Some(mut seen) = self.running.as_mut().map(of_it) else { return Ok(()) };
-            let found = self.see(*id, dabs, &mut seen);
-            self.graphics.open(*id, &seen);
-            if let Some(running) = &mut self.running {
-                running.on[i].seen = seen;
+    /// Before dabs are painted by a stroke that keeps to the visible surface or to what is connected: finds what that is under them.
+    pub(super) fn keep_to_limits(&mut self, dabs: &Laid) -> Result<(), DocumentError> {
+        let Some(brush) = self.running.as_ref().map(|running| running.brush) else { return Ok(()) };
+        for (i, (id, dabs)) in dabs.iter().enumerate() {
+            let Some(first) = dabs.first() else { continue };
+            let Some(on) = self.running.as_ref().map(|running| &running.on[i]) else { return Ok(()) };
+            if brush.connected && !on.confines.iter().any(|(limit, _)| *limit == Limit::Connected) {
+                let other = match &brush.mirror {
+                    Mirror::Plane(plane) => Some(image(plane, first.centre)),
+                    _ => None,
+                };
+                let starts: Vec<_> = std::iter::once(first.centre).chain(other).collect();
+                let connected = self.connected_to(*id, &starts)?;
+                let Some(running) = &mut self.running else { return Ok(()) };
+                running.on[i].confines.push((Limit::Connected, Arc::new(connected)));
+                self.graphics.confine(*id, &running.on[i].confines);
             }
-            found?;
+            if brush.keeps_to_surface() {
+                let of_it = |running: &mut Running| std::mem::take(&mut running.on[i].seen);
+                let Some(mut seen) = self.running.as_mut().map(of_it) else { return Ok(()) };
+                let found = self.see(*id, dabs, brush.within_mm.unwrap_or(0.0), &mut seen);
+                self.graphics.open(*id, &seen);
+                if let Some(running) = &mut self.running {
+                    running.on[i].seen = seen;
+                }
+                found?;
+            }
         }
         Ok(())
     }

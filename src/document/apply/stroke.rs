@@ -13,7 +13,7 @@ use crate::document::error::DocumentError;
 use crate::document::history::edit::Edit;
 use crate::document::state::State;
 use crate::gpu::GpuError;
-use crate::paint::{Target, step_mm};
+use crate::paint::{Mirror, Target, step_mm};
 use crate::volume::{Segment, VolumeId};
 
 impl Document {
@@ -115,7 +115,7 @@ impl Document {
             return Ok(None);
         }
         self.make_room(&dabs)?;
-        self.keep_to_surface(&dabs)?;
+        self.keep_to_limits(&dabs)?;
         let (Some(running), Some(state)) = (&mut self.running, &self.state) else { return Ok(None) };
         match self.graphics.extend(state, &lent(&dabs)) {
             Ok(_) => {}
@@ -147,7 +147,11 @@ impl Document {
     pub(crate) fn begin_stroke(&mut self, volumes: &[VolumeId], resolved: Resolved) -> Result<Answer, DocumentError> {
         let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
         let mut brush = *state.scene.brush;
-        brush.visible_only &= !resolved.on_slice;
+        if resolved.on_slice {
+            brush = brush.off_surface();
+        }
+        let first = state.at(volumes.first().copied())?;
+        brush.mirror = brush.mirror.plane(first.grid()).map_or(Mirror::Off, Mirror::Plane);
         let on = {
             let subjects = volumes.iter().map(|id| state.at(Some(*id))).collect::<Result<Vec<_>, _>>()?;
             let step_mm = step_mm(&brush, subjects.iter().map(|subject| subject.grid()));
@@ -169,7 +173,7 @@ impl Document {
         }
         self.running = Some(Running {
             brush,
-            camera: brush.visible_only.then_some(state.scene.views.camera),
+            camera: brush.keeps_to_surface().then_some(state.scene.views.camera),
             edit,
             trail: None,
             samples: Vec::new(),
@@ -190,7 +194,7 @@ impl Document {
         let (paths, dabs) = running.lay(&samples, false)?;
         let count = dabs.iter().map(|(_, dabs)| dabs.len()).sum();
         self.make_room(&dabs)?;
-        self.keep_to_surface(&dabs)?;
+        self.keep_to_limits(&dabs)?;
         let (Some(running), Some(state)) = (&mut self.running, &self.state) else { return Ok(Answer::default()) };
         let bricks = if count == 0 { Vec::new() } else { self.graphics.extend(state, &lent(&dabs))? };
         running.went(paths, &dabs, &samples);

@@ -3,19 +3,23 @@
 //! Looks at the fields as they are, which is as they were at the stroke's start, and at the stroke's own dabs. Changes nothing.
 
 use crate::document::subject::Subject;
-use crate::paint::{Brush, Dab, Footprint, Gate, IndexBox, Operation, Sample, StrokePath, Target, Tip, VoxelSet};
+use crate::paint::{
+    Brush, Confines, Dab, Footprint, IndexBox, Limit, Limits, Mirror, Operation, Sample, Side, StrokePath, Target, Tip,
+    VoxelSet, with_images,
+};
 use crate::volume::{BRICK, BrickIndex, FieldKind, SLOT, SourceError};
 use std::collections::HashMap;
 
 /// Voxels that are looked at; of a larger stroke only what needs no look is told.
 const MOST_VOXELS: u64 = 1 << 22;
 
-/// The sentence; `missed` points met nothing, `seen` is the visible surface that it kept to, its dabs lie `step_mm` apart.
+/// The sentence; `missed` points met nothing, `seen` is the visible surface that it kept to, `confines` are sets that it kept within, its
+/// dabs lie `step_mm` apart.
 pub(super) fn why_nothing(
     subject: &Subject<'_>,
     brush: &Brush,
     (samples, missed): (&[Sample], u64),
-    (seen, step_mm): (&VoxelSet, f64),
+    (seen, confines, step_mm): (&VoxelSet, &Confines, f64),
 ) -> Result<String, SourceError> {
     if samples.is_empty() {
         return Ok(match missed {
@@ -42,12 +46,12 @@ pub(super) fn why_nothing(
             return Ok(format!("Labels take a strength times pressure of 50 % or more; here it was {percent} %."));
         }
     }
-    let open = Open::under(subject, brush, &footprints, &bounds, seen)?;
-    if !open.visible {
-        return Ok("Nothing under the brush shows in the 3D view, and it paints only what does.".into());
-    }
-    if let (Some([lo, hi]), Open { in_range: false, .. }) = (brush.range, &open) {
-        return Ok(format!("No voxel under the brush has a value from {lo} to {hi}, where alone it may paint."));
+    let Subject { volume, .. } = *subject;
+    let (density, selection, labels) = (&volume.density, &volume.selection, &volume.labels);
+    let limits = Limits { brush, grid: subject.grid(), density, selection, labels, seen, confines };
+    let open = Open::under(subject, &limits, &footprints, &bounds)?;
+    if let Some(limit) = open.shut {
+        return Ok(kept_off(subject, brush, limit));
     }
     if let Some(label) = open.locked {
         let name = subject.segments().get(label).map_or_else(|| label.to_string(), |s| s.name.clone());
@@ -73,15 +77,51 @@ fn dabs(brush: &Brush, samples: &[Sample], subject: &Subject<'_>, step_mm: f64) 
     let Ok(mut path) = StrokePath::apart_by(step_mm, brush, subject.grid()) else { return Vec::new() };
     let mut dabs = path.extend(samples).unwrap_or_default();
     dabs.extend(path.end());
-    dabs
+    match &brush.mirror {
+        Mirror::Plane(plane) => with_images(plane, &dabs),
+        _ => dabs,
+    }
+}
+
+/// What is said where a limit leaves nothing of what the brush covers.
+fn kept_off(subject: &Subject<'_>, brush: &Brush, limit: Limit) -> String {
+    let side = |side: Option<Side>| if side == Some(Side::Outside) { "outside" } else { "inside" };
+    match limit {
+        Limit::Visible => "Nothing under the brush shows in the 3D view, and it paints only what does.".into(),
+        Limit::Depth => {
+            let depth = brush.within_mm.unwrap_or_default();
+            format!("Nothing under the brush lies within {depth} mm of the surface that the 3D view shows.")
+        }
+        Limit::Connected => {
+            "Nothing under the brush is connected to something that shows where the stroke began.".into()
+        }
+        Limit::Contour => "No voxel lies in the contour.".into(),
+        Limit::Selection => {
+            format!(
+                "Nothing under the brush lies {} the selection, where alone it may paint.",
+                side(brush.only.selection)
+            )
+        }
+        Limit::Segment => {
+            let of = brush.only.segment;
+            let id = of.map_or(0, |of| of.id);
+            let name = subject.segments().get(id).map_or_else(|| id.to_string(), |s| s.name.clone());
+            let side = side(of.map(|of| of.side));
+            format!("Nothing under the brush lies {side} the segment {name}, where alone it may paint.")
+        }
+        Limit::Range => match brush.range {
+            Some([lo, hi]) => {
+                format!("No voxel under the brush has a value from {lo} to {hi}, where alone it may paint.")
+            }
+            None => "No voxel under the brush has a value that may be painted.".into(),
+        },
+    }
 }
 
 /// What keeps the brush from the voxels that it covers.
 struct Open {
-    /// Whether one of them is of the visible surface, or need not be.
-    visible: bool,
-    /// Whether one of these has a value that may be painted.
-    in_range: bool,
+    /// The limit that leaves none of what those before it left.
+    shut: Option<Limit>,
     /// The first locked label, if all that may be painted are locked.
     locked: Option<u16>,
 }
@@ -89,41 +129,38 @@ struct Open {
 impl Open {
     fn under(
         subject: &Subject<'_>,
-        brush: &Brush,
+        limits: &Limits<'_>,
         footprints: &[Footprint],
         bounds: &IndexBox,
-        seen: &VoxelSet,
     ) -> Result<Self, SourceError> {
-        let unknown = Self { visible: true, in_range: true, locked: None };
+        let unknown = Self { shut: None, locked: None };
         let size: [u32; 3] = std::array::from_fn(|a| bounds.end[a] - bounds.lo[a]);
         let looked: u64 = footprints.iter().map(|f| volume(&f.bounds)).sum();
         if volume(bounds) > MOST_VOXELS || looked > MOST_VOXELS {
             return Ok(unknown);
         }
-        let labels = match brush.target.field() {
+        let labels = match limits.brush.target.field() {
             FieldKind::Labels => subject.labels.read(0, bounds.lo.map(i64::from), size)?,
             _ => Vec::new(),
         };
         let mut gates = HashMap::new();
-        if let Some(range) = brush.range {
-            let gate = Gate::new(range, &subject.density);
-            for brick in bounds.bricks() {
-                gates.insert(brick, gate.slot(&subject.density, brick)?);
-            }
+        for brick in bounds.bricks() {
+            gates.insert(brick, limits.each(brick)?);
         }
-        let (mut visible, mut in_range, mut locked, mut free) = (false, false, None, false);
+        let names: Vec<Limit> = gates.values().next().map_or_else(Vec::new, |of| of.iter().map(|g| g.0).collect());
+        // How many voxels each limit leaves of those that the ones before it left.
+        let mut left = vec![0_u64; names.len()];
+        let (mut covered, mut locked, mut free) = (false, None, false);
         for footprint in footprints {
             for voxel in voxels(&footprint.bounds).filter(|&v| footprint.coverage(v) > 0.0) {
                 let [x, y, z] = std::array::from_fn(|a| (voxel[a] - bounds.lo[a]) as usize);
                 let i = x + size[0] as usize * (y + size[1] as usize * z);
-                if brush.visible_only && !seen.contains(voxel) {
+                covered = true;
+                let open = (0..names.len()).take_while(|&n| is_open(&gates, n, voxel)).count();
+                left.iter_mut().take(open).for_each(|count| *count += 1);
+                if open < names.len() {
                     continue;
                 }
-                visible = true;
-                if !gates.is_empty() && !is_open(&gates, voxel) {
-                    continue;
-                }
-                in_range = true;
                 let label = labels.get(2 * i..2 * i + 2).map_or(0, |t| u16::from_le_bytes([t[0], t[1]]));
                 match subject.segments().get(label) {
                     Some(segment) if segment.locked => locked = locked.or(Some(label)),
@@ -131,15 +168,17 @@ impl Open {
                 }
             }
         }
-        Ok(Self { visible, in_range, locked: locked.filter(|_| !free) })
+        let shut = names.iter().zip(left).find(|(_, left)| covered && *left == 0).map(|(limit, _)| *limit);
+        Ok(Self { shut, locked: locked.filter(|_| !free) })
     }
 }
 
-/// Whether the range of values lets a voxel be painted.
-fn is_open(gates: &HashMap<BrickIndex, Vec<u32>>, voxel: [u32; 3]) -> bool {
+/// Whether a limit lets a voxel be painted.
+fn is_open(gates: &HashMap<BrickIndex, Vec<(Limit, Vec<u32>)>>, limit: usize, voxel: [u32; 3]) -> bool {
     let [x, y, z] = voxel.map(|v| v % BRICK + 1);
     let texel = (x + SLOT * (y + SLOT * z)) as usize;
-    gates.get(&BrickIndex::of_voxel(voxel)).is_some_and(|bits| bits[texel / 32] >> (texel % 32) & 1 == 1)
+    let bits = gates.get(&BrickIndex::of_voxel(voxel)).and_then(|of| of.get(limit));
+    bits.is_some_and(|(_, bits)| bits[texel / 32] >> (texel % 32) & 1 == 1)
 }
 
 fn volume(bounds: &IndexBox) -> u64 {

@@ -22,11 +22,17 @@ const MOST_RAYS: f64 = 262_144.0;
 const TOGETHER: f64 = 4.0;
 
 impl Document {
-    /// Adds the voxels of the visible surface that lie under dabs.
+    /// Adds the voxels of the visible surface that lie under dabs, or so near to them, mm.
     ///
     /// # Errors
     /// If the device or the source fails.
-    pub(crate) fn see(&mut self, volume: VolumeId, dabs: &[Dab], seen: &mut VoxelSet) -> Result<(), DocumentError> {
+    pub(crate) fn see(
+        &mut self,
+        volume: VolumeId,
+        dabs: &[Dab],
+        near_mm: f64,
+        seen: &mut VoxelSet,
+    ) -> Result<(), DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
         let (views, subject) = (&state.scene.views, state.at(Some(volume))?);
         let frame = state.looking(&[volume], self.motion.poses(), &views.camera, views.size);
@@ -35,10 +41,11 @@ impl Document {
             // Consecutive dabs that lie close together are one look; each body has its own.
             let mut open: Option<(Area, f64)> = None;
             for dab in dabs {
-                if body.region.iter().any(|plane| plane.distance(dab.centre) > dab.radius_mm) {
+                let radius_mm = dab.radius_mm + near_mm;
+                if body.region.iter().any(|plane| plane.distance(dab.centre) > radius_mm) {
                     continue;
                 }
-                let reach = dab.radius_mm + 2.0 * subject.grid().spacing().max_element();
+                let reach = radius_mm + 2.0 * subject.grid().spacing().max_element();
                 let Some(area) = Area::of_ball(&frame, body.pose.apply(dab.centre), reach) else { continue };
                 open = Some(match open {
                     Some((all, one)) if all.union(area).pixels() <= TOGETHER * one.max(area.pixels()) => {

@@ -13,7 +13,7 @@ use crate::gpu::{
     Visibility, VolumeFields,
 };
 use crate::math::DVec2;
-use crate::paint::{Brush, Dab, Reach, VoxelSet};
+use crate::paint::{Brush, Confines, Dab, Reach, VoxelSet};
 use crate::volume::{BrickIndex, FieldKey, LiveCells, VolumeId};
 use std::collections::BTreeSet;
 
@@ -243,6 +243,13 @@ impl Graphics {
     pub(crate) fn open(&mut self, volume: VolumeId, voxels: &VoxelSet) {
         if let Some(painter) = &mut self.painter {
             painter.open(volume, voxels);
+        }
+    }
+
+    /// Lets the running stroke paint nothing of a volume but what is in all of these sets.
+    pub(crate) fn confine(&mut self, volume: VolumeId, confines: &Confines) {
+        if let Some(painter) = &mut self.painter {
+            painter.confine(volume, confines);
         }
     }
 

@@ -10,6 +10,8 @@ use crate::document::error::DocumentError;
 use crate::document::reduce::{Changed, Ground};
 use crate::document::scene::check::check_transfer;
 use crate::document::scene::{Layer, Scene, ViewLook, Window, first_look};
+use crate::math::Plane;
+use crate::paint::Mirror;
 use crate::volume::{FieldKind, Lighting, Mode, VolumeId};
 use std::collections::BTreeSet;
 
@@ -151,10 +153,30 @@ impl Scene {
         if change.any_value && change.range.is_some() {
             return Err(DocumentError::invalid("any_value", "true beside a range", "either one or the other"));
         }
-        let brush = change.applied_to(&self.brush);
+        if change.any_depth && change.within_mm.is_some() {
+            return Err(DocumentError::invalid("any_depth", "true beside within_mm", "either one or the other"));
+        }
+        let mut brush = change.applied_to(&self.brush);
+        if let Mirror::Face { part, face } = brush.mirror {
+            brush.mirror = Mirror::Plane(self.face_plane(part, face)?);
+        }
         brush.check()?;
         self.brush = brush.into();
         Ok(Changed::new("Brush", BrushSaid { brush }))
+    }
+}
+
+impl Scene {
+    /// The plane at rest of a part's face.
+    fn face_plane(&self, part: u32, face: usize) -> Result<Plane, DocumentError> {
+        let parts = &self.explosion.parts;
+        let found = parts.iter().find(|p| p.id.0 == part).ok_or_else(|| {
+            let known: Vec<_> = parts.iter().map(|p| p.id.to_string()).collect();
+            DocumentError::invalid("mirror.face.part", part, format!("a part: {}", known.join(", ")))
+        })?;
+        let expected = format!("a face of it, 0 to {}", found.faces.len().saturating_sub(1));
+        let plane = found.faces.get(face).map(|f| f.plane);
+        plane.ok_or_else(|| DocumentError::invalid("mirror.face.face", face, expected))
     }
 }
 

@@ -37,7 +37,7 @@ shared_struct! {
         /// C; colour in 0..1; a label's id in x.
         paint: [f32; 4],
         /// Of a drawn falloff: by piece x where it begins, 1 over its width, by how much it rises; in w of the first F at x = 0.
-        curve: [[f32; 4]; 15],
+        curve: [[f32; 4]; 11],
         dims: [i32; 3],
         /// Where numbers begin.
         low: f32,
@@ -239,7 +239,7 @@ impl BrushStroke {
 }
 
 /// What a stroke does, in the bits that shaders/brush/brush.wgsl takes apart.
-pub(crate) fn choices(brush: &Brush) -> u32 {
+pub(crate) fn choices(brush: &Brush, gated: bool) -> u32 {
     let offset = matches!(brush.effective(), Operation::Add | Operation::Subtract);
     let operation = match brush.effective() {
         Operation::Replace => 0,
@@ -259,8 +259,7 @@ pub(crate) fn choices(brush: &Brush) -> u32 {
         Falloff::Smooth => 2,
         Falloff::Gaussian | Falloff::Curve(_) => 3,
     };
-    let gated = u32::from(brush.range.is_some() || brush.visible_only);
-    operation | gather << 3 | falloff << 5 | gated << 7 | u32::from(brush.ends()) << 8
+    operation | gather << 3 | falloff << 5 | u32::from(gated) << 7 | u32::from(brush.ends()) << 8
 }
 
 /// A drawn falloff by its pieces; those that it lacks rise by nothing.

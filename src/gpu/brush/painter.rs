@@ -10,7 +10,7 @@ use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::fields::pools::FieldPools;
 use crate::gpu::fields::volumes::Fields;
-use crate::paint::{Brush, Dab, Reach, VoxelSet};
+use crate::paint::{Brush, Confines, Dab, Reach, VoxelSet, margin};
 use crate::volume::{Brick, BrickIndex, BrickKey, FieldKey, FieldKind, LiveCells, Refresh, Segments, VolumeId};
 use std::collections::BTreeMap;
 
@@ -123,9 +123,17 @@ impl Painter {
     /// Lets the running stroke paint these voxels of a volume besides those that it may already, if it keeps to the visible
     /// surface: other voxels it leaves alone. To be called before the dabs on them.
     pub fn open(&mut self, volume: VolumeId, voxels: &VoxelSet) {
-        if let Some(stroke) = self.strokes.get_mut(&volume).filter(|s| s.brush.visible_only) {
+        if let Some(stroke) = self.strokes.get_mut(&volume).filter(|s| s.brush.keeps_to_surface()) {
             stroke.seen.extend(voxels);
-            stroke.stale.extend(voxels.slots(stroke.grid.dims));
+            let reach = margin(stroke.brush.within_mm.unwrap_or(0.0), &stroke.grid);
+            stroke.stale.extend(voxels.slots(stroke.grid.dims, reach));
+        }
+    }
+
+    /// Lets the running stroke paint no voxels of a volume but those in all of these sets. To be called before its first dab there.
+    pub fn confine(&mut self, volume: VolumeId, confines: &Confines) {
+        if let Some(stroke) = self.strokes.get_mut(&volume).filter(|s| s.slots.is_empty()) {
+            stroke.confines.clone_from(confines);
         }
     }
 

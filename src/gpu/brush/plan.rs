@@ -155,7 +155,7 @@ impl Plan {
     pub(crate) fn new(stroke: &Stroke, groups: &[Group<'_>]) -> Self {
         let mut plan = Self { uniforms: Vec::new(), dispatches: Vec::new(), jobs: Vec::new(), next_bytes: 0 };
         plan.append(bytemuck::bytes_of(&stroke.constants), ALIGNED);
-        let choices = choices(&stroke.brush);
+        let choices = choices(&stroke.brush, stroke.is_gated());
         for (dabs, work) in groups {
             let dabs: Vec<_> = dabs.iter().map(BrushDab::new).collect();
             let dabs_at = plan.append(bytemuck::cast_slice(&dabs), DABS_BYTES as usize);

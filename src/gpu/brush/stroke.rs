@@ -7,8 +7,8 @@ use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::fields::pools::FieldPools;
 use crate::gpu::fields::volumes::VolumeFields;
-use crate::paint::{Brush, Dab, Footprint, Gate, Operation, Reach, Target, VoxelSet};
-use crate::volume::{BrickIndex, Field, FieldKey, FieldKind, Grid, Region, Segments, SourceError, VolumeId};
+use crate::paint::{Brush, Confines, Dab, Footprint, Limits, Operation, Reach, Target, VoxelSet};
+use crate::volume::{BrickIndex, Field, FieldKey, FieldKind, Grid, Region, Segments, VolumeId};
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap};
 
@@ -36,6 +36,8 @@ pub(crate) struct Stroke {
     pub(crate) seen: VoxelSet,
     /// Bricks whose slots show some of it that their gates do not have yet.
     pub(crate) stale: BTreeSet<BrickIndex>,
+    /// Sets of voxels that it keeps within.
+    pub(crate) confines: Confines,
     /// Whether its slots show dabs that were taken from it.
     pub(crate) torn: bool,
 }
@@ -72,6 +74,7 @@ impl Stroke {
             live: LiveBricks::default(),
             seen: VoxelSet::default(),
             stale: BTreeSet::new(),
+            confines: Confines::new(),
             torn: false,
         }
     }
@@ -100,6 +103,11 @@ impl Stroke {
         self.buffers.iter().map(StrokeBuffers::bytes).sum()
     }
 
+    /// Whether it may leave voxels alone that its dabs cover.
+    pub(crate) fn is_gated(&self) -> bool {
+        self.brush.is_limited() || !self.confines.is_empty()
+    }
+
     pub(crate) fn kind(&self) -> FieldKind {
         self.brush.target.field()
     }
@@ -122,7 +130,7 @@ impl Stroke {
         let on_density = matches!(self.brush.target, Target::Density(_));
         let extras = Extras {
             base: (on_density && self.brush.effective() == Operation::Restore).then(|| density.format()),
-            gate: self.brush.range.is_some() || self.brush.visible_only,
+            gate: self.is_gated(),
         };
         loop {
             let room: usize = self.buffers.iter().map(StrokeBuffers::room).sum();
@@ -159,8 +167,8 @@ impl Stroke {
             true => new_slots.clone().map(|n| density.base_slot(n.brick)).collect::<Result<Vec<_>, _>>()?,
             false => Vec::new(),
         };
-        let gate = match self.brush.range.is_some() || self.brush.visible_only {
-            true => new_slots.map(|n| self.gate_of(density, n.brick)).collect::<Result<Vec<_>, _>>()?,
+        let gate = match self.is_gated() {
+            true => new_slots.map(|n| self.limits(fields).slot(n.brick)).collect::<Result<Vec<_>, _>>()?,
             false => Vec::new(),
         };
         let held: Vec<_> = self.buffers.iter().map(|b| b.bricks.len()).collect();
@@ -213,14 +221,11 @@ impl Stroke {
         self.slots.values_mut().for_each(|slot| slot.kept = WHOLE_SLOT);
     }
 
-    /// A bit for every texel of a slot, set where it may be painted.
-    fn gate_of(&self, density: &Field, brick: BrickIndex) -> Result<Vec<u32>, SourceError> {
-        let range = self.brush.range.map(|range| Gate::new(range, density).slot(density, brick)).transpose()?;
-        let seen = self.brush.visible_only.then(|| self.seen.slot(brick, self.grid.dims));
-        Ok(match (range, seen) {
-            (Some(a), Some(b)) => a.iter().zip(&b).map(|(a, b)| a & b).collect(),
-            (a, b) => a.or(b).unwrap_or_default(),
-        })
+    /// What it may touch.
+    fn limits<'a>(&'a self, fields: &VolumeFields<'a>) -> Limits<'a> {
+        let Self { brush, grid, seen, confines, .. } = self;
+        let VolumeFields { density, selection, labels, .. } = *fields;
+        Limits { brush, grid, density, selection, labels, seen, confines }
     }
 
     /// Writes the gates of slots anew in which more may be painted by now.
@@ -230,7 +235,7 @@ impl Stroke {
                 self.stale.pop_first();
                 continue;
             };
-            let bits = self.gate_of(fields.density, brick)?;
+            let bits = self.limits(fields).slot(brick)?;
             if let Some(gate) = &self.buffers[slot.buffers].gate {
                 gpu.queue.write_buffer(
                     gate,

@@ -87,7 +87,7 @@ impl Tools {
         let begins = stroke.slots.is_empty();
         self.lock(stroke, begins);
         // A dab that is laid twice must find the same voxels open both times.
-        let alone = footprints.len() == 1 && new.len() <= SLOTS_AT_ONCE && !stroke.brush.visible_only;
+        let alone = footprints.len() == 1 && new.len() <= SLOTS_AT_ONCE && !stroke.brush.keeps_to_surface();
         let gathers = !(begins && alone);
         let dims = stroke.grid.dims;
         let kept = |brick: BrickIndex| if gathers { WHOLE_SLOT } else { plan::texels(&met[&brick], brick, dims) };

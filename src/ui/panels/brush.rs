@@ -5,11 +5,12 @@ use crate::interact::readout;
 use crate::interact::readout::LengthUnit;
 use crate::interact::{Tool, brush_change};
 use crate::paint::{Brush, EraseDensity, Falloff, FalloffCurve, Operation, Shape, Target, Tip};
+use crate::ui::panels::brush_limits::limits_menu;
 use crate::ui::panels::falloff::falloff_curve;
 use crate::ui::style::colour::colour_button;
 use crate::ui::style::theme;
 use crate::ui::style::theme::{GAP, LABEL, ROW};
-use crate::ui::style::widgets::{Scale, choice, line, number, pick, row, slider, tick, tipped};
+use crate::ui::style::widgets::{Scale, choice, from_right, line, number, pick, row, slider, tick, tipped};
 use crate::ui::thread::session::OpenDocument;
 use crate::ui::window::app::App;
 use crate::volume::Number;
@@ -119,6 +120,9 @@ impl App {
         row(ui, "In 3D", |ui| {
             let tip = "Strokes in the 3D view keep to the surface that is seen: nothing behind it is painted";
             tick(ui, &mut new.visible_only, "Only what is visible", tip);
+            if let Some(scene) = &self.scene {
+                from_right(ui, |ui| limits_menu(ui, scene, &mut self.mirror_points, voxel, &mut new));
+            }
         });
         range_row(ui, &mut new, ends);
         if let Some(command) = brush_change(&old, &new) {

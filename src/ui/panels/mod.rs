@@ -5,6 +5,7 @@
 
 pub(crate) mod bar;
 pub(crate) mod brush;
+pub(crate) mod brush_limits;
 pub(crate) mod explosion;
 pub(crate) mod falloff;
 pub(crate) mod history;

@@ -88,6 +88,8 @@ pub struct App {
     /// The part whose row in the list is under the pointer.
     pub(crate) pointed_part: Option<PartId>,
     pub(crate) last_paint: BTreeMap<&'static str, crate::paint::Target>,
+    /// Places for a plane to mirror across, until there are three.
+    pub(crate) mirror_points: Vec<crate::math::DVec3>,
     /// The control whose drag is one step of history.
     pub(crate) group: Option<Id>,
     pub(crate) chosen: (Sender<Chosen>, Receiver<Chosen>),
@@ -155,6 +157,7 @@ impl App {
             transfer: TransferEditor::default(),
             pointed_part: None,
             last_paint: BTreeMap::new(),
+            mirror_points: Vec::new(),
             group: None,
             chosen: channel(),
             later: Vec::new(),
