@@ -13,6 +13,7 @@ pub mod explode;
 pub mod io;
 pub mod mesh;
 pub mod paint;
+pub mod segment;
 
 pub mod gpu;
 

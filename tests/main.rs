@@ -10,5 +10,6 @@ mod io;
 mod math;
 mod modules;
 mod paint;
+mod segment;
 mod ui;
 mod volume;

@@ -8,6 +8,7 @@
 
 mod beside;
 mod check;
+mod components;
 mod cube;
 mod dense;
 mod draw;
@@ -48,6 +49,7 @@ const BENCHES: &[Bench] = &[
     ("explode/settle", settle::settle),
     ("explode/visibility", explode::visibility),
     ("explode/pictures", explode::pictures),
+    ("segment/components", components::components),
     ("keep/save", save::save),
     ("keep/export", export::export),
     ("open/memory", open::memory),

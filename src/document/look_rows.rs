@@ -71,24 +71,61 @@ impl<'a> Subject<'a> {
         !own.parts.is_empty() || (own.selections.contains_key(&self.id) && !self.selection.is_blank())
     }
 
-    /// Whether the 3D view shows matter of a value and label at all, in any part.
-    pub(crate) fn shows(&self, value: f64, label: u16) -> bool {
+    /// The looks in which the 3D view shows matter of a label, in any part.
+    fn looks_of(&self, label: u16) -> impl Iterator<Item = LookRef<'a>> + use<'a> {
         let own = &self.scene.own_looks;
-        if value.is_nan() || !own.shows_label(self.id, label) {
-            return false;
-        }
         let plain = self.look();
         let changed = own.selections.get(&self.id).into_iter().chain(own.parts.values());
-        let bases = std::iter::once(plain).chain(changed.map(|change| change.over(plain)));
+        let bases = std::iter::once(plain).chain(changed.map(move |change| change.over(plain)));
         let segment = own.segment(self.id, label);
-        bases.map(|base| segment.map_or(base, |change| change.over(base))).any(|look| {
-            look.opacity > 0.0
-                && match look.mode {
-                    Mode::Iso(level) => value >= level,
-                    Mode::Dvr | Mode::Mip => look.transfer.opacity_at(value) > 0.0,
-                }
-        })
+        let shown = own.shows_label(self.id, label);
+        let looks = bases.map(move |base| segment.map_or(base, |change| change.over(base)));
+        looks.filter(move |look| shown && look.opacity > 0.0)
     }
+
+    /// Whether the 3D view shows matter of a value and label at all, in any part.
+    pub(crate) fn shows(&self, value: f64, label: u16) -> bool {
+        !value.is_nan()
+            && self.looks_of(label).any(|look| match look.mode {
+                Mode::Iso(level) => value >= level,
+                Mode::Dvr | Mode::Mip => look.transfer.opacity_at(value) > 0.0,
+            })
+    }
+
+    /// All values of a label that the 3D view shows, as closed ranges in order.
+    pub(crate) fn shown_values(&self, label: u16) -> Vec<[f64; 2]> {
+        let of = |look: LookRef<'_>| match look.mode {
+            Mode::Iso(level) => vec![[level, f64::INFINITY]],
+            Mode::Dvr | Mode::Mip => opaque_values(&look.transfer.opacity),
+        };
+        let mut all: Vec<[f64; 2]> = self.looks_of(label).flat_map(of).collect();
+        all.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let mut joined: Vec<[f64; 2]> = Vec::new();
+        for [lo, hi] in all {
+            match joined.last_mut() {
+                Some(last) if lo <= last[1].next_up() => last[1] = last[1].max(hi),
+                _ => joined.push([lo, hi]),
+            }
+        }
+        joined
+    }
+}
+
+/// Where opacity that is linear between points, and constant beyond the first and the last, is above 0.
+fn opaque_values(points: &[(f64, f32)]) -> Vec<[f64; 2]> {
+    let mut ranges = Vec::new();
+    if let (Some(first), Some(last)) = (points.first(), points.last()) {
+        ranges.extend((first.1 > 0.0).then_some([f64::NEG_INFINITY, first.0]));
+        ranges.extend((last.1 > 0.0).then_some([last.0, f64::INFINITY]));
+    }
+    ranges.extend(points.iter().filter(|point| point.1 > 0.0).map(|point| [point.0; 2]));
+    for pair in points.windows(2) {
+        let between = [pair[0].0.next_up(), pair[1].0.next_down()];
+        if (pair[0].1 > 0.0 || pair[1].1 > 0.0) && between[0] <= between[1] {
+            ranges.push(between);
+        }
+    }
+    ranges
 }
 
 /// Gives bodies their looks, and a frame the rows of these.

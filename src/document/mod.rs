@@ -27,6 +27,7 @@ mod watch;
 pub use apply::open::ReadDocument;
 pub use command::answers::Saved;
 pub use command::brush::*;
+pub use command::component::*;
 pub use command::files::*;
 pub use command::parts::*;
 pub use command::resolved::{FileRead, ResolvedCommand};
@@ -161,6 +162,9 @@ impl Document {
             Command::View(view) => self.record(&command, |document, said, _| document.view(view, said))?,
             Command::Segment(segment) => {
                 self.record(&command, |document, said, edit| document.segment(segment, said, edit))?
+            }
+            Command::Component(component) => {
+                self.record(&command, |document, _, edit| document.component(component, edit))?
             }
             Command::Selection(selection) => {
                 self.record(&command, |document, said, edit| document.selection(selection, said, edit))?

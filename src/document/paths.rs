@@ -42,6 +42,7 @@ impl Command {
             | Self::View(_)
             | Self::Brush(_)
             | Self::Stroke(_)
+            | Self::Component(_)
             | Self::Part(_)
             | Self::Explosion(_)
             | Self::History(_)

@@ -45,6 +45,7 @@ impl Document {
                 let by = self.cuts_of(by, size)?;
                 Ok(Command::Part(PartCommand::Split { by, size: None }))
             }
+            Command::Component(command) => Ok(Command::Component(self.component_in_numbers(command)?)),
             other => Ok(other),
         }
     }

@@ -4,6 +4,7 @@ mod answers;
 mod before_many_volumes;
 mod brushes;
 mod colours;
+mod connected;
 mod doors;
 mod effects;
 mod exploded;

@@ -207,6 +207,29 @@ fn the_brush_beside_the_object_turns_the_view_instead() {
 }
 
 #[test]
+fn a_click_isolates_and_with_e_held_removes_what_is_connected() {
+    use burin::document::{ComponentCommand, Isolation};
+    for (view, erase) in [(ViewName::ThreeD, false), (ViewName::Axial, true), (ViewName::Axial, false)] {
+        let mut hand = Hand::new(Tool::Isolate, view);
+        hand.modifiers.erase = erase;
+        assert_eq!(hand.press(Button::Primary, 40.0, 50.0), []);
+        let what = Isolation::at(Place::Pixel { view, px: [40.0, 50.0], size: Some(SIZE) });
+        let command = if erase { ComponentCommand::Remove(what) } else { ComponentCommand::Keep(what) };
+        assert_eq!(hand.release(Button::Primary, 42.0, 51.0), [Command::Component(command)]);
+        // A drag is none, and neither is one that is taken back.
+        hand.press(Button::Primary, 40.0, 50.0);
+        assert_eq!(hand.release(Button::Primary, 60.0, 50.0), []);
+        hand.press(Button::Primary, 40.0, 50.0);
+        assert_eq!(hand.send(Event::Abort), []);
+        assert_eq!(hand.release(Button::Primary, 40.0, 50.0), []);
+    }
+    // Beside the object the 3D view turns.
+    let mut hand = Hand::new(Tool::Isolate, ViewName::ThreeD);
+    hand.hit = None;
+    assert_eq!(hand.press(Button::Primary, 40.0, 50.0), [BEGIN]);
+}
+
+#[test]
 fn space_and_the_wheel_button_pan_with_every_tool_and_abort_pans_back() {
     for tool in Tool::ALL {
         for view in [ViewName::ThreeD, ViewName::Sagittal] {

@@ -7,8 +7,10 @@
 pub(crate) mod ask;
 pub(crate) mod colours;
 mod connected;
+pub(crate) mod component;
 pub(crate) mod explosion;
 pub(crate) mod labels;
+pub(crate) mod matter;
 pub(crate) mod open;
 pub(crate) mod overlap;
 pub(crate) mod painting;

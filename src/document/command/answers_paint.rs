@@ -67,6 +67,22 @@ pub struct CancelledSaid {
     pub step: Option<String>,
 }
 
+/// `component.keep`, `component.remove`, `component.select`, `component.label`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ComponentSaid {
+    pub volume: VolumeId,
+    /// Of the component that was meant.
+    pub voxels: u64,
+    /// How many components there are.
+    pub components: usize,
+    /// What removed voxels became.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub value: Option<f64>,
+    /// Voxels of the component that were left alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kept_locked: Option<u64>,
+}
+
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SelectedSaid {
     /// Of a file: share of the volume that it covers.

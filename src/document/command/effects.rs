@@ -5,6 +5,7 @@
 //! document nor what a command does. A new verb does not compile until it has said all of it here.
 
 use crate::document::command::brush::{BrushCommand, StrokeCommand};
+use crate::document::command::component::ComponentCommand;
 use crate::document::command::files::{ProjectCommand, RenderCommand, VolumeCommand};
 use crate::document::command::parts::{ExplosionCommand, PartCommand};
 use crate::document::command::views::{TransferCommand, ViewCommand};
@@ -141,6 +142,7 @@ impl Command {
             Self::View(command) => command.effects(),
             Self::Brush(command) => command.effects(),
             Self::Stroke(command) => command.effects(),
+            Self::Component(command) => command.effects(),
             Self::Selection(command) => command.effects(),
             Self::Segment(command) => command.effects(),
             Self::Part(command) => command.effects(),
@@ -239,6 +241,18 @@ impl StrokeCommand {
             Self::End {} => ends("stroke.end"),
             Self::Cancel {} => paints("stroke.cancel"),
         }
+    }
+}
+
+impl ComponentCommand {
+    fn effects(&self) -> Effects {
+        let (name, doing) = match self {
+            Self::Keep(_) => ("component.keep", "Isolating"),
+            Self::Remove(_) => ("component.remove", "Removing"),
+            Self::Select(_) => ("component.select", "Selecting"),
+            Self::Label(_) => ("component.label", "Labelling"),
+        };
+        Effects::change(name).lasting(Lasts::AWhile(doing))
     }
 }
 

@@ -10,6 +10,7 @@ pub mod answers_ask;
 pub mod answers_files;
 pub mod answers_paint;
 pub(crate) mod brush;
+pub(crate) mod component;
 pub mod effects;
 pub(crate) mod files;
 pub mod looks;
@@ -18,6 +19,7 @@ pub(crate) mod resolved;
 pub(crate) mod views;
 
 use crate::document::command::brush::{BrushCommand, StrokeCommand};
+use crate::document::command::component::ComponentCommand;
 use crate::document::command::files::{ProjectCommand, RenderCommand, VolumeCommand};
 use crate::document::command::looks::LookSetting;
 use crate::document::command::parts::{ExplosionCommand, PartCommand};
@@ -45,6 +47,8 @@ pub enum Command {
     Brush(BrushCommand),
     /// Painting. While a stroke runs, any command but a question, a move of the view or a step of the simulation ends it first.
     Stroke(StrokeCommand),
+    /// What is connected: kept alone, removed, selected or labelled in one go, undone in one step.
+    Component(ComponentCommand),
     /// The selection as a whole.
     Selection(SelectionCommand),
     /// The table of segments.
@@ -70,6 +74,7 @@ impl Command {
                 *volume
             }
             Self::Stroke(command) => command.volume(),
+            Self::Component(command) => command.connected().volume,
             Self::Selection(command) => command.volume(),
             Self::Segment(command) => command.volume(),
             Self::View(_)

@@ -66,6 +66,7 @@ impl Scene {
             Command::Part(command) => next.apply_part(command, ground),
             Command::Explosion(command) => next.apply_explosion(command),
             Command::Volume(command) => next.apply_volume(command),
+            Command::Component(command) => Ok(Changed::named(command.step_name())),
             Command::Selection(SelectionCommand::Set { look, volume }) => next.set_selection_look(look, *volume),
             Command::Selection(command) => Ok(Changed::named(match command {
                 SelectionCommand::Set { .. } => String::new(),

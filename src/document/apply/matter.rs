@@ -1,0 +1,210 @@
+//! Which voxels of a volume are meant by words: those that show, those of a range of values, those of a region.
+//!
+//! Told brick by brick as masks. Bricks of one value, and those whose values all show or all do not, cost no loop over voxels. What
+//! shows is judged by texels, as pictures are; ranges by the source's own numbers, as a brush's. Changes nothing.
+
+use crate::document::command::component::{Matter, Within};
+use crate::document::subject::Subject;
+use crate::paint::Gate;
+use crate::segment::{BrickMask, ROWS};
+use crate::volume::{BRICK, Brick, BrickIndex, BrickKey, SLOT, SourceError, TexelFormat};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// From half on a voxel is selected.
+const SELECTED: u8 = 128;
+/// Words for a bit of every 16-bit code.
+const CODE_WORDS: usize = 65_536 / 64;
+
+/// Which voxels of a volume are meant.
+pub(super) struct Meant<'a> {
+    subject: Subject<'a>,
+    within: Within,
+    matter: Told,
+}
+
+enum Told {
+    Everything,
+    Range(Gate),
+    Visible(Visible),
+}
+
+/// Which values show, by label.
+#[derive(Default)]
+struct Visible(Mutex<HashMap<u16, Arc<Shown>>>);
+
+/// Which values of a label show.
+struct Shown {
+    /// Closed ranges, in order.
+    ranges: Vec<[f64; 2]>,
+    /// A bit for every code of density that has codes.
+    codes: Vec<u64>,
+}
+
+impl<'a> Meant<'a> {
+    pub(super) fn new(subject: Subject<'a>, matter: Matter, within: Within) -> Self {
+        let matter = match matter {
+            Matter::Everything => Told::Everything,
+            Matter::Range(range) => Told::Range(Gate::new(range, &subject.density)),
+            Matter::Visible => Told::Visible(Visible::default()),
+        };
+        Self { subject, within, matter }
+    }
+
+    /// Those of a brick.
+    ///
+    /// # Errors
+    /// If the source fails.
+    pub(super) fn mask(&self, index: BrickIndex) -> Result<BrickMask, SourceError> {
+        let valid = self.subject.density.valid(0, index);
+        let region = self.region(index, valid)?;
+        if region == BrickMask::None {
+            return Ok(region);
+        }
+        let matter = match &self.matter {
+            Told::Everything => return Ok(region),
+            Told::Range(gate) => {
+                let bits = gate.slot(&self.subject.density, index)?;
+                BrickMask::new(valid, |[x, y, z]| {
+                    let texel = (x + 1 + SLOT * (y + 1 + SLOT * (z + 1))) as usize;
+                    bits[texel / 32] >> (texel % 32) & 1 == 1
+                })
+            }
+            Told::Visible(visible) => visible.mask(&self.subject, index, valid)?,
+        };
+        Ok(region.and(matter, valid))
+    }
+
+    fn region(&self, index: BrickIndex, valid: [u32; 3]) -> Result<BrickMask, SourceError> {
+        let key = BrickKey { level: 0, index };
+        Ok(match self.within {
+            Within::Volume => BrickMask::All,
+            Within::Selection => {
+                of_texels::<1>(&self.subject.selection.brick(key)?, valid, |[texel]| texel >= SELECTED)
+            }
+            Within::Segment(id) => {
+                of_texels::<2>(&self.subject.labels.brick(key)?, valid, |texel| u16::from_le_bytes(texel) == id)
+            }
+        })
+    }
+}
+
+/// The texels of a brick that are meant.
+fn of_texels<const N: usize>(brick: &Brick, valid: [u32; 3], is_in: impl Fn([u8; N]) -> bool) -> BrickMask {
+    match brick {
+        Brick::Uniform(texel) => {
+            let texel = std::array::from_fn(|i| texel[i]);
+            if is_in(texel) { BrickMask::All } else { BrickMask::None }
+        }
+        Brick::Dense(texels) => {
+            let texels = texels.as_chunks::<N>().0;
+            BrickMask::new(valid, |at| is_in(texels[place(at)]))
+        }
+    }
+}
+
+fn place([x, y, z]: [u32; 3]) -> usize {
+    (x + BRICK * (y + BRICK * z)) as usize
+}
+
+impl Visible {
+    fn mask(&self, subject: &Subject<'_>, index: BrickIndex, valid: [u32; 3]) -> Result<BrickMask, SourceError> {
+        let (density, key) = (&subject.density, BrickKey { level: 0, index });
+        let labels = subject.labels.brick(key)?;
+        let codes = density.format() == TexelFormat::R16Unorm;
+        if let Brick::Uniform([a, b, ..]) = labels {
+            let shown = self.shown(subject, u16::from_le_bytes([a, b]));
+            let summary = density.summary(key);
+            let (min, max) = (f64::from(summary.min), f64::from(summary.max));
+            if min > max || !shown.ranges.iter().any(|[lo, hi]| *lo <= max && min <= *hi) {
+                return Ok(BrickMask::None);
+            }
+            // No code stands for NaN, which shows nowhere and counts for no extreme.
+            if codes && shown.ranges.iter().any(|[lo, hi]| *lo <= min && max <= *hi) {
+                return Ok(BrickMask::All);
+            }
+            let brick = density.brick(key)?;
+            return Ok(match codes {
+                true => of_texels::<2>(&brick, valid, |code| shown.code(u16::from_le_bytes(code))),
+                false => of_texels::<4>(&brick, valid, |texel| shown.value(decoded(subject, texel))),
+            });
+        }
+        let label_at = |at: [u32; 3]| {
+            let [a, b, ..] = labels.texel(at, 2);
+            u16::from_le_bytes([a, b])
+        };
+        let brick = density.brick(key)?;
+        let mut last = (0, self.shown(subject, 0));
+        Ok(BrickMask::new(valid, |at| {
+            let label = label_at(at);
+            if label != last.0 {
+                last = (label, self.shown(subject, label));
+            }
+            let texel = brick.texel(at, density.format().bytes());
+            if codes {
+                last.1.code(u16::from_le_bytes([texel[0], texel[1]]))
+            } else {
+                last.1.value(decoded(subject, texel))
+            }
+        }))
+    }
+
+    fn shown(&self, subject: &Subject<'_>, label: u16) -> Arc<Shown> {
+        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        known.entry(label).or_insert_with(|| Arc::new(Shown::new(subject, label))).clone()
+    }
+}
+
+/// The value of a texel, as pictures have it.
+fn decoded(subject: &Subject<'_>, texel: [u8; 4]) -> f64 {
+    f64::from(subject.density.map().decode(texel) as f32)
+}
+
+impl Shown {
+    fn new(subject: &Subject<'_>, label: u16) -> Self {
+        let mut shown = Self { ranges: subject.shown_values(label), codes: Vec::new() };
+        if subject.density.format() == TexelFormat::R16Unorm {
+            let mut codes = vec![0; CODE_WORDS];
+            for code in 0..=u16::MAX {
+                let [a, b] = code.to_le_bytes();
+                let is_shown = shown.value(decoded(subject, [a, b, 0, 0]));
+                codes[usize::from(code / 64)] |= u64::from(is_shown) << (code % 64);
+            }
+            shown.codes = codes;
+        }
+        shown
+    }
+
+    fn code(&self, code: u16) -> bool {
+        self.codes[usize::from(code / 64)] >> (code % 64) & 1 == 1
+    }
+
+    fn value(&self, value: f64) -> bool {
+        self.ranges.iter().any(|[lo, hi]| *lo <= value && value <= *hi)
+    }
+}
+
+/// A brick with this texel in place of those of a mask.
+pub(super) fn filled(
+    brick: &Brick,
+    mask: &BrickMask,
+    valid: [u32; 3],
+    texel: &[u8],
+    spare: impl Fn(&[u8]) -> bool,
+) -> Brick {
+    let bytes = texel.len();
+    brick.edited(bytes, |texels| {
+        for row in 0..ROWS as u32 {
+            let (y, z) = (row % BRICK, row / BRICK);
+            let mut bits = mask.row(y, z, valid);
+            while bits != 0 {
+                let at = place([bits.trailing_zeros(), y, z]) * bytes;
+                bits &= bits - 1;
+                let there = &mut texels[at..at + bytes];
+                if !spare(there) {
+                    there.copy_from_slice(texel);
+                }
+            }
+        }
+    })
+}

@@ -1,0 +1,3 @@
+//! What is connected, and surfaces of fields, against plain reckoning.
+
+mod components;
