@@ -6,8 +6,8 @@
 
 pub(crate) mod ask;
 pub(crate) mod colours;
-mod connected;
 pub(crate) mod component;
+mod connected;
 pub(crate) mod explosion;
 pub(crate) mod labels;
 pub(crate) mod matter;
