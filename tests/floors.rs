@@ -8,7 +8,8 @@ use std::path::PathBuf;
 const FLOORS: &[&[&str]] = &[
     &["math"],
     &["volume"],
-    &["io", "paint", "segment", "explode", "annotate", "mesh"],
+    &["mesh"],
+    &["io", "paint", "segment", "explode", "annotate"],
     &["gpu"],
     &["document"],
     &["interact"],

@@ -8,6 +8,7 @@ mod floors;
 mod gpu;
 mod io;
 mod math;
+mod mesh;
 mod modules;
 mod paint;
 mod segment;

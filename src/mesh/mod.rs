@@ -1,8 +1,17 @@
-//! Triangle meshes, as arrays: what a picture draws before its rays, or cuts away along them.
+//! Triangle meshes, as arrays: what a picture draws before its rays or cuts away along them, and the surfaces of fields.
 //!
-//! Owns [`TriangleMesh`], whose triangles are sure to name corners that exist. Knows no volume, picture or file.
+//! Owns [`TriangleMesh`], whose triangles are sure to name corners that exist, and how selections and labels become closed ones. Knows
+//! no picture, document or file.
+
+mod cell;
+mod march;
+mod of_field;
+mod smooth;
+
+pub use of_field::{label_surface, selection_surface};
 
 use crate::math::{Aabb, DVec3};
+use std::collections::HashMap;
 
 /// Why arrays are no mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -75,6 +84,32 @@ impl TriangleMesh {
     /// No corner is farther from the origin of the mesh's own space.
     pub fn radius_mm(&self) -> f64 {
         self.radius_mm
+    }
+
+    /// Whether every edge is of two triangles that go along it either way: then there is an inside.
+    pub fn is_closed(&self) -> bool {
+        // How often an edge is gone along from its lower to its higher corner, and how often the other way.
+        let mut edges: HashMap<[u32; 2], [u8; 2]> = HashMap::with_capacity(self.triangles.len() * 3 / 2);
+        for &[a, b, c] in &self.triangles {
+            for [from, to] in [[a, b], [b, c], [c, a]] {
+                let ways = edges.entry([from.min(to), from.max(to)]).or_default();
+                let way = &mut ways[usize::from(from > to)];
+                *way = way.saturating_add(1);
+            }
+        }
+        edges.values().all(|ways| *ways == [1, 1])
+    }
+
+    /// The volume that a closed mesh encloses in mm³, what is hollow taken off.
+    pub fn volume_mm3(&self) -> f64 {
+        let place = |corner: u32| DVec3::from_array(self.corners[corner as usize].map(f64::from));
+        // About a corner of its own: far from the origin, volumes of the tetrahedra would lose their digits.
+        let about = if self.corners.is_empty() { DVec3::ZERO } else { place(0) };
+        let six = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|corner| place(corner) - about);
+            a.dot(b.cross(c))
+        };
+        self.triangles.iter().map(six).sum::<f64>() / 6.0
     }
 
     /// Numbers of corners, three a triangle.

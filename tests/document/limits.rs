@@ -72,7 +72,7 @@ fn a_depth_reaches_no_further_behind_the_surface_that_is_seen() {
 #[test]
 fn sides_of_segments_and_of_the_selection_count_together_with_the_range_of_values() {
     let spacing = DVec3::new(1.0, 1.3, 0.7);
-    let matter = |v: [u32; 3]| (v[0] + v[1] * 2 + v[2]) % 3 != 0;
+    let matter = |v: [u32; 3]| !(v[0] + v[1] * 2 + v[2]).is_multiple_of(3);
     let Some(mut document) = document(spacing, matter) else { return };
     let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z) * spacing;
     let (a, b, c) = (at(18.0, 20.0, 18.0), at(22.0, 22.0, 20.0), at(20.0, 18.0, 24.0));
