@@ -111,7 +111,7 @@ impl DocumentError {
     }
 
     /// A label that is no segment's.
-    pub(super) fn no_segment(field: &str, label: u16, segments: &Segments) -> Self {
+    pub(super) fn no_segment(field: &str, label: impl std::fmt::Display, segments: &Segments) -> Self {
         let known: Vec<u16> = segments.0.iter().map(|s| s.id).collect();
         let expected = match known[..] {
             [] => "a segment's id; there is no segment yet".to_owned(),

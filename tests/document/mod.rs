@@ -59,6 +59,7 @@ mod selection;
 mod strokes;
 mod strokes_across;
 mod surface;
+mod surfaces;
 mod unharmed;
 mod values;
 mod values_support;

@@ -6,6 +6,7 @@ mod export_nifti;
 pub mod files;
 mod foreign;
 mod hostile;
+mod meshes;
 mod nifti;
 mod nrrd;
 mod nrrd_data;

@@ -244,6 +244,7 @@ fn what_was_written_is_said_with_a_way_to_it() {
         (
             Command::Volume(VolumeCommand::Export {
                 field: FieldKind::Labels,
+                label: None,
                 path: "/data/l.nrrd".into(),
                 volume: None,
             }),

@@ -9,6 +9,7 @@ pub(crate) mod colours;
 pub(crate) mod component;
 mod connected;
 pub(crate) mod explosion;
+pub(crate) mod export;
 pub(crate) mod labels;
 pub(crate) mod matter;
 pub(crate) mod open;

@@ -1,9 +1,10 @@
 //! Commands on the volume as a whole.
 
 use crate::document::Document;
+use crate::document::apply::export::export;
 use crate::document::apply::open::ReadDocument;
 use crate::document::command::Command;
-use crate::document::command::answers::{AddedSaid, Answer, ExportedSaid, Said, VolumeRemovedSaid};
+use crate::document::command::answers::{AddedSaid, Answer, Said, VolumeRemovedSaid};
 use crate::document::command::files::VolumeCommand;
 use crate::document::error::DocumentError;
 use crate::document::history::edit::Edit;
@@ -13,7 +14,6 @@ use crate::document::scene::Origin;
 use crate::document::scene::Scene;
 use crate::document::scene::first_look;
 use crate::document::scene::volumes::{OwnLook, VolumeLook};
-use crate::io::{Compression, export};
 use crate::volume::VolumeId;
 
 impl Document {
@@ -33,20 +33,11 @@ impl Document {
                 let whole = Command::Volume(altering.clone());
                 self.record(&whole, |document, said, edit| document.alter_volumes(altering, said, edit))
             }
-            VolumeCommand::Export { field, path, volume } => {
+            VolumeCommand::Export { field, label, path, volume } => {
                 let state = self.open()?;
                 let subject = state.at(volume)?;
                 check_target(&path, &state.files)?;
-                let exported = export(
-                    path,
-                    subject.field(field),
-                    subject.volume.grid(),
-                    subject.segments(),
-                    Compression::default(),
-                    &|x| self.watch.proceed(x),
-                )?;
-                let warnings = exported.warnings.clone();
-                Ok(Said::from(ExportedSaid { exported, warnings }).into())
+                Ok(export(&subject, field, label, &path, &self.watch)?.into())
             }
         }
     }

@@ -44,6 +44,7 @@ impl Answer {
         let of_files: &[String] = match &self.said {
             Said::Opened(said) => &said.warnings,
             Said::Exported(said) => &said.warnings,
+            Said::ExportedMesh(said) => &said.warnings,
             Said::Selected(said) => said.warnings.as_deref().unwrap_or_default(),
             Said::ImportedSegments(said) => &said.warnings,
             _ => &[],
@@ -105,6 +106,7 @@ pub enum Said {
     Lost(LostSaid),
     Forgotten(ForgottenSaid),
     Exported(ExportedSaid),
+    ExportedMesh(ExportedMeshSaid),
     Transfer(TransferSaid),
     Camera(CameraSaid),
     View(ViewSaid),
@@ -170,7 +172,7 @@ macro_rules! said {
 }
 
 said! {
-    Opened(OpenedSaid), Saved(SavedSaid), Lost(LostSaid), Forgotten(ForgottenSaid), Exported(ExportedSaid),
+    Opened(OpenedSaid), Saved(SavedSaid), Lost(LostSaid), Forgotten(ForgottenSaid), Exported(ExportedSaid), ExportedMesh(ExportedMeshSaid),
     Transfer(TransferSaid), Camera(CameraSaid), View(ViewSaid), Slice(SliceSaid), Crosshair(CrosshairSaid),
     Look(LookSaid), Window(WindowSaid), Layers(LayersSaid), Past(PastSaid), Brush(BrushSaid), Also(AlsoSaid),
     Painted(PaintedSaid), Extended(ExtendedSaid), Cancelled(CancelledSaid), Component(ComponentSaid), Selected(SelectedSaid),

@@ -5,7 +5,7 @@
 use crate::document::command::answers_ask::VolumeSaid;
 use crate::document::command::answers_paint::LabelsSaid;
 use crate::document::scene::volumes::{OwnLook, VolumeSettings};
-use crate::io::Exported;
+use crate::io::{Exported, ExportedMesh};
 use crate::volume::VolumeId;
 use serde::Serialize;
 use serde_json::Value;
@@ -116,6 +116,13 @@ pub struct LostSaid {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ForgottenSaid {
     pub forgotten: String,
+}
+
+/// A surface that was written.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ExportedMeshSaid {
+    pub exported: ExportedMesh,
+    pub warnings: Vec<String>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]

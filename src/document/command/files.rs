@@ -118,9 +118,15 @@ pub enum VolumeCommand {
         active: bool,
     },
     /// Writes a field to NRRD (`.nrrd`; labels also `.seg.nrrd`) or NIfTI (`.nii`, `.nii.gz`) on the original grid. Density keeps
-    /// the source's type, unedited voxels bit for bit; labels have the ids of the file that they came from.
+    /// the source's type, unedited voxels bit for bit; labels have the ids of the file that they came from. To STL, PLY, OBJ (`.stl`,
+    /// `.ply`, `.obj`, in world mm) or glTF (`.glb`, in metres, upright) the closed surface of the selection, where it is a half, or
+    /// of a label, smooth and within half a voxel of its voxels' faces, where the volume lies. Answers of these `triangles`,
+    /// `vertices`, `volume_mm3`, `closed` and `bytes`.
     Export {
         field: FieldKind,
+        /// Of a mesh of labels: the segment. If left out the only one that there is.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        label: Option<u16>,
         path: PathBuf,
         /// Which volume, the active one if left out.
         #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -116,8 +116,8 @@ impl App {
                 generation: None,
             })),
             PathPurpose::SaveAs => self.send_save(Some(path)),
-            PathPurpose::Export(Export { field, .. }) => {
-                self.send(Command::Volume(VolumeCommand::Export { field, path, volume: None }))
+            PathPurpose::Export(Export { field, label, .. }) => {
+                self.send(Command::Volume(VolumeCommand::Export { field, label, path, volume: None }))
             }
             PathPurpose::Image(wish) => {
                 if let Some(scene) = &self.scene {

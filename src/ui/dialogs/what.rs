@@ -35,11 +35,17 @@ impl App {
             | PathPurpose::Labels
             | PathPurpose::Source(_) => return OsString::new(),
             PathPurpose::SaveAs => name.push(".burin"),
-            PathPurpose::Export(Export { field, endings }) => {
+            PathPurpose::Export(Export { field, endings, label }) => {
                 let ending = endings.first().copied().unwrap_or_default();
                 // What holds labels only is named by its ending already.
                 let named = about_format(endings).is_some_and(|(_, _, labels_only)| labels_only);
-                let what = if named { String::new() } else { format!("-{}", field.name()) };
+                let segment = label.and_then(|id| self.scene.as_ref()?.segments().get(id));
+                let what = match segment {
+                    // What is called anything, a file may not be.
+                    Some(segment) => format!("-{}", segment.name.replace(['/', '\\', ':'], "-")),
+                    None if named => String::new(),
+                    None => format!("-{}", field.name()),
+                };
                 name.push(format!("{what}{ending}"));
             }
             PathPurpose::Image(wish) => {

@@ -2,7 +2,7 @@
 //!
 //! Knows neither dialogs nor the document that is open.
 
-use crate::io::{export_endings, readers};
+use crate::io::{export_endings, mesh_endings, readers};
 use crate::ui::browse::Asks;
 use crate::ui::browse::Purpose;
 use crate::ui::state::picture_wish::Wish;
@@ -17,12 +17,19 @@ pub(crate) struct Export {
     pub(crate) field: FieldKind,
     /// The endings of the format, the usual one first.
     pub(crate) endings: &'static [&'static str],
+    /// The segment whose surface is meant, where it is one.
+    pub(crate) label: Option<u16>,
 }
 
 impl Export {
     /// Of a field, in the format that keeps most of it.
     pub(crate) fn of(field: FieldKind) -> Self {
-        Self { field, endings: export_endings(field).first().copied().unwrap_or_default() }
+        Self { field, endings: export_endings(field).first().copied().unwrap_or_default(), label: None }
+    }
+
+    /// Whether it is a surface.
+    pub(crate) fn is_mesh(&self) -> bool {
+        mesh_endings().any(|endings| endings == self.endings)
     }
 }
 

@@ -1,0 +1,83 @@
+//! Fields of a volume to files: voxels on their grid, or the closed surface of what is selected or labelled; the name's ending says which.
+
+use crate::document::command::answers::{ExportedMeshSaid, ExportedSaid, Said};
+use crate::document::error::DocumentError;
+use crate::document::frame::SELECTION_COLOUR;
+use crate::document::subject::Subject;
+use crate::document::watch::Watch;
+use crate::io::{self, Compression};
+use crate::mesh::{label_surface, selection_surface};
+use crate::volume::FieldKind;
+use std::path::Path;
+
+/// Writes a field. `label` is the segment whose surface is meant.
+///
+/// # Errors
+/// If the name's ending has no room for the field, if there is nothing to write or nothing to read, or `watch` said no.
+pub(super) fn export(
+    subject: &Subject<'_>,
+    field: FieldKind,
+    label: Option<u16>,
+    path: &Path,
+    watch: &Watch,
+) -> Result<Said, DocumentError> {
+    if io::is_mesh(path) {
+        return export_surface(subject, field, label, path, watch);
+    }
+    if let Some(label) = label {
+        let expected =
+            "nothing where voxels are written, which hold all labels; .stl, .ply, .obj or .glb for the surface of one";
+        return Err(DocumentError::invalid("label", label, expected));
+    }
+    let (compression, proceed) = (Compression::default(), |x| watch.proceed(x));
+    let exported =
+        io::export(path, subject.field(field), subject.volume.grid(), subject.segments(), compression, &proceed)?;
+    let warnings = exported.warnings.clone();
+    Ok(ExportedSaid { exported, warnings }.into())
+}
+
+fn export_surface(
+    subject: &Subject<'_>,
+    field: FieldKind,
+    label: Option<u16>,
+    path: &Path,
+    watch: &Watch,
+) -> Result<Said, DocumentError> {
+    let (segments, world_from_index) = (subject.segments(), &subject.grid().world_from_index);
+    let proceed = |x: f32| watch.proceed(x * 0.9);
+    let (mesh, name, colour) = match (field, label) {
+        (FieldKind::Selection, None) => (
+            selection_surface(&subject.selection, world_from_index, &proceed)?,
+            "Selection".to_owned(),
+            SELECTION_COLOUR,
+        ),
+        (FieldKind::Labels, label) => {
+            // The only one is meant where none is named.
+            let only = segments.0.first().filter(|_| segments.0.len() == 1).map(|segment| segment.id);
+            let segment = label.or(only).and_then(|id| segments.get(id));
+            let segment = segment.ok_or_else(|| match label {
+                Some(label) => DocumentError::no_segment("label", label, segments),
+                None => DocumentError::no_segment("label", "none", segments),
+            })?;
+            let mesh = label_surface(&subject.labels, segment.id, world_from_index, &proceed)?;
+            (mesh, segment.name.clone(), segment.colour)
+        }
+        (FieldKind::Selection, Some(label)) => {
+            return Err(DocumentError::invalid("label", label, "nothing: the selection has no labels"));
+        }
+        (FieldKind::Density | FieldKind::Colour, _) => {
+            let expected = "selection or labels: a mesh is the surface of what is selected or of a segment";
+            return Err(DocumentError::invalid("field", field.name(), expected));
+        }
+    };
+    let mesh = mesh.ok_or(DocumentError::Stopped)?;
+    if mesh.triangles().is_empty() {
+        let found = match field {
+            FieldKind::Selection => "a selection that is a half nowhere".to_owned(),
+            _ => format!("{name}, which has no voxel"),
+        };
+        return Err(DocumentError::invalid("field", found, "something that has a surface"));
+    }
+    let exported = io::export_mesh(path, &mesh, &name, colour)?;
+    Ok(ExportedMeshSaid { exported, warnings: Vec::new() }.into())
+}
