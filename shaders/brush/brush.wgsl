@@ -22,7 +22,7 @@
 #import burin::equation_colour::{colours}
 #endif
 #ifdef FLOATS
-#import burin::equation_floats::{float}
+#import burin::equation_floats::{finite, float}
 #endif
 
 // Rows of texels in a slot.
@@ -69,7 +69,8 @@ const SLOTS_PER_ROW: u32 = PITCH / QUADS;
 @group(0) @binding(5) var<storage, read_write> next: array<Quad>;
 // Not 0 for slots in which a voxel of their own differs from the start.
 @group(0) @binding(6) var<storage, read_write> changed: array<atomic<u32>>;
-// Unedited density, tight rows of the host's texels.
+// Unedited density, tight rows of the host's texels; with GOALS four numbers for every texel, where it is led to by a coverage of 1/4, 1/2,
+// 3/4 and 1.
 @group(0) @binding(7) var<storage, read> base: array<u32>;
 // A bit for every texel of a slot, set where the range of values lets the brush paint: the host compares the values themselves.
 @group(0) @binding(8) var<storage, read> gate: array<u32>;
@@ -192,7 +193,12 @@ fn words(t: vec4<u32>) -> Quad {
     return t.x | (t.y << 8u) | (t.z << 16u) | (t.w << 24u);
 }
 fn painted(old: vec4<u32>, cover: vec4<f32>, row: Row, quad: u32, does: Choices) -> vec4<u32> {
+#ifdef GOALS
+    let to = toward(vec4<f32>(old), cover, row, quad);
+    return vec4<u32>(clamp(floor(to + 0.5), vec4<f32>(0.0), vec4<f32>(255.0)));
+#else
     return short_code(old, cover, does);
+#endif
 }
 #endif
 
@@ -222,7 +228,11 @@ fn words(t: vec4<u32>) -> Quad {
     return pairs(t);
 }
 fn painted(old: vec4<u32>, cover: vec4<f32>, row: Row, quad: u32, does: Choices) -> vec4<u32> {
+#ifdef GOALS
+    return led(old, cover, row, quad);
+#else
     return code(old, codes_before(row, quad, does), cover, does);
+#endif
 }
 #endif
 
@@ -235,7 +245,11 @@ fn words(t: vec4<u32>) -> Quad {
 }
 fn painted(old: vec4<u32>, cover: vec4<f32>, row: Row, quad: u32, does: Choices) -> vec4<u32> {
     let old_code = vec4<u32>(floor(bitcast<vec4<f32>>(old) * TOP + 0.5));
+#ifdef GOALS
+    let new_code = led(old_code, cover, row, quad);
+#else
     let new_code = code(old_code, codes_before(row, quad, does), cover, does);
+#endif
     return select(bitcast<vec4<u32>>(vec4<f32>(new_code) / TOP), old, new_code == old_code);
 }
 #endif
@@ -260,12 +274,21 @@ fn words(t: vec4<u32>) -> Quad {
     return t;
 }
 fn painted(old: vec4<u32>, cover: vec4<f32>, row: Row, quad: u32, does: Choices) -> vec4<u32> {
+#ifdef GOALS
+    let to = bitcast<vec4<u32>>(toward(bitcast<vec4<f32>>(old), cover, row, quad));
+    let whole = bitcast<vec4<u32>>(toward(bitcast<vec4<f32>>(old), vec4<f32>(1.0), row, quad));
+    // What is not a number has nothing to mix with: it stays until it is covered wholly.
+    let number = vec4<bool>(finite(old.x), finite(old.y), finite(old.z), finite(old.w));
+    let held = select(old, whole, cover >= vec4<f32>(1.0));
+    return select(held, to, number);
+#else
     var back = old;
     if does.operation == RESTORE {
         let first = row.line * SLOT + quad * 4u;
         back = vec4<u32>(base[first], base[first + 1u], base[first + 2u], base[first + 3u]);
     }
     return float(old, back, cover, does);
+#endif
 }
 #endif
 
@@ -277,6 +300,32 @@ fn halves(words: vec2<u32>) -> vec4<u32> {
 fn pairs(t: vec4<u32>) -> vec2<u32> {
     return t.xz | (t.yw << vec2<u32>(16u));
 }
+
+#ifdef GOALS
+// Where four numbers come by their coverage: straight between the goals of 0, which is the number itself, 1/4, 1/2, 3/4 and 1.
+fn toward(p: vec4<f32>, cover: vec4<f32>, row: Row, quad: u32) -> vec4<f32> {
+    let first = (row.line * SLOT + quad * 4u) * 4u;
+    return vec4<f32>(
+        way(p.x, first, cover.x),
+        way(p.y, first + 4u, cover.y),
+        way(p.z, first + 8u, cover.z),
+        way(p.w, first + 12u, cover.w),
+    );
+}
+
+fn way(p: f32, at: u32, cover: f32) -> f32 {
+    let goals = bitcast<vec4<f32>>(vec4<u32>(base[at], base[at + 1u], base[at + 2u], base[at + 3u]));
+    let share = clamp(vec4<f32>(4.0 * cover) - vec4<f32>(0.0, 1.0, 2.0, 3.0), vec4<f32>(0.0), vec4<f32>(1.0));
+    let moved = p + dot(goals - vec4<f32>(p, goals.xyz), share);
+    return select(moved, goals.w, cover >= 1.0);
+}
+
+// Codes of 16 bits on that way.
+fn led(old: vec4<u32>, cover: vec4<f32>, row: Row, quad: u32) -> vec4<u32> {
+    let to = toward(vec4<f32>(old), cover, row, quad);
+    return vec4<u32>(clamp(floor(to + 0.5), vec4<f32>(0.0), vec4<f32>(65535.0)));
+}
+#endif
 
 // The codes of unedited density, where they matter. A row is 17 words.
 fn codes_before(row: Row, quad: u32, does: Choices) -> vec4<u32> {

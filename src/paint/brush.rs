@@ -16,6 +16,8 @@ pub enum Shape {
     Sphere,
     /// A disc one voxel thick in the plane of the slice that is painted on.
     Disc,
+    /// A ball that is flattened (or drawn out) along the surface's normal: `ratio` of the radius along it, the radius across.
+    Ellipsoid,
 }
 
 /// The `op` of equation 1, and how dabs of a stroke add up.
@@ -38,6 +40,25 @@ pub enum Operation {
     Blend,
     /// C op P = the value before any edit: the source's density, no colour, no selection, no label.
     Restore,
+    /// C = the mean of the voxel's neighbourhood, weighted by a Gaussian of σ = `reach_mm` that ends at 3 σ along each axis. This and
+    /// what follows is told from the field as it was at the stroke's start, and for density and the selection alone.
+    Smooth,
+    /// C = the median of the voxels whose centres lie within `reach_mm`.
+    Median,
+    /// C = twice the value less the mean that `Smooth` takes, between the field's least and greatest value.
+    Sharpen,
+    /// Adds matter on the surface: C = the value that lies `height_mm`, times the coverage, further inside along the normal, which points
+    /// toward lower values.
+    Raise,
+    /// Removes matter from the surface: the value that lies so much further outside.
+    Lower,
+    /// Pushes the surface in as `Lower`, along the normal of the surface at large (about the brush's radius): what is small on it moves
+    /// along.
+    Push,
+    /// Pulls it out again.
+    Pull,
+    /// C = what Laplace's equation fills in from the rim of all that the stroke covers: a hole or a streak closes smoothly.
+    Fill,
 }
 
 /// What is painted, and with what.
@@ -56,6 +77,11 @@ pub enum Target {
 }
 
 impl Target {
+    /// Whether neighbourhood operators work on it: density and the selection.
+    pub const fn has_neighbours(&self) -> bool {
+        matches!(self, Self::Density(_) | Self::Selection(_))
+    }
+
     /// The field that it changes.
     pub const fn field(&self) -> FieldKind {
         match self {
@@ -108,6 +134,9 @@ pub struct Brush {
     pub tip: Tip,
     /// What it paints.
     pub target: Target,
+    /// Of an ellipsoid: how far it reaches along the normal as a share of the radius, above 0 and at most 4.
+    #[serde(default = "half", skip_serializing_if = "is_half")]
+    pub ratio: f64,
     /// Distance of dabs along the stroke as a share of the radius, in (0, ¼].
     pub spacing: f64,
     /// Only voxels whose density before the stroke is in this closed range are painted; see [`Gate`](crate::paint::gate::Gate).
@@ -135,6 +164,22 @@ pub struct Brush {
     /// Across what its strokes are mirrored.
     #[serde(default, skip_serializing_if = "Mirror::is_off")]
     pub mirror: Mirror,
+    /// How far a voxel's neighbourhood reaches, mm, more than 0: σ of `Smooth` and `Sharpen` (up to 8 voxels), the radius of `Median` (up
+    /// to 5). Until it is said, a voxel of the first volume.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reach_mm: Option<f64>,
+    /// How far `Raise`, `Lower`, `Push` and `Pull` move the surface at full coverage, mm, 0 or more (up to 12 voxels). Until it is said, a
+    /// voxel of the first volume.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height_mm: Option<f64>,
+}
+
+const fn half() -> f64 {
+    0.5
+}
+
+fn is_half(ratio: &f64) -> bool {
+    *ratio == half()
 }
 
 impl Default for Brush {
@@ -148,6 +193,7 @@ impl Default for Brush {
             operation: Operation::Replace,
             tip: Tip::Wash,
             target: Target::Selection(1.0),
+            ratio: half(),
             spacing: 0.25,
             range: None,
             erase: false,
@@ -157,6 +203,8 @@ impl Default for Brush {
             only: Only::default(),
             connected: false,
             mirror: Mirror::Off,
+            reach_mm: None,
+            height_mm: None,
         }
     }
 }
@@ -187,6 +235,7 @@ impl Brush {
         match (self.effective(), self.effective_target()) {
             (Operation::Restore, _) => true,
             (Operation::Add | Operation::Subtract, _) => false,
+            (operation, _) if operation.looks_around() => false,
             (_, Target::Density(value)) => self.erase || value == 0.0,
             (_, Target::Selection(value)) => value == 0.0,
             (operation, Target::Colour(rgba)) => operation == Operation::Replace && rgba[3] == 0.0,
@@ -214,6 +263,9 @@ impl Brush {
         if !(self.spacing > 0.0 && self.spacing <= 0.25) {
             return wrong("spacing", self.spacing.to_string(), "a share of the radius above 0 and at most 0.25");
         }
+        if !(self.ratio > 0.0 && self.ratio <= 4.0) {
+            return wrong("ratio", self.ratio.to_string(), "a share of the radius above 0 and at most 4");
+        }
         if let EraseDensity::To(value) = self.erase_density
             && !value.is_finite()
         {
@@ -223,6 +275,16 @@ impl Brush {
             return wrong("within_mm", depth.to_string(), "a finite depth in mm, 0 or more");
         }
         self.mirror.check()?;
+        if let Some(reach) = self.reach_mm.filter(|reach| !(*reach > 0.0 && *reach < 1e100)) {
+            return wrong("reach_mm", reach.to_string(), "a finite length in mm above 0");
+        }
+        if let Some(height) = self.height_mm.filter(|height| !(0.0..1e100).contains(height)) {
+            return wrong("height_mm", height.to_string(), "a finite height in mm, 0 or more");
+        }
+        if self.operation.looks_around() && !self.target.has_neighbours() {
+            let found = format!("{:?} on {}", self.operation, self.target.field().name()).to_lowercase();
+            return wrong("operation", found, "for colours and labels: replace, add, subtract, blend or restore");
+        }
         match self.target {
             Target::Density(value) if !value.is_finite() => {
                 return wrong("target.density", value.to_string(), "a finite value in the volume's unit");
@@ -243,117 +305,15 @@ impl Brush {
         }
     }
 
+    /// Whether its dabs lie along the surface, so that their normals are the surface's.
+    pub fn lies_along(&self) -> bool {
+        self.shape == Shape::Ellipsoid || (self.shape == Shape::Sphere && self.effective().displaces())
+    }
+
     /// Whether dabs of this brush may add up on density beyond one application.
     pub fn piles_up(&self) -> bool {
         let adds = matches!(self.effective(), Operation::Add | Operation::Subtract);
         adds && self.tip == Tip::BuildUp && matches!(self.target, Target::Density(_))
-    }
-}
-
-/// A change of the brush: what is given is changed, the rest is left.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub struct BrushChange {
-    /// Form.
-    pub shape: Option<Shape>,
-    /// Radius, mm.
-    pub radius_mm: Option<f64>,
-    /// Hard if left out where `target` becomes a label, and what it was before where it is a label no more; labels are painted
-    /// by the hard ball in any case.
-    pub falloff: Option<Falloff>,
-    /// 0..1.
-    pub strength: Option<f32>,
-    /// Operation.
-    pub operation: Option<Operation>,
-    /// Wash or build-up.
-    pub tip: Option<Tip>,
-    /// What it paints.
-    pub target: Option<Target>,
-    /// Distance of dabs as a share of the radius.
-    pub spacing: Option<f64>,
-    /// Closed range of densities that may be painted, compared in the source's own type: integers to the last digit; `"inf"`
-    /// and `"-inf"` are ends too.
-    pub range: Option<[Number; 2]>,
-    /// Takes the range away.
-    pub any_value: bool,
-    /// Whether the brush takes away.
-    pub erase: Option<bool>,
-    /// What erasing does to density: `"restore"` takes edits back, `{"to": value}` removes by painting that value.
-    pub erase_density: Option<EraseDensity>,
-    /// Whether strokes keep to the surface that the 3D view shows.
-    pub visible_only: Option<bool>,
-    /// How far from that surface a voxel may lie, mm.
-    pub within_mm: Option<f64>,
-    /// Takes that limit away.
-    pub any_depth: bool,
-    /// Where alone it paints, instead of what was said before: `{"selection": "inside"}`, `{"segment": {"id": 3, "side":
-    /// "outside"}}`, both, or `{}` for everywhere.
-    pub only: Option<Only>,
-    /// Whether it paints only what is connected to where the stroke began.
-    pub connected: Option<bool>,
-    /// Across what strokes are mirrored: `"off"`, `{"axis": "x"}`, `{"points": [a, b, c]}`, `{"plane": …}`, `{"face": {"part": 2,
-    /// "face": 6}}`.
-    pub mirror: Option<Box<Mirror>>,
-}
-
-impl BrushChange {
-    /// What makes `new` of `old`.
-    pub fn between(old: &Brush, new: &Brush) -> Self {
-        fn changed<T: PartialEq + Copy>(old: T, new: T) -> Option<T> {
-            (old != new).then_some(new)
-        }
-        Self {
-            shape: changed(old.shape, new.shape),
-            radius_mm: changed(old.radius_mm, new.radius_mm),
-            falloff: changed(old.falloff, new.falloff),
-            strength: changed(old.strength, new.strength),
-            operation: changed(old.operation, new.operation),
-            tip: changed(old.tip, new.tip),
-            target: changed(old.target, new.target),
-            spacing: changed(old.spacing, new.spacing),
-            range: changed(old.range, new.range).flatten(),
-            any_value: old.range.is_some() && new.range.is_none(),
-            erase: changed(old.erase, new.erase),
-            erase_density: changed(old.erase_density, new.erase_density),
-            visible_only: changed(old.visible_only, new.visible_only),
-            within_mm: changed(old.within_mm, new.within_mm).flatten(),
-            any_depth: old.within_mm.is_some() && new.within_mm.is_none(),
-            only: changed(old.only, new.only),
-            connected: changed(old.connected, new.connected),
-            mirror: changed(old.mirror, new.mirror).map(Box::new),
-        }
-    }
-
-    /// The brush after it.
-    #[must_use]
-    pub fn applied_to(&self, old: &Brush) -> Brush {
-        let is_label = |target: &Target| matches!(target, Target::Label(_));
-        let (was, is) = (is_label(&old.target), is_label(&self.target.unwrap_or(old.target)));
-        let (falloff, falloff_before_labels) = match (self.falloff, was, is) {
-            (Some(chosen), ..) => (chosen, None),
-            (None, false, true) => (Falloff::Hard, Some(old.falloff)),
-            (None, true, false) => (old.falloff_before_labels.unwrap_or(old.falloff), None),
-            (None, ..) => (old.falloff, old.falloff_before_labels),
-        };
-        Brush {
-            shape: self.shape.unwrap_or(old.shape),
-            radius_mm: self.radius_mm.unwrap_or(old.radius_mm),
-            falloff,
-            falloff_before_labels,
-            strength: self.strength.unwrap_or(old.strength),
-            operation: self.operation.unwrap_or(old.operation),
-            tip: self.tip.unwrap_or(old.tip),
-            target: self.target.unwrap_or(old.target),
-            spacing: self.spacing.unwrap_or(old.spacing),
-            range: self.range.or(if self.any_value { None } else { old.range }),
-            erase: self.erase.unwrap_or(old.erase),
-            erase_density: self.erase_density.unwrap_or(old.erase_density),
-            visible_only: self.visible_only.unwrap_or(old.visible_only),
-            within_mm: self.within_mm.or(if self.any_depth { None } else { old.within_mm }),
-            only: self.only.unwrap_or(old.only),
-            connected: self.connected.unwrap_or(old.connected),
-            mirror: self.mirror.as_deref().copied().unwrap_or(old.mirror),
-        }
     }
 }
 

@@ -26,6 +26,7 @@ impl BuildUpBound {
         let edge_mm = match brush.shape {
             _ if brush.radius_mm == 0.0 => steps.iter().sum(),
             Shape::Sphere => brush.radius_mm,
+            Shape::Ellipsoid => brush.radius_mm * brush.ratio.max(1.0),
             // It is lifted to the nearest layer of voxels: half the distance of two at most.
             Shape::Disc => brush.radius_mm.hypot(steps.into_iter().fold(0.0, f64::max) * 0.5),
         };

@@ -18,7 +18,7 @@ pub struct Dab {
     pub radius_mm: f64,
     /// 0..1, scales the brush's strength.
     pub pressure: f32,
-    /// Normal of the slice for a disc; a ball ignores it.
+    /// Normal of the slice for a disc, of the surface for what lies along it; a ball ignores it.
     pub normal: DVec3,
 }
 
@@ -59,6 +59,22 @@ impl IndexBox {
         bricks_between(lo, std::array::from_fn(|a| self.end[a].min(dims[a] - 1) / BRICK))
     }
 
+    /// Its part in a brick, which it meets.
+    #[must_use]
+    pub fn within(&self, brick: BrickIndex) -> Self {
+        let origin = brick.origin();
+        Self {
+            lo: std::array::from_fn(|a| self.lo[a].max(origin[a])),
+            end: std::array::from_fn(|a| self.end[a].min(origin[a] + BRICK)),
+        }
+    }
+
+    /// Its voxels, x fastest.
+    pub fn voxels(&self) -> impl Iterator<Item = [u32; 3]> + use<> {
+        let Self { lo, end } = *self;
+        (lo[2]..end[2]).flat_map(move |z| (lo[1]..end[1]).flat_map(move |y| (lo[0]..end[0]).map(move |x| [x, y, z])))
+    }
+
     /// The smallest box around both.
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
@@ -85,6 +101,18 @@ pub struct DiscLayer {
     pub normal: DVec3,
 }
 
+/// How a dab lies along a surface: the distance to its centre counts across the normal as it is, along it beyond `half_mm` and
+/// stretched.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Along {
+    /// Unit normal of the surface.
+    pub normal: DVec3,
+    /// Up to this height over and under the centre nothing counts, mm: so far matter is moved, and all of that way is covered alike.
+    pub half_mm: f64,
+    /// 1 over the ratio of an ellipsoid's axes.
+    pub stretch: f64,
+}
+
 /// A dab laid on a grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Footprint {
@@ -96,6 +124,8 @@ pub struct Footprint {
     pub gain: f32,
     /// For a disc.
     pub layer: Option<DiscLayer>,
+    /// For what lies along a surface.
+    pub along: Option<Along>,
     /// All voxels with G > 0 are in here.
     pub bounds: IndexBox,
     /// Whether the voxel that holds the centre has all of the gain, whatever its distance.
@@ -137,6 +167,14 @@ impl Dab {
             shown[found.axis] = f64::from(found.index);
             layer = Some(found);
         }
+        let along = self.along(brush);
+        if let Some(along) = &along {
+            for a in 0..3 {
+                let (row, lift) = (rows.col(a), rows.col(a).dot(along.normal));
+                let flat = (row.length_squared() - lift * lift).max(0.0) + (lift / along.stretch).powi(2);
+                reach[a] = self.radius_mm * flat.sqrt() + along.half_mm * lift.abs();
+            }
+        }
         let thin = self.radius_mm > 0.0 && self.radius_mm < half_diagonal_mm(grid);
         let bounds = if self.radius_mm == 0.0 {
             let voxel = grid.voxel_at(centre)?;
@@ -163,11 +201,22 @@ impl Dab {
             radius_mm: self.radius_mm,
             gain,
             layer,
+            along,
             bounds,
             thin,
             falloff: brush.effective_falloff(),
             world_from_index: grid.world_from_index.matrix3,
         })
+    }
+}
+
+impl Dab {
+    /// How it lies along the surface, if it does.
+    fn along(&self, brush: &Brush) -> Option<Along> {
+        let normal = self.normal.try_normalize().filter(|_| brush.lies_along() && self.radius_mm > 0.0)?;
+        let half_mm = if brush.effective().displaces() { brush.height_mm.unwrap_or(0.0) } else { 0.0 };
+        let stretch = if brush.shape == Shape::Ellipsoid { 1.0 / brush.ratio } else { 1.0 };
+        Some(Along { normal, half_mm, stretch })
     }
 }
 
@@ -196,6 +245,11 @@ impl Footprint {
                 return 0.0;
             }
             d -= layer.normal * layer.normal.dot(d);
+        }
+        if let Some(along) = self.along {
+            let lift = along.normal.dot(d);
+            let counts = (lift.abs() - along.half_mm).max(0.0) * along.stretch;
+            d += along.normal * (counts - lift);
         }
         f64::from(self.gain) * self.falloff.at(d.length(), self.radius_mm)
     }

@@ -3,13 +3,17 @@
 //! Pure: knows fields and geometry, neither the GPU nor documents. Direct Volume Editing (2008) section 3, equations 1 and 2
 //! in the form P′ = P + G·((C op P) − P), G = strength·F(d), F = 0 beyond the support.
 
+mod around;
 mod brush;
 mod build_up;
+mod change;
 mod connected;
 mod dab;
 mod error;
 mod falloff;
+mod fill;
 mod gate;
+mod goals;
 mod limits;
 mod mirror;
 mod only;
@@ -20,13 +24,17 @@ mod room;
 mod surface;
 mod voxel_set;
 
-pub use brush::{Brush, BrushChange, EraseDensity, Operation, Sample, Shape, Target, Tip};
+pub use around::Block;
+pub use brush::{Brush, EraseDensity, Operation, Sample, Shape, Target, Tip};
 pub use build_up::BuildUpBound;
+pub use change::BrushChange;
 pub use connected::connected;
-pub use dab::{Dab, Footprint, IndexBox, half_diagonal_mm, image, with_images};
+pub use dab::{Along, Dab, Footprint, IndexBox, half_diagonal_mm, image, with_images};
 pub use error::PaintError;
 pub use falloff::{CURVE_POINTS, EDGE, Falloff, FalloffCurve};
+pub use fill::Filled;
 pub use gate::{GATE_WORDS, Gate};
+pub use goals::{GOALS, Goals};
 pub use limits::{Confines, Limit, Limits, margin};
 pub use mirror::{Mirror, MirrorAxis};
 pub use only::{OfSegment, Only, Side};

@@ -53,8 +53,9 @@ impl Brush {
             };
             let is_code = (code - code.round()).abs() <= 1e-9 * (1.0 + code.abs());
             let whole = self.falloff == Falloff::Hard && self.strength >= 1.0;
+            let anything = restores || self.effective().looks_around();
             let between = unit.is_none_or(|u| whole || map.codes_per_unit * u >= CODES_BETWEEN * (1.0 - 1e-9));
-            finer(map) || (holds(map) && (restores || (is_code && between)))
+            finer(map) || (holds(map) && (restores || ((is_code || anything) && between)))
         };
         if keeps(density.map()) {
             return None;
@@ -79,7 +80,11 @@ impl Brush {
         let kept = map.format != TexelFormat::R32Float || map.decode(map.encode(value)).is_finite();
         let expected = "a value within 32-bit floats, which keep what is painted: up to 3.4e38 either way";
         let wrong = || PaintError::Brush { field: "target.density", found: format!("{value:e}"), expected };
-        if kept || self.effective() == Operation::Restore { Ok(()) } else { Err(wrong()) }
+        if kept || self.effective() == Operation::Restore || self.effective().looks_around() {
+            Ok(())
+        } else {
+            Err(wrong())
+        }
     }
 
     /// The range of values after this brush has painted on values of the range `ends`: these, and what one application makes of
@@ -89,6 +94,7 @@ impl Brush {
         let Target::Density(value) = self.effective_target() else { return ends };
         let [lo, hi] = match self.effective() {
             Operation::Restore => ends,
+            operation if operation.looks_around() => ends,
             Operation::Replace | Operation::Blend => [value, value],
             Operation::Add | Operation::Subtract => {
                 let offset = self.offset(value);
@@ -98,6 +104,7 @@ impl Brush {
                     (max + offset * coverage).min(greatest).max(max + offset),
                 ]
             }
+            _ => ends,
         };
         [lo.min(min), hi.max(max)]
     }

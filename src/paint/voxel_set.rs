@@ -53,6 +53,40 @@ impl VoxelSet {
         bits
     }
 
+    /// A brick's own voxels of the bits of its slot.
+    pub fn of_slot(index: BrickIndex, bits: &[u32]) -> Self {
+        let mut set = Self::default();
+        let rows = set.brick_mut(index);
+        for (n, row) in (0_u32..).zip(rows.iter_mut()) {
+            let first = 1 + SLOT * (1 + n % BRICK + SLOT * (1 + n / BRICK));
+            for x in 0..BRICK {
+                let texel = (first + x) as usize;
+                *row |= (bits[texel / 32] >> (texel % 32) & 1) << x;
+            }
+        }
+        set
+    }
+
+    /// All of them, brick by brick, x fastest.
+    pub fn voxels(&self) -> Vec<[u32; 3]> {
+        let mut bricks: Vec<_> = self.0.iter().collect();
+        bricks.sort_unstable_by_key(|(brick, _)| **brick);
+        let mut all = Vec::new();
+        for (brick, bits) in bricks {
+            let origin = brick.origin();
+            for (word, bits) in (0_u32..).zip(bits.iter()).filter(|(_, bits)| **bits != 0) {
+                let set = (0..BRICK).filter(|x| bits >> x & 1 == 1);
+                all.extend(set.map(|x| [origin[0] + x, origin[1] + word % BRICK, origin[2] + word / BRICK]));
+            }
+        }
+        all
+    }
+
+    /// Whether it holds none.
+    pub fn is_empty(&self) -> bool {
+        self.0.values().all(|bits| bits.iter().all(|word| *word == 0))
+    }
+
     /// A brick's voxels, to change them.
     pub(super) fn brick_mut(&mut self, index: BrickIndex) -> &mut BrickBits {
         self.0.entry(index).or_insert_with(|| Box::new([0; BRICK_VOXELS / 32]))

@@ -1,6 +1,7 @@
 //! Commands, history, journal, projects.
 
 mod answers;
+mod around;
 mod before_many_volumes;
 mod brushes;
 mod colours;
@@ -8,6 +9,7 @@ mod connected;
 mod doors;
 mod effects;
 mod exploded;
+mod filled;
 mod first_look;
 mod fixtures;
 mod history;
@@ -35,6 +37,7 @@ mod masks;
 mod memory;
 mod mirrored;
 mod motion;
+mod moved_surface;
 mod no_volume;
 mod nouns;
 mod opening;

@@ -1,5 +1,6 @@
 //! Brushes, strokes and dabs against equation 2 and closed forms.
 
+mod along;
 mod brush;
 mod build_up;
 mod connected;

@@ -4,6 +4,7 @@
 //! A handler changes the state through an `Edit`, which remembers what was there; whoever calls it makes the step of history and
 //! the record of the journal.
 
+mod along;
 pub(crate) mod ask;
 pub(crate) mod colours;
 pub(crate) mod component;

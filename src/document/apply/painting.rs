@@ -223,6 +223,7 @@ impl OnVolume {
     /// # Errors
     /// If the brush is not one for the volume, or its source fails.
     pub(super) fn new(subject: &Subject<'_>, brush: &Brush, step_mm: f64) -> Result<Self, DocumentError> {
+        brush.check_around(subject.grid())?;
         let path = StrokePath::apart_by(step_mm, brush, subject.grid())?;
         // What a straight stroke piles up, since a wider map costs the whole volume; one application without building up.
         let build_up = brush.piles_up().then(|| BuildUpBound::new(brush, subject.grid()));

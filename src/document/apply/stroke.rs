@@ -13,7 +13,7 @@ use crate::document::error::DocumentError;
 use crate::document::history::edit::Edit;
 use crate::document::state::State;
 use crate::gpu::GpuError;
-use crate::paint::{Mirror, Target, step_mm};
+use crate::paint::{Brush, Mirror, Operation, Target, step_mm};
 use crate::volume::{Segment, VolumeId};
 
 impl Document {
@@ -110,10 +110,11 @@ impl Document {
     fn end_path(&mut self) -> Result<Option<String>, DocumentError> {
         let Some(running) = &self.running else { return Ok(None) };
         let samples = running.trail.as_ref().map_or_else(Vec::new, Trail::end);
-        let (paths, dabs) = running.lay(&samples, true)?;
+        let (paths, mut dabs) = running.lay(&samples, true)?;
         if dabs.iter().all(|(_, dabs)| dabs.is_empty()) {
             return Ok(None);
         }
+        self.lay_along(&mut dabs)?;
         self.make_room(&dabs)?;
         self.keep_to_limits(&dabs)?;
         let (Some(running), Some(state)) = (&mut self.running, &self.state) else { return Ok(None) };
@@ -152,13 +153,16 @@ impl Document {
         }
         let first = state.at(volumes.first().copied())?;
         brush.mirror = brush.mirror.plane(first.grid()).map_or(Mirror::Off, Mirror::Plane);
+        if brush.effective().looks_around() {
+            brush = brush.with_lengths(first.grid());
+        }
         let on = {
             let subjects = volumes.iter().map(|id| state.at(Some(*id))).collect::<Result<Vec<_>, _>>()?;
             let step_mm = step_mm(&brush, subjects.iter().map(|subject| subject.grid()));
             subjects.iter().map(|s| OnVolume::new(s, &brush, step_mm)).collect::<Result<Vec<_>, _>>()?
         };
         let mut edit = Edit::new(Some(state));
-        edit.name(match (if brush.erase { "Erase" } else { "Paint" }, brush.target.field().name(), volumes.len()) {
+        edit.name(match (verb(&brush), brush.target.field().name(), volumes.len()) {
             (what, field, 1) => format!("{what} {field}"),
             (what, field, count) => format!("{what} {field} in {count} volumes"),
         });
@@ -191,7 +195,8 @@ impl Document {
     fn extend_stroke(&mut self, resolved: Resolved) -> Result<Answer, DocumentError> {
         let Resolved { samples, missed, trail, .. } = resolved;
         let Some(running) = &self.running else { return Ok(Answer::default()) };
-        let (paths, dabs) = running.lay(&samples, false)?;
+        let (paths, mut dabs) = running.lay(&samples, false)?;
+        self.lay_along(&mut dabs)?;
         let count = dabs.iter().map(|(_, dabs)| dabs.len()).sum();
         self.make_room(&dabs)?;
         self.keep_to_limits(&dabs)?;
@@ -233,6 +238,21 @@ impl Document {
         if let Some(Err(error)) = self.autosave.as_mut().map(crate::document::journal::autosave::Autosave::no_stroke) {
             tracing::warn!("{error}");
         }
+    }
+}
+
+/// What a stroke does, for the name of its step.
+fn verb(brush: &Brush) -> &'static str {
+    match brush.effective() {
+        _ if brush.erase => "Erase",
+        Operation::Smooth | Operation::Median => "Smooth",
+        Operation::Sharpen => "Sharpen",
+        Operation::Raise => "Raise",
+        Operation::Lower => "Lower",
+        Operation::Push => "Push",
+        Operation::Pull => "Pull",
+        Operation::Fill => "Fill in",
+        Operation::Replace | Operation::Add | Operation::Subtract | Operation::Blend | Operation::Restore => "Paint",
     }
 }
 

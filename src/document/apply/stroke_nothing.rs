@@ -152,7 +152,7 @@ impl Open {
         let mut left = vec![0_u64; names.len()];
         let (mut covered, mut locked, mut free) = (false, None, false);
         for footprint in footprints {
-            for voxel in voxels(&footprint.bounds).filter(|&v| footprint.coverage(v) > 0.0) {
+            for voxel in footprint.bounds.voxels().filter(|&v| footprint.coverage(v) > 0.0) {
                 let [x, y, z] = std::array::from_fn(|a| (voxel[a] - bounds.lo[a]) as usize);
                 let i = x + size[0] as usize * (y + size[1] as usize * z);
                 covered = true;
@@ -183,9 +183,4 @@ fn is_open(gates: &HashMap<BrickIndex, Vec<(Limit, Vec<u32>)>>, limit: usize, vo
 
 fn volume(bounds: &IndexBox) -> u64 {
     (0..3).map(|a| u64::from(bounds.end[a] - bounds.lo[a])).product()
-}
-
-fn voxels(bounds: &IndexBox) -> impl Iterator<Item = [u32; 3]> + use<> {
-    let IndexBox { lo, end } = *bounds;
-    (lo[2]..end[2]).flat_map(move |z| (lo[1]..end[1]).flat_map(move |y| (lo[0]..end[0]).map(move |x| [x, y, z])))
 }

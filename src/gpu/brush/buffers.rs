@@ -2,11 +2,11 @@
 //!
 //! Owns [`StrokeBuffers`], which serve a number of slots; a stroke takes further ones as it grows. Knows no dabs.
 
-use crate::gpu::brush::kernel::{QUADS, SLOT_PITCH_BYTES, Variant, tight_bytes};
+use crate::gpu::brush::kernel::{QUADS, SLOT_PITCH_BYTES, Variant};
 use crate::gpu::device::constants::{MOST_ITEMS, ROW_PITCH_BYTES};
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
-use crate::volume::{BrickIndex, Region, SLOT, TexelFormat};
+use crate::volume::{BrickIndex, Region, SLOT};
 
 /// Slots of the smallest and of the largest buffers; the latter is what one dispatch can take.
 const CAPACITY: [u32; 2] = [16, MOST_ITEMS];
@@ -16,8 +16,8 @@ const GATE_BYTES: u64 = crate::paint::GATE_WORDS as u64 * 4;
 /// What a stroke needs beyond start and coverage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Extras {
-    /// Format of unedited density, if the stroke restores it.
-    pub(crate) base: Option<TexelFormat>,
+    /// Bytes that a slot takes of unedited density, if the stroke restores it, or of goals.
+    pub(crate) base: Option<u64>,
     /// Whether the stroke respects a range of values.
     pub(crate) gate: bool,
 }
@@ -59,11 +59,7 @@ pub(crate) struct StrokeBuffers {
 /// Bytes that a slot takes, more or less: of slots that share rows each is counted for its part.
 pub(crate) fn slot_bytes(variant: Variant, extras: Extras) -> u64 {
     let gate = if extras.gate { GATE_BYTES } else { 0 };
-    SLOT_PITCH_BYTES / u64::from(variant.slots_per_row())
-        + COVERAGE_BYTES
-        + 4
-        + extras.base.map_or(0, tight_bytes)
-        + gate
+    SLOT_PITCH_BYTES / u64::from(variant.slots_per_row()) + COVERAGE_BYTES + 4 + extras.base.unwrap_or(0) + gate
 }
 
 /// How many slots the next buffers hold when `needed` have no place and `touched` have one.
@@ -93,7 +89,7 @@ impl StrokeBuffers {
                 start: make("brush start", pitches * SLOT_PITCH_BYTES, Use::COPY_SRC),
                 coverage: make("brush coverage", count * COVERAGE_BYTES, Use::empty()),
                 changed: make("brush changed", count * 4, Use::COPY_SRC),
-                base: extras.base.map(|f| make("brush base", count * tight_bytes(f), Use::empty())),
+                base: extras.base.map(|bytes| make("brush base", count * bytes, Use::empty())),
                 gate: extras.gate.then(|| make("brush gate", count * GATE_BYTES, Use::empty())),
                 aside: None,
             })

@@ -7,8 +7,8 @@ use crate::gpu::device::constants::{MOST_DABS, MOST_ITEMS, ROW_PITCH_BYTES};
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::device::kernel::{Binding, Compute, Kernel};
 use crate::gpu::device::shader::shader;
-use crate::math::DMat3;
-use crate::paint::{Brush, CURVE_POINTS, EDGE, Falloff, Footprint, Operation, Reach, Target, Tip};
+use crate::math::{DMat3, DVec3};
+use crate::paint::{Along, Brush, CURVE_POINTS, EDGE, Falloff, Footprint, Operation, Reach, Target, Tip};
 use crate::shared_struct;
 use crate::volume::{Field, FieldKind, Grid, SLOT, SLOT_VOXELS, TexelFormat};
 
@@ -62,11 +62,16 @@ shared_struct! {
         fraction: [f32; 3],
         /// Strength times pressure.
         gain: f32,
+        /// Unit normal of the surface that it lies along; 0 for others.
+        normal: [f32; 3],
+        /// Along the normal distances count beyond this,
+        half: f32,
+        /// and are stretched so much.
+        stretch: f32,
         /// Largest squared distance inside; 0 for a dab that is one voxel.
         edge: f32,
         unused_a: u32,
         unused_b: u32,
-        unused_c: u32,
     }
 }
 
@@ -161,14 +166,15 @@ pub(crate) fn tight_bytes(format: TexelFormat) -> u64 {
 }
 
 /// What the kernel is compiled under: a stroke's first dab, if it is one, need not gather coverage; of falloffs, those that cost more than
-/// the others, which need not pay for them.
+/// the others, which need not pay for them; and whether each texel goes toward something of its own.
 pub(crate) fn conditions(variant: Variant, gathers: bool, brush: &Brush) -> Vec<&'static str> {
     let falloff = match brush.effective_falloff() {
         Falloff::Gaussian => Some("GAUSSIAN"),
         Falloff::Curve(_) => Some("CURVE"),
         Falloff::Hard | Falloff::Linear | Falloff::Smooth => None,
     };
-    std::iter::once(variant.condition()).chain((!gathers).then_some("ONE_DAB")).chain(falloff).collect()
+    let goals = brush.effective().looks_around().then_some("GOALS");
+    std::iter::once(variant.condition()).chain((!gathers).then_some("ONE_DAB")).chain(falloff).chain(goals).collect()
 }
 
 /// The kernel of shaders/brush/brush.wgsl. Its bindings are numbered as there.
@@ -247,6 +253,8 @@ pub(crate) fn choices(brush: &Brush, gated: bool) -> u32 {
         Operation::Subtract => 2,
         Operation::Blend => 3,
         Operation::Restore => 4,
+        // Compiled in.
+        _ => 0,
     };
     let gather = match (brush.tip, offset) {
         (Tip::Wash, _) => 0,
@@ -283,16 +291,19 @@ impl BrushDab {
     pub(crate) fn new(footprint: &Footprint) -> Self {
         let base = footprint.centre.floor();
         let reach = if footprint.radius_mm > 0.0 { 1.0 + EDGE } else { 0.0 };
+        let along = footprint.along.unwrap_or(Along { normal: DVec3::ZERO, half_mm: 0.0, stretch: 0.0 });
         let disc = footprint.layer.map_or(0, |l| (l.axis as u32 + 1) << 1 | l.index << 3);
         Self {
             base: base.to_array().map(|v| v as i32),
             form: u32::from(footprint.thin) | disc,
             fraction: (footprint.centre - base).to_array().map(|v| v as f32),
             gain: footprint.gain,
+            normal: along.normal.to_array().map(|v| v as f32),
+            half: (along.half_mm / footprint.radius_mm.max(f64::MIN_POSITIVE)) as f32,
+            stretch: along.stretch as f32,
             edge: (reach * reach) as f32,
             unused_a: 0,
             unused_b: 0,
-            unused_c: 0,
         }
     }
 }

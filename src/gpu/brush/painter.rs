@@ -236,6 +236,9 @@ impl Painter {
             return Err(NOT_RUNNING);
         }
         self.mend(pools, fields)?;
+        for (volume, stroke) in &mut self.strokes {
+            self.tools.settle(stroke, pools, &of(fields, *volume)?)?;
+        }
         let mut bricks = Vec::new();
         for (volume, stroke) in &self.strokes {
             bricks.push((stroke.key(), self.tools.changed(stroke, pools, &of(fields, *volume)?)?));

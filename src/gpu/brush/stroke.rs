@@ -1,14 +1,16 @@
 //! A stroke while it runs on a volume: its constants, its dabs, and where each brick it touched is kept.
 
 use crate::gpu::brush::buffers::{Extras, StrokeBuffers, StrokeSlot, WHOLE_SLOT, next_capacity, slot_bytes};
-use crate::gpu::brush::kernel::{BrushStroke, Variant};
+use crate::gpu::brush::kernel::{BrushStroke, Variant, tight_bytes};
 use crate::gpu::brush::live_cells::LiveBricks;
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::fields::pools::FieldPools;
 use crate::gpu::fields::volumes::VolumeFields;
-use crate::paint::{Brush, Confines, Dab, Footprint, Limits, Operation, Reach, Target, VoxelSet};
-use crate::volume::{BrickIndex, Field, FieldKey, FieldKind, Grid, Region, Segments, VolumeId};
+use crate::paint::{Brush, Confines, Dab, Filled, Footprint, GOALS, Goals, Limits, Operation, Reach, Target, VoxelSet};
+use crate::volume::{
+    BrickIndex, Field, FieldKey, FieldKind, Grid, Region, SLOT_VOXELS, Segments, SourceError, VolumeId,
+};
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap};
 
@@ -38,6 +40,8 @@ pub(crate) struct Stroke {
     pub(crate) stale: BTreeSet<BrickIndex>,
     /// Sets of voxels that it keeps within.
     pub(crate) confines: Confines,
+    /// What it fills in, if it does.
+    pub(crate) filled: Filled,
     /// Whether its slots show dabs that were taken from it.
     pub(crate) torn: bool,
 }
@@ -75,6 +79,7 @@ impl Stroke {
             seen: VoxelSet::default(),
             stale: BTreeSet::new(),
             confines: Confines::new(),
+            filled: Filled::default(),
             torn: false,
         }
     }
@@ -128,8 +133,12 @@ impl Stroke {
         (elsewhere, budget): (u64, u64),
     ) -> Result<(), GpuError> {
         let on_density = matches!(self.brush.target, Target::Density(_));
+        let restores = on_density && self.brush.effective() == Operation::Restore;
         let extras = Extras {
-            base: (on_density && self.brush.effective() == Operation::Restore).then(|| density.format()),
+            base: match self.brush.effective().looks_around() {
+                true => Some((SLOT_VOXELS * GOALS * 4) as u64),
+                false => restores.then(|| tight_bytes(density.format())),
+            },
             gate: self.is_gated(),
         };
         loop {
@@ -163,7 +172,11 @@ impl Stroke {
         texture: &wgpu::Texture,
     ) -> Result<(), GpuError> {
         let (density, new_slots) = (fields.density, new.par_iter());
+        let around = self.brush.effective().looks_around();
         let base = match self.buffers.iter().any(|b| b.base.is_some()) {
+            true if around => {
+                new_slots.clone().map(|n| self.goals_of(fields, n.brick)).collect::<Result<Vec<_>, _>>()?
+            }
             true => new_slots.clone().map(|n| density.base_slot(n.brick)).collect::<Result<Vec<_>, _>>()?,
             false => Vec::new(),
         };
@@ -228,20 +241,52 @@ impl Stroke {
         Limits { brush, grid, density, selection, labels, seen, confines }
     }
 
-    /// Writes the gates of slots anew in which more may be painted by now.
-    pub(crate) fn renew_gates(&mut self, gpu: &Gpu, fields: &VolumeFields<'_>) -> Result<(), GpuError> {
+    /// Where each texel of a slot is led to.
+    fn goals_of(&self, fields: &VolumeFields<'_>, brick: BrickIndex) -> Result<Vec<u8>, SourceError> {
+        let Self { brush, grid, filled, .. } = self;
+        let goals = Goals { brush, grid, field: fields.get(self.kind()), filled }.slot(brick)?;
+        Ok(bytemuck::cast_slice(&goals).to_vec())
+    }
+
+    /// Fills in what these footprints cover and the brush may touch; slots that show it have it when their limits are next renewed.
+    pub(crate) fn fill(&mut self, fields: &VolumeFields<'_>, footprints: &[Footprint]) -> Result<(), SourceError> {
+        let mut domain = VoxelSet::default();
+        let mut open: HashMap<BrickIndex, VoxelSet> = HashMap::new();
+        for footprint in footprints {
+            for brick in footprint.bounds.bricks() {
+                if let (true, std::collections::hash_map::Entry::Vacant(place)) = (self.is_gated(), open.entry(brick)) {
+                    place.insert(VoxelSet::of_slot(brick, &self.limits(fields).slot(brick)?));
+                }
+                let of_brick = footprint.bounds.within(brick);
+                for voxel in of_brick.voxels().filter(|v| footprint.coverage(*v) > 0.0) {
+                    if open.get(&brick).is_none_or(|open| open.contains(voxel)) {
+                        domain.insert(voxel);
+                    }
+                }
+            }
+        }
+        let filled = Filled::solve(fields.get(self.kind()), self.grid.spacing(), &domain)?;
+        self.filled.extend(filled);
+        self.stale.extend(domain.slots(self.grid.dims, [0; 3]));
+        Ok(())
+    }
+
+    /// Writes the limits and goals of slots anew in which more is known by now.
+    pub(crate) fn renew(&mut self, gpu: &Gpu, fields: &VolumeFields<'_>) -> Result<(), GpuError> {
         while let Some(&brick) = self.stale.first() {
             let Some(slot) = self.slots.get(&brick) else {
                 self.stale.pop_first();
                 continue;
             };
-            let bits = self.limits(fields).slot(brick)?;
-            if let Some(gate) = &self.buffers[slot.buffers].gate {
-                gpu.queue.write_buffer(
-                    gate,
-                    u64::from(slot.place) * (bits.len() * 4) as u64,
-                    bytemuck::cast_slice(&bits),
-                );
+            let StrokeBuffers { gate, base, .. } = &self.buffers[slot.buffers];
+            if let Some(gate) = gate {
+                let bits = self.limits(fields).slot(brick)?;
+                let at = u64::from(slot.place) * (bits.len() * 4) as u64;
+                gpu.queue.write_buffer(gate, at, bytemuck::cast_slice(&bits));
+            }
+            if let (Some(base), Operation::Fill) = (base, self.brush.effective()) {
+                let goals = self.goals_of(fields, brick)?;
+                gpu.queue.write_buffer(base, u64::from(slot.place) * goals.len() as u64, &goals);
             }
             self.stale.pop_first();
         }

@@ -18,7 +18,7 @@ use crate::gpu::device::gpu::Gpu;
 use crate::gpu::device::kernel::{Compute, Kernel};
 use crate::gpu::fields::pools::FieldPools;
 use crate::gpu::fields::volumes::{Fields, VolumeFields};
-use crate::paint::{Dab, Footprint, IndexBox};
+use crate::paint::{Dab, Footprint, IndexBox, Operation};
 use crate::volume::{Brick, BrickIndex, Field, VolumeId};
 
 /// Memory that one stroke may take unless it is said otherwise.
@@ -79,6 +79,9 @@ impl Tools {
         if bricks.is_empty() {
             stroke.dabs.extend_from_slice(dabs);
             return Ok(bricks);
+        }
+        if stroke.brush.effective() == Operation::Fill {
+            stroke.fill(fields, &footprints)?;
         }
         let new: Vec<_> = bricks.iter().copied().filter(|b| !stroke.slots.contains_key(b)).collect();
         let origins = if new.is_empty() { Vec::new() } else { pools.pin(&self.gpu, key, target, &new)? };
@@ -142,7 +145,7 @@ impl Tools {
             }
             stroke.take(gpu, fields, new, gathers, &mut encoder, texture)?;
         }
-        stroke.renew_gates(gpu, fields)?;
+        stroke.renew(gpu, fields)?;
         let Some(first) = stroke.ungathered else {
             return dispatcher.submit(gpu, (kernel, &pipeline), stroke, footprints, encoder, texture);
         };
@@ -150,6 +153,24 @@ impl Tools {
         stroke.begin_gathering(&slots, &mut encoder, texture);
         let all = [&[first], footprints].concat();
         dispatcher.submit(gpu, (kernel, &pipeline), stroke, &all, encoder, texture)
+    }
+
+    /// Before a stroke ends that fills in: fills in all that it covers, as one, and lays it anew.
+    ///
+    /// # Errors
+    /// As [`rewind`](Self::rewind).
+    pub(crate) fn settle(
+        &mut self,
+        stroke: &mut Stroke,
+        pools: &mut FieldPools,
+        fields: &VolumeFields<'_>,
+    ) -> Result<(), GpuError> {
+        if stroke.brush.effective() != Operation::Fill || stroke.dabs.len() < 2 {
+            return Ok(());
+        }
+        stroke.fill(fields, &stroke.footprints(&stroke.dabs))?;
+        stroke.renew(&self.gpu, fields)?;
+        self.rewind(stroke, pools, fields)
     }
 
     /// Takes dabs back that were laid and are no longer among the stroke's: its slots are put back, and those that it has laid anew.

@@ -10,7 +10,7 @@ use crate::ui::panels::falloff::falloff_curve;
 use crate::ui::style::colour::colour_button;
 use crate::ui::style::theme;
 use crate::ui::style::theme::{GAP, LABEL, ROW};
-use crate::ui::style::widgets::{Scale, choice, from_right, line, number, pick, row, slider, tick, tipped};
+use crate::ui::style::widgets::{Scale, choice, line, number, pick, row, slider, tick, tipped};
 use crate::ui::thread::session::OpenDocument;
 use crate::ui::window::app::App;
 use crate::volume::Number;
@@ -23,13 +23,28 @@ const TARGETS: [(&str, &str, &str); 4] = [
     ("density", "Density", "The volume's own values"),
 ];
 
-const OPERATIONS: [(Operation, &str, &str); 5] = [
+const OPERATIONS: [(Operation, &str, &str); 13] = [
     (Operation::Replace, "Replace", "What was there gives way to what is painted"),
     (Operation::Add, "Add", "What is painted is added to what was there"),
     (Operation::Subtract, "Subtract", "What is painted is taken from what was there"),
     (Operation::Blend, "Blend", "A mixture of what was there and what is painted"),
     (Operation::Restore, "Restore the original", "What the file says comes back"),
+    (Operation::Smooth, "Smooth", "Each value becomes more like the mean about it"),
+    (
+        Operation::Median,
+        "Smooth, edges kept",
+        "Each value becomes more like the median about it: specks go, edges stay",
+    ),
+    (Operation::Sharpen, "Sharpen", "Each value becomes less like the mean about it"),
+    (Operation::Raise, "Raise the surface", "Adds matter: the surface moves outward"),
+    (Operation::Lower, "Lower the surface", "Removes matter: the surface moves inward"),
+    (Operation::Push, "Push in", "The surface is pushed in with all that is on it"),
+    (Operation::Pull, "Pull out", "The surface is pulled out with all that is on it"),
+    (Operation::Fill, "Fill in", "What is painted over is filled in smoothly from its rim"),
 ];
+
+/// Of those, what works on colours too.
+const PLAIN: usize = 5;
 
 const fn kind(target: Target) -> &'static str {
     match target {
@@ -98,6 +113,7 @@ impl App {
             let options = [
                 (Shape::Sphere, "Ball", "A ball, in every view"),
                 (Shape::Disc, "Disc", "One voxel thick, on the slice"),
+                (Shape::Ellipsoid, "Flat ball", "Flattened along the surface it lies on"),
             ];
             new.shape = choice(ui, "Shape", Some(new.shape), &options).unwrap_or(new.shape);
         });
@@ -112,17 +128,25 @@ impl App {
             ];
             new.tip = choice(ui, "Overlap", Some(new.tip), &options).unwrap_or(new.tip);
         });
-        row(ui, "Mode", |ui| match new.target {
-            Target::Label(_) => label_mode(ui, &new),
-            _ => operation_box(ui, &mut new),
+        row(ui, "Mode", |ui| {
+            let width = ui.available_width() - ROW - GAP;
+            ui.scope(|ui| {
+                ui.set_min_width(width);
+                ui.set_max_width(width);
+                match new.target {
+                    Target::Label(_) => label_mode(ui, &new),
+                    _ => operation_box(ui, &mut new),
+                }
+            });
+            if let Some(scene) = &self.scene {
+                limits_menu(ui, scene, &mut self.mirror_points, voxel, &mut new);
+            }
         });
+        around_row(ui, voxel, &mut new);
         erase_row(ui, ends, &mut new);
         row(ui, "In 3D", |ui| {
             let tip = "Strokes in the 3D view keep to the surface that is seen: nothing behind it is painted";
             tick(ui, &mut new.visible_only, "Only what is visible", tip);
-            if let Some(scene) = &self.scene {
-                from_right(ui, |ui| limits_menu(ui, scene, &mut self.mirror_points, voxel, &mut new));
-            }
         });
         range_row(ui, &mut new, ends);
         if let Some(command) = brush_change(&old, &new) {
@@ -264,11 +288,35 @@ fn erase_row(ui: &mut Ui, ends: [f64; 2], new: &mut Brush) {
     });
 }
 
+/// How far a mode looks around or moves the surface, where it does.
+fn around_row(ui: &mut Ui, voxel: f64, new: &mut Brush) {
+    let (label, about, length, most) = match new.operation {
+        Operation::Smooth | Operation::Median | Operation::Sharpen => {
+            let about = ("Size of the neighbourhood", "How far around a place its neighbours count");
+            let most = if new.operation == Operation::Median { 5.0 } else { 8.0 };
+            ("Size", about, &mut new.reach_mm, most)
+        }
+        Operation::Raise | Operation::Lower | Operation::Push | Operation::Pull => {
+            ("Height", ("Height of the change", "How far the surface moves"), &mut new.height_mm, 12.0)
+        }
+        _ => return,
+    };
+    row(ui, label, |ui| {
+        let LengthUnit { name: unit, per_mm: factor, .. } = LengthUnit::of(voxel);
+        let scale = Scale { logarithmic: true, decimals: readout::decimals(voxel * factor * 20.0), unit, factor };
+        let mut value = length.unwrap_or(voxel);
+        if slider(ui, about, &mut value, (voxel * 0.1)..=(voxel * most), scale).changed() {
+            *length = Some(value);
+        }
+    });
+}
+
 fn operation_box(ui: &mut Ui, new: &mut Brush) {
     let name = OPERATIONS.iter().find(|o| o.0 == new.operation).map_or("", |o| o.1);
     let width = ui.available_width();
     let response = ComboBox::from_id_salt("operation").width(width).truncate().selected_text(name).show_ui(ui, |ui| {
-        for (operation, name, tip) in OPERATIONS {
+        let count = if new.target.has_neighbours() { OPERATIONS.len() } else { PLAIN };
+        for &(operation, name, tip) in &OPERATIONS[..count] {
             ui.selectable_value(&mut new.operation, operation, name).on_hover_text(tip);
         }
     });

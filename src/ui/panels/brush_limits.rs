@@ -7,7 +7,7 @@ use crate::document::Scene;
 use crate::interact::readout;
 use crate::interact::readout::LengthUnit;
 use crate::math::DVec3;
-use crate::paint::{Brush, Mirror, MirrorAxis, OfSegment, Side};
+use crate::paint::{Brush, Mirror, MirrorAxis, OfSegment, Shape, Side};
 use crate::ui::style::icons::Icon;
 use crate::ui::style::theme;
 use crate::ui::style::theme::{GAP, LABEL};
@@ -41,6 +41,14 @@ pub(super) fn limits_menu(ui: &mut Ui, scene: &Scene, points: &mut Vec<DVec3>, v
         row(ui, "Selection", |ui| side(ui, "Selection", &mut new.only.selection));
         segment_rows(ui, scene, new);
         mirror_rows(ui, scene, points, new);
+        if new.shape == Shape::Ellipsoid {
+            row(ui, "Flatness", |ui| {
+                let about =
+                    ("Flatness of the ball", "How far the flat ball reaches into the depth, as a share of its radius");
+                let most = new.ratio.max(1.0);
+                slider(ui, about, &mut new.ratio, 0.05..=most, Scale::PERCENT);
+            });
+        }
     });
 }
 

@@ -19,6 +19,8 @@ struct Laid {
     index: DVec3,
     /// For a disc: axis across the layer and its normal.
     layer: Option<(usize, DVec3)>,
+    /// Of an ellipsoid: the surface's normal.
+    normal: DVec3,
 }
 
 impl Laid {
@@ -38,6 +40,7 @@ impl Laid {
             centre: dab.centre,
             index: m.inverse().transform_point3(dab.centre),
             layer,
+            normal: dab.normal,
         }
     }
 
@@ -53,6 +56,10 @@ impl Laid {
                 return (0.0, false);
             }
             offset -= normal * offset.dot(normal);
+        }
+        if brush.shape == Shape::Ellipsoid {
+            let along = self.normal.dot(offset);
+            offset += self.normal * (along / brush.ratio - along);
         }
         let x = offset.length() / brush.radius_mm;
         // Labels take part by distance, whatever the falloff.
@@ -100,6 +107,7 @@ fn equation_1(p: f64, c: f64, op: Operation, back: f64, g: f64, printed: bool) -
         Operation::Add => p + c,
         Operation::Subtract => p - c,
         Operation::Restore => back,
+        other => unreachable!("{other:?} has an oracle of its own"),
     };
     if printed { mixed + g * (p - mixed) } else { p + g * (mixed - p) }
 }
@@ -195,6 +203,7 @@ pub fn stroke(canvas: &Canvas, brush: &Brush, dabs: &[Dab], printed: bool) -> Ve
                         Operation::Subtract if current == id => 0,
                         Operation::Subtract => current,
                         Operation::Restore => 0,
+                        other => unreachable!("{other:?} is none for labels"),
                     };
                     pad(&new.to_le_bytes())
                 }

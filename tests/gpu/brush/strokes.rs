@@ -27,7 +27,7 @@ fn every_brush(canvases: &mut [Canvas], target: Target, range: [f64; 2]) {
     for operation in OPERATIONS {
         for tip in [Tip::Wash, Tip::BuildUp] {
             for falloff in falloffs() {
-                for shape in [Shape::Sphere, Shape::Disc] {
+                for shape in [Shape::Sphere, Shape::Disc, Shape::Ellipsoid] {
                     n += 1;
                     let count = canvases.len();
                     let canvas = &mut canvases[rng.random_range(0..count)];
@@ -39,6 +39,7 @@ fn every_brush(canvases: &mut [Canvas], target: Target, range: [f64; 2]) {
                         operation,
                         tip,
                         target,
+                        ratio: [0.4, 1.7][n % 2],
                         spacing: 0.25,
                         range: (n % 5 == 0).then_some(range.map(Number::Real)),
                         erase: n % 13 == 0,
