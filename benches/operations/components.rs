@@ -1,9 +1,11 @@
-//! Connected components of 256³ voxels: noise, smoothed noise and the head above its background.
+//! Connected components of 256³ voxels (noise, smoothed noise, the head above its background), and the commands and surfaces that
+//! rest on them.
 //!
 //! With `BURIN_PEERS` the masks are written there too, a byte a voxel, so that another program can be given the same.
 
+use super::cube::{apply, over};
 use super::head::{Failure, head_values};
-use super::measure::{Report, measure};
+use super::measure::{Report, Time, measure};
 use burin::segment::{BrickMask, Components, Connectivity};
 use burin::volume::{BRICK, BrickIndex, SourceError};
 use rand::{Rng, SeedableRng};
@@ -32,6 +34,51 @@ pub fn components(report: &mut Report) -> Result<(), Failure> {
         })?;
         let keys = [("kind", json!("components")), ("mask", json!(name)), ("components", json!(found))];
         report.beside(&format!("{found} components of {name}, 256³"), time, "scipy", &keys, true);
+    }
+    Ok(())
+}
+
+/// Keeping the largest component of the head, from the command to the step of history, and taking it back.
+pub fn isolate(report: &mut Report) -> Result<(), Failure> {
+    let folder = tempfile::tempdir()?;
+    let mut document = over(head_values([N as u32; 3])?, N as u32, folder.path())?;
+    let function = json!({"colour": [[0, [1, 1, 1]]], "opacity": [[39, 0], [40, 0.5]], "unit_mm": 1});
+    apply(&mut document, json!({"transfer": {"set": {"function": function}}}))?;
+    let mut said = json!(null);
+    let mut times = [Vec::new(), Vec::new()];
+    for _ in 0..7 {
+        times[0].push(measure(0, 1, |_| -> Result<(), Failure> {
+            said = apply(&mut document, json!({"component": {"keep": {}}}))?;
+            Ok(())
+        })?);
+        times[1].push(measure(0, 1, |_| apply(&mut document, json!({"history": {"undo": {}}})).map(drop))?);
+    }
+    let [keep, undo] = times.map(Time::median);
+    let keys = [("kind", json!("components")), ("mask", json!("head")), ("components", said["components"].clone())];
+    report.beside("keep the head's largest of 256³", keep, "scipy's labels alone", &keys, true);
+    report.row("undo it", undo, &format!("{} voxels in {} bricks", said["voxels_changed"], said["bricks_touched"]));
+    Ok(())
+}
+
+/// The surfaces of the head's largest component, selected and labelled, to files.
+pub fn surfaces(report: &mut Report) -> Result<(), Failure> {
+    let folder = tempfile::tempdir()?;
+    let mut document = over(head_values([N as u32; 3])?, N as u32, folder.path())?;
+    let matter = json!({"range": [40, 254]});
+    apply(&mut document, json!({"component": {"select": {"matter": matter}}}))?;
+    apply(&mut document, json!({"component": {"label": {"matter": matter, "label": 1}}}))?;
+    for field in ["selection", "labels"] {
+        let path = folder.path().join("out.stl");
+        let mut said = json!(null);
+        let time = measure(1, 3, |_| -> Result<(), Failure> {
+            said = apply(&mut document, json!({"volume": {"export": {"field": field, "path": path}}}))?;
+            Ok(())
+        })?;
+        report.row(
+            &format!("surface of {field} to STL, 256³"),
+            time,
+            &format!("{} triangles", said["exported"]["triangles"]),
+        );
     }
     Ok(())
 }

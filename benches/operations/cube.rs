@@ -15,7 +15,11 @@ pub fn document(n: u32, folder: &Path) -> Result<Document, Failure> {
         noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (i >> 9) as u8 ^ (noise >> 28) as u8
     };
-    let voxels: Vec<u8> = (0..u64::from(n).pow(3)).map(byte).collect();
+    over((0..u64::from(n).pow(3)).map(byte).collect(), n, folder)
+}
+
+/// A document of these n³ bytes.
+pub fn over(voxels: Vec<u8>, n: u32, folder: &Path) -> Result<Document, Failure> {
     let grid = Grid::aligned([n; 3], DVec3::ONE, DVec3::ZERO);
     let source = Arc::new(MemorySource::new("cube", grid, u8::wrap(voxels), (1.0, 0.0))?);
     let path = folder.join("origin");

@@ -50,6 +50,8 @@ const BENCHES: &[Bench] = &[
     ("explode/visibility", explode::visibility),
     ("explode/pictures", explode::pictures),
     ("segment/components", components::components),
+    ("segment/isolate", components::isolate),
+    ("segment/surfaces", components::surfaces),
     ("keep/save", save::save),
     ("keep/export", export::export),
     ("open/memory", open::memory),

@@ -57,7 +57,8 @@ pub fn label_surface(
     Ok(Some(placed(&surface, world_from_index)))
 }
 
-/// The box of the bricks of which `is_met` says, by least and largest value, that they may hold any of it, and a voxel about it.
+/// The box of the bricks of which `is_met` says, by least and largest value, that they may hold any of it or lie beside it: what is
+/// known of a brick is of a voxel about it too.
 fn region_of(field: &Field, is_met: impl Fn(f32, f32) -> bool) -> Option<Region> {
     let dims = field.dims(0);
     let met = field.brick_indices(0).into_iter().filter(|&index| {
@@ -68,7 +69,7 @@ fn region_of(field: &Field, is_met: impl Fn(f32, f32) -> bool) -> Option<Region>
     let (lo, end) = boxes.reduce(|(lo, end), (a, b)| {
         (std::array::from_fn(|i| lo[i].min(a[i])), std::array::from_fn(|i| end[i].max(b[i])))
     })?;
-    Some(Region { lo: lo.map(|v| v.saturating_sub(1)), end: std::array::from_fn(|a| (end[a] + 1).min(dims[a])) })
+    Some(Region { lo, end: std::array::from_fn(|a| end[a].min(dims[a])) })
 }
 
 fn march<const N: usize>(

@@ -182,6 +182,13 @@ fn a_brushed_region_bounds_what_is_connected_and_what_is_removed() {
             say(&mut document, json!({"history":{"undo":{}}}));
         }
     }
+    // What is selected by less than a half anywhere is no region.
+    let mut faint = document.state().unwrap().clone();
+    faint.one_mut().selection = crate::common::volumes::painted(FieldKind::Selection, &grid, |_| [127, 0, 0, 0]);
+    let mut open = Document::new();
+    open.adopt(faint);
+    let said = say(&mut open, json!({"component":{"remove":{"at":{"index":at}}}}));
+    assert_eq!(said["voxels"], flood(&all, DIMS, at, 1).iter().filter(|c| **c).count());
     // A place outside of the region is refused, and the way out is said.
     let outside = each(DIMS, |v| all[place(v, DIMS)] && !region(v));
     let at = some(&outside, 2);
@@ -445,4 +452,60 @@ fn a_project_and_a_crash_keep_what_was_isolated() {
     say(&mut again, json!({"project":{"open":{"path":project}}}));
     assert!(bytes(&again).0 == journaled.0);
     assert_ne!(kept.0, journaled.0);
+}
+
+#[test]
+fn a_pixel_of_the_3d_view_means_what_it_shows_of_whatever_volume() {
+    let dims = [64, 48, 40];
+    let block =
+        |v: [u32; 3], x: std::ops::Range<u32>| x.contains(&v[0]) && (8..40).contains(&v[1]) && (8..32).contains(&v[2]);
+    let voxels = each(dims, |v| if block(v, 6..26) || block(v, 38..58) { 200_u8 } else { 0 });
+    let Some(mut document) = super::maker_gpu::made(Voxels::U8(voxels), dims, DVec3::ONE) else { return };
+    let function = json!({"colour":[[0,[1,0.8,0.6]]],"opacity":[[90,0],[110,0.9]],"unit_mm":1});
+    say(&mut document, json!({"transfer":{"set":{"function":function}}}));
+    // Another block above both, in a volume of its own.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("above.nrrd");
+    let grid = Grid::aligned([30, 20, 20], DVec3::ONE, DVec3::new(17.0, 10.0, 45.0));
+    write_nrrd(&path, &grid, |v| if v.iter().all(|x| (3..17).contains(x)) { 200.0 } else { 0.0 });
+    say(&mut document, json!({"volume":{"add":{"path":path}}}));
+    say(&mut document, json!({"volume":{"set":{"volume":1,"look":{"transfer":function}}}}));
+    say(&mut document, json!({"view":{"size":{"view":"3d","size":[96,96]}}}));
+    say(&mut document, json!({"view":{"frame":{"from":[0,-1,0]}}}));
+    let shown = |document: &mut Document, rest: [f64; 3]| {
+        // The pixel that shows the place, found by looking at all.
+        let mut best = (f64::INFINITY, [0.0; 2]);
+        for i in 0..24 * 24 {
+            let px = [f64::from(i % 24) * 4.0 + 2.0, f64::from(i / 24) * 4.0 + 2.0];
+            let hit = say(document, json!({"ask":{"pick":{"px":px}}}))["hit"].take();
+            let Some(mm) = hit["rest_mm"].as_array() else { continue };
+            let far: f64 = mm.iter().zip(rest).map(|(a, b)| (a.as_f64().unwrap() - b).powi(2)).sum();
+            if far < best.0 {
+                best = (far, px);
+            }
+        }
+        assert!(best.0 < 16.0, "nothing shows near {rest:?}");
+        best.1
+    };
+    let (left, right, above) = (
+        shown(&mut document, [16.0, 8.0, 20.0]),
+        shown(&mut document, [48.0, 8.0, 20.0]),
+        shown(&mut document, [27.0, 13.0, 55.0]),
+    );
+    let pick = |document: &mut Document, px: [f64; 2]| say(document, json!({"ask":{"pick":{"px":px}}}))["hit"].take();
+    let at = |px: [f64; 2]| json!({"pixel":{"view":"3d","px":px}});
+    let said = say(&mut document, json!({"component":{"keep":{"at":at(left)}}}));
+    assert_eq!((&said["volume"], &said["voxels"], &said["components"]), (&json!(0), &json!(20 * 32 * 24), &json!(2)));
+    assert!(pick(&mut document, left).is_object() && pick(&mut document, above).is_object());
+    assert!(pick(&mut document, right).is_null(), "the picture follows");
+    say(&mut document, json!({"history":{"undo":{}}}));
+    assert!(pick(&mut document, right).is_object());
+    let said = say(&mut document, json!({"component":{"remove":{"at":at(above)}}}));
+    assert_eq!((&said["volume"], &said["voxels"]), (&json!(1), &json!(14 * 14 * 14)));
+    assert!(pick(&mut document, above).is_null());
+    let said = refused(&mut document, json!({"component":{"keep":{"at":at(above)}}}));
+    assert!(said.contains("where nothing is visible"), "{said}");
+    // A volume that is named is meant, whatever hides it.
+    let said = refused(&mut document, json!({"component":{"keep":{"at":at(left),"volume":1}}}));
+    assert!(said.contains("at: "), "{said}");
 }

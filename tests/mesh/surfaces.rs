@@ -99,6 +99,30 @@ fn all_ways_in_which_eight_voxels_can_be_selected_give_closed_surfaces_on_the_le
 }
 
 #[test]
+fn what_alternates_is_joined_where_the_field_between_is_inside() {
+    let mut rng = ChaCha8Rng::seed_from_u64(4);
+    let mut met = [0; 2];
+    for _ in 0..200 {
+        let [low, high] =
+            [0..128_u16, 128..256].map(|range| move |rng: &mut ChaCha8Rng| rng.random_range(range.clone()));
+        let texels = [high(&mut rng), low(&mut rng), low(&mut rng), high(&mut rng)];
+        let [a, b, c, d] = texels.map(|t| f64::from(t) / 255.0);
+        // Where the mixture of the four has its saddle.
+        let under = a + d - b - c;
+        let (saddle, value) = (DVec3::new((a - c) / under, (a - b) / under, 0.0), (a * d - b * c) / under);
+        if (value - 0.5).abs() < 0.01 {
+            continue;
+        }
+        let mesh = selected([2, 2, 1], &texels);
+        let found = winding(&mesh, &corners(&mesh), saddle);
+        let inside = value > 0.5;
+        assert!((found - f64::from(u8::from(inside))).abs() < 1e-3, "{texels:?}: {found}, {value} at {saddle}");
+        met[usize::from(inside)] += 1;
+    }
+    assert!(met.iter().all(|n| *n > 20), "{met:?}");
+}
+
+#[test]
 fn selections_of_noise_have_closed_surfaces_at_the_border_too() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     for dims in [[7, 6, 5], [1, 8, 6], [9, 1, 1], [1, 1, 1]] {

@@ -40,8 +40,8 @@ impl Document {
         let selected = match command {
             // What is selected does not keep more from being selected.
             ComponentCommand::Select(_) => Within::Volume,
-            _ if subject.selection.is_blank() => Within::Volume,
-            _ => Within::Selection,
+            _ if subject.selection.extremes()[1] >= 0.5 => Within::Selection,
+            _ => Within::Volume,
         };
         let found = find(&subject, &connected, connected.within.unwrap_or(selected), &|x| watch.proceed(x * 0.9))?;
         let said = ComponentSaid {
