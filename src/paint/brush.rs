@@ -137,6 +137,9 @@ pub struct Brush {
     /// Of an ellipsoid: how far it reaches along the normal as a share of the radius, above 0 and at most 4.
     #[serde(default = "half", skip_serializing_if = "is_half")]
     pub ratio: f64,
+    /// How far a contour drawn on a slice fills to either side, mm, 0 or more; 0: the layer of voxels of the slice.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub depth_mm: f64,
     /// Distance of dabs along the stroke as a share of the radius, in (0, ¼].
     pub spacing: f64,
     /// Only voxels whose density before the stroke is in this closed range are painted; see [`Gate`](crate::paint::gate::Gate).
@@ -178,6 +181,10 @@ const fn half() -> f64 {
     0.5
 }
 
+fn is_none(depth_mm: &f64) -> bool {
+    *depth_mm == 0.0
+}
+
 fn is_half(ratio: &f64) -> bool {
     *ratio == half()
 }
@@ -194,6 +201,7 @@ impl Default for Brush {
             tip: Tip::Wash,
             target: Target::Selection(1.0),
             ratio: half(),
+            depth_mm: 0.0,
             spacing: 0.25,
             range: None,
             erase: false,
@@ -265,6 +273,9 @@ impl Brush {
         }
         if !(self.ratio > 0.0 && self.ratio <= 4.0) {
             return wrong("ratio", self.ratio.to_string(), "a share of the radius above 0 and at most 4");
+        }
+        if !(0.0..1e100).contains(&self.depth_mm) {
+            return wrong("depth_mm", self.depth_mm.to_string(), "a finite depth in mm, 0 or more");
         }
         if let EraseDensity::To(value) = self.erase_density
             && !value.is_finite()

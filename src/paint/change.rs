@@ -30,6 +30,8 @@ pub struct BrushChange {
     pub target: Option<Target>,
     /// How far an ellipsoid reaches along the normal, as a share of the radius.
     pub ratio: Option<f64>,
+    /// How far a contour fills to either side of its slice, mm.
+    pub depth_mm: Option<f64>,
     /// Distance of dabs as a share of the radius.
     pub spacing: Option<f64>,
     /// Closed range of densities that may be painted, compared in the source's own type: integers to the last digit; `"inf"`
@@ -76,6 +78,7 @@ impl BrushChange {
             tip: changed(old.tip, new.tip),
             target: changed(old.target, new.target),
             ratio: changed(old.ratio, new.ratio),
+            depth_mm: changed(old.depth_mm, new.depth_mm),
             spacing: changed(old.spacing, new.spacing),
             range: changed(old.range, new.range).flatten(),
             any_value: old.range.is_some() && new.range.is_none(),
@@ -119,6 +122,7 @@ impl BrushChange {
             tip: self.tip.unwrap_or(old.tip),
             target: self.target.unwrap_or(old.target),
             ratio: self.ratio.unwrap_or(old.ratio),
+            depth_mm: self.depth_mm.unwrap_or(old.depth_mm),
             spacing: self.spacing.unwrap_or(old.spacing),
             range: self.range.or(if self.any_value { None } else { old.range }),
             erase: self.erase.unwrap_or(old.erase),

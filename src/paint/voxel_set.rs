@@ -87,8 +87,13 @@ impl VoxelSet {
         self.0.values().all(|bits| bits.iter().all(|word| *word == 0))
     }
 
+    /// Puts a brick's voxels in place of those that it holds: `row` has the 32 of a row along x, counted along y and then z.
+    pub fn put(&mut self, index: BrickIndex, row: impl Fn(u32) -> u32) {
+        (0..).zip(self.brick_mut(index)).for_each(|(n, bits)| *bits = row(n));
+    }
+
     /// A brick's voxels, to change them.
-    pub(super) fn brick_mut(&mut self, index: BrickIndex) -> &mut BrickBits {
+    fn brick_mut(&mut self, index: BrickIndex) -> &mut BrickBits {
         self.0.entry(index).or_insert_with(|| Box::new([0; BRICK_VOXELS / 32]))
     }
 

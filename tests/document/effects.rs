@@ -44,6 +44,7 @@ pub fn one_of_each() -> Vec<Value> {
         json!({"brush":{"set":{"radius_mm":3}}}),
         json!({"brush":{"also":{"volumes":[0]}}}),
         json!({"stroke":{"paint":{"points":[{"at":at}]}}}),
+        json!({"stroke":{"lasso":{"points":[at, at, at]}}}),
         json!({"stroke":{"begin":{"points":[{"at":at}]}}}),
         json!({"stroke":{"extend":{"points":[{"at":at}]}}}),
         json!({"stroke":{"end":{}}}),

@@ -3,7 +3,6 @@
 mod along;
 mod brush;
 mod build_up;
-mod connected;
 mod dab;
 mod falloff;
 mod path;

@@ -22,7 +22,8 @@ impl Document {
     /// If the source fails.
     pub(super) fn lay_along(&self, dabs: &mut Laid) -> Result<(), DocumentError> {
         let (Some(running), Some(state)) = (&self.running, &self.state) else { return Ok(()) };
-        if !running.brush.lies_along() {
+        // A contour lies in its own plane.
+        if !running.brush.lies_along() || running.contour.is_some() {
             return Ok(());
         }
         let first = state.at(running.volumes().first().copied())?;

@@ -20,7 +20,9 @@ use crate::document::subject::Subject;
 use crate::math::{DVec2, DVec3};
 use crate::paint::{Brush, EraseDensity, Falloff, Operation, Reach, Target};
 use crate::segment::{BrickMask, ComponentId, Components, Connectivity};
-use crate::volume::{BRICK, Brick, BrickIndex, BrickKey, Changes, Field, FieldKey, FieldKind, SourceError, VolumeId};
+use crate::volume::{
+    BRICK, Brick, BrickIndex, BrickKey, Changes, Field, FieldKey, FieldKind, Grid, SourceError, VolumeId,
+};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
@@ -157,16 +159,21 @@ fn nearest(subject: &Subject<'_>, components: &Components, at: Place) -> Result<
     let Some(sample) = place_in(at, subject.scene, subject.grid())? else {
         return Err(DocumentError::of_picture("at"));
     };
-    let index = subject.grid().index_from_world().transform_point3(sample.position);
-    let voxel = |at: DVec3| subject.grid().voxel_at(at);
+    Ok(component_near(subject.grid(), components, sample.position))
+}
+
+/// The component of the voxel at a place in the world, or else of the nearest of the eight about it that has one.
+pub(super) fn component_near(grid: &Grid, components: &Components, place: DVec3) -> Option<ComponentId> {
+    let index = grid.index_from_world().transform_point3(place);
+    let voxel = |at: DVec3| grid.voxel_at(at);
     if let Some(own) = voxel(index).and_then(|v| components.at(v)) {
-        return Ok(Some(own));
+        return Some(own);
     }
     let base = index.floor();
     let corner = |n: u32| base + DVec3::new(f64::from(n & 1), f64::from(n >> 1 & 1), f64::from(n >> 2));
     let mut corners: Vec<DVec3> = (0..8).map(corner).collect();
     corners.sort_by(|a, b| a.distance_squared(index).total_cmp(&b.distance_squared(index)));
-    Ok(corners.into_iter().find_map(|corner| components.at(voxel(corner)?)))
+    corners.into_iter().find_map(|corner| components.at(voxel(corner)?))
 }
 
 type Voxels = Vec<(BrickIndex, BrickMask)>;

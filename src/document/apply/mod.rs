@@ -12,6 +12,7 @@ mod connected;
 pub(crate) mod explosion;
 pub(crate) mod export;
 pub(crate) mod labels;
+mod lasso;
 pub(crate) mod matter;
 pub(crate) mod open;
 pub(crate) mod overlap;

@@ -7,7 +7,7 @@ use crate::document::Document;
 use crate::document::apply::stroke_nothing::why_nothing;
 use crate::document::apply::trail::Trail;
 use crate::document::command::answers::{PaintedOnSaid, PaintedSaid};
-use crate::document::command::brush::{StrokeCommand, StrokePoint};
+use crate::document::command::brush::{Lasso, StrokeCommand, StrokePoint};
 use crate::document::command::{Command, Place};
 use crate::document::error::DocumentError;
 use crate::document::history::edit::Edit;
@@ -18,7 +18,7 @@ use crate::document::subject::Subject;
 use crate::gpu::PaintedBricks;
 use crate::math::Camera;
 use crate::paint::{
-    Brush, BuildUpBound, Confines, Dab, Limit, Mirror, PaintError, Reach, Sample, StrokePath, VoxelSet,
+    Brush, BuildUpBound, Confines, Contour, Dab, Limit, Mirror, PaintError, Reach, Sample, StrokePath, VoxelSet,
 };
 use crate::paint::{image, with_images};
 use crate::volume::{DensityMap, FieldKind, SourceError, Volume, VolumeId};
@@ -29,6 +29,10 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub(crate) struct Running {
     pub(super) brush: Brush,
+    /// The same as it was said: a contour is covered by a brush of its own.
+    pub(super) painted: Brush,
+    /// The contour that it fills, if it does.
+    pub(super) contour: Option<Contour>,
     /// Where what is visible was seen from, if it keeps to that.
     pub(super) camera: Option<Camera>,
     /// What came before the first dab: a segment that was missing, a map that was too narrow.
@@ -194,11 +198,18 @@ impl Running {
         };
         let plain = first.id == state.scene.volumes.active && state.scene.also.is_empty();
         let several = volumes.len() > 1;
-        Ok(Command::Stroke(StrokeCommand::Paint {
-            points: self.samples.iter().map(at).collect(),
-            volume: (!plain && !several).then_some(first.id),
-            volumes: several.then_some(volumes),
-        }))
+        let (volume, volumes) = ((!plain && !several).then_some(first.id), several.then_some(volumes));
+        if let Some(Contour { points, normal, depth_mm }) = &self.contour {
+            return Ok(Command::Stroke(StrokeCommand::Lasso(Lasso {
+                depth_mm: Some(*depth_mm),
+                normal: Some(normal.to_array()),
+                pressure: self.samples.first().map_or(1.0, |s| s.pressure),
+                volume,
+                volumes,
+                ..Lasso::of(points.iter().map(|p| Place::Mm(p.to_array())).collect())
+            })));
+        }
+        Ok(Command::Stroke(StrokeCommand::Paint { points: self.samples.iter().map(at).collect(), volume, volumes }))
     }
 }
 
@@ -318,14 +329,19 @@ impl Document {
             let Some(first) = dabs.first() else { continue };
             let Some(on) = self.running.as_ref().map(|running| &running.on[i]) else { return Ok(()) };
             if brush.connected && !on.confines.iter().any(|(limit, _)| *limit == Limit::Connected) {
+                // A contour begins at its first corner, a stroke at its first dab.
+                let corner = self.running.as_ref().and_then(|r| r.contour.as_ref()?.points.first().copied());
+                let begun = corner.unwrap_or(first.centre);
                 let other = match &brush.mirror {
-                    Mirror::Plane(plane) => Some(image(plane, first.centre)),
+                    Mirror::Plane(plane) => Some(image(plane, begun)),
                     _ => None,
                 };
-                let starts: Vec<_> = std::iter::once(first.centre).chain(other).collect();
+                let starts: Vec<_> = std::iter::once(begun).chain(other).collect();
                 let connected = self.connected_to(*id, &starts)?;
                 let Some(running) = &mut self.running else { return Ok(()) };
                 running.on[i].confines.push((Limit::Connected, Arc::new(connected)));
+            }
+            if let Some(running) = &self.running {
                 self.graphics.confine(*id, &running.on[i].confines);
             }
             if brush.keeps_to_surface() {

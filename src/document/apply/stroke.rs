@@ -13,15 +13,16 @@ use crate::document::error::DocumentError;
 use crate::document::history::edit::Edit;
 use crate::document::state::State;
 use crate::gpu::GpuError;
-use crate::paint::{Brush, Mirror, Operation, Target, step_mm};
-use crate::volume::{Segment, VolumeId};
+use crate::paint::{Brush, Contour, Limit, Mirror, Operation, Target, VoxelSet, step_mm};
+use crate::volume::{Grid, Segment, VolumeId};
+use std::sync::Arc;
 
 impl Document {
     pub(crate) fn stroke(&mut self, command: &StrokeCommand) -> Result<Answer, DocumentError> {
         self.open()?.at(None)?;
         let running = self.running.is_some();
         match command {
-            StrokeCommand::Begin { .. } | StrokeCommand::Paint { .. } if running => {
+            StrokeCommand::Begin { .. } | StrokeCommand::Paint { .. } | StrokeCommand::Lasso(_) if running => {
                 Err(DocumentError::NotNow("a stroke is running; end it (stroke.end) or cancel it first".into()))
             }
             StrokeCommand::Begin { points, volume, volumes } => self.begin_with(*volume, volumes.as_deref(), points),
@@ -29,6 +30,7 @@ impl Document {
                 self.begin_with(*volume, volumes.as_deref(), points)?;
                 self.finish_stroke()
             }
+            StrokeCommand::Lasso(lasso) => self.lasso(lasso),
             StrokeCommand::Extend { points } => {
                 let Some(running) = &self.running else { return Err(none_runs()) };
                 let (volumes, trail) = (running.volumes(), running.trail.clone());
@@ -83,7 +85,7 @@ impl Document {
         }
         let done = running.as_command(state)?;
         running.edit.made_by(ResolvedCommand {
-            brush: Some(running.brush),
+            brush: Some(running.painted),
             camera: running.camera,
             ..ResolvedCommand::plain(done.clone())
         });
@@ -146,6 +148,16 @@ impl Document {
 
     /// Starts a stroke on these volumes with resolved samples.
     pub(crate) fn begin_stroke(&mut self, volumes: &[VolumeId], resolved: Resolved) -> Result<Answer, DocumentError> {
+        self.begin_within(volumes, resolved, None)
+    }
+
+    /// The same, kept within a contour if there is one, which its one dab covers.
+    pub(super) fn begin_within(
+        &mut self,
+        volumes: &[VolumeId],
+        resolved: Resolved,
+        contour: Option<Contour>,
+    ) -> Result<Answer, DocumentError> {
         let state = self.state.as_mut().ok_or(DocumentError::NothingOpen)?;
         let mut brush = *state.scene.brush;
         if resolved.on_slice {
@@ -156,10 +168,20 @@ impl Document {
         if brush.effective().looks_around() {
             brush = brush.with_lengths(first.grid());
         }
+        let painted = brush;
+        if let Some(contour) = &contour {
+            let grids: Vec<_> = volumes.iter().filter_map(|id| Some(*state.subject(*id)?.grid())).collect();
+            brush = contour.brush(&brush, &grids);
+        }
         let on = {
             let subjects = volumes.iter().map(|id| state.at(Some(*id))).collect::<Result<Vec<_>, _>>()?;
             let step_mm = step_mm(&brush, subjects.iter().map(|subject| subject.grid()));
-            subjects.iter().map(|s| OnVolume::new(s, &brush, step_mm)).collect::<Result<Vec<_>, _>>()?
+            let mut on = subjects.iter().map(|s| OnVolume::new(s, &brush, step_mm)).collect::<Result<Vec<_>, _>>()?;
+            for (on, subject) in on.iter_mut().zip(&subjects) {
+                on.confines
+                    .extend(contour.as_ref().map(|c| (Limit::Contour, Arc::new(within(c, &brush, subject.grid())))));
+            }
+            on
         };
         let mut edit = Edit::new(Some(state));
         edit.name(match (verb(&brush), brush.target.field().name(), volumes.len()) {
@@ -177,6 +199,8 @@ impl Document {
         }
         self.running = Some(Running {
             brush,
+            painted,
+            contour,
             camera: brush.keeps_to_surface().then_some(state.scene.views.camera),
             edit,
             trail: None,
@@ -209,8 +233,13 @@ impl Document {
         let length_mm = running.on.first().map_or(0.0, |on| on.path.length_mm());
         let said = ExtendedSaid { dabs: count, missed, bricks_touched: bricks.len(), length_mm };
         let mut answer = Answer::from(Said::from(said));
-        let noted =
-            if samples.is_empty() { None } else { self.autosave.as_mut().map(|k| k.samples(&volumes, &samples)) };
+        // A contour is noted as a whole, once it is filled.
+        let whole = running.contour.is_some();
+        let noted = if samples.is_empty() || whole {
+            None
+        } else {
+            self.autosave.as_mut().map(|k| k.samples(&volumes, &samples))
+        };
         if let Some(Err(error)) = noted {
             answer.trouble.push(error.to_string());
         }
@@ -239,6 +268,15 @@ impl Document {
             tracing::warn!("{error}");
         }
     }
+}
+
+/// The voxels that a contour fills, and its image if the brush is mirrored.
+fn within(contour: &Contour, brush: &Brush, grid: &Grid) -> VoxelSet {
+    let mut set = contour.voxels(grid);
+    if let Mirror::Plane(plane) = &brush.mirror {
+        set.extend(&contour.image(plane).voxels(grid));
+    }
+    set
 }
 
 /// What a stroke does, for the name of its step.

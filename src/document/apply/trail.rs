@@ -265,7 +265,7 @@ fn looks_per_pixel(pixel_mm: f64, voxel_mm: f64, size: [u32; 2], way: f64) -> f6
 }
 
 /// A direction of length 1; one that has it already to the last bits stays as it is, so that what was written down comes back.
-fn unit(normal: [f64; 3]) -> Result<DVec3, DocumentError> {
+pub(super) fn unit(normal: [f64; 3]) -> Result<DVec3, DocumentError> {
     let (given, unit) = (DVec3::from_array(normal), direction("normal", normal)?);
     Ok(if given.distance(unit) < 1e-12 { given } else { unit })
 }

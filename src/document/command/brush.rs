@@ -61,6 +61,8 @@ pub enum StrokeCommand {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         volumes: Option<Vec<VolumeId>>,
     },
+    /// Fills a contour on a slice with what the brush paints, at the brush's full strength, in one step.
+    Lasso(Lasso),
     /// Starts a stroke.
     Begin {
         points: Vec<StrokePoint>,
@@ -79,6 +81,37 @@ pub enum StrokeCommand {
     Cancel {},
 }
 
+/// A contour that fills; see [`StrokeCommand::Lasso`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Lasso {
+    /// Its corners, 3 or more; the last is joined to the first. Pixels of one slice, or places in mm or index, whose plane goes through the
+    /// first. What the contour winds about is inside, however it crosses itself.
+    pub points: Vec<Place>,
+    /// How far it fills to either side of the slice, mm; 0: the layer of voxels of the slice. As the brush says (`depth_mm`) if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub depth_mm: Option<f64>,
+    /// Of places in mm or index: where the plane faces, any length; that of the axial slice if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub normal: Option<[f64; 3]>,
+    /// 0..1; scales the brush's strength.
+    #[serde(default = "one")]
+    pub pressure: f32,
+    /// As of `stroke.paint`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub volume: Option<VolumeId>,
+    /// As of `stroke.paint`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub volumes: Option<Vec<VolumeId>>,
+}
+
+impl Lasso {
+    /// Of these corners, on what the brush paints.
+    pub(crate) fn of(points: Vec<Place>) -> Self {
+        Self { points, depth_mm: None, normal: None, pressure: 1.0, volume: None, volumes: None }
+    }
+}
+
 impl StrokeCommand {
     /// Starts a stroke on what the brush paints.
     pub(crate) fn begin(points: Vec<StrokePoint>) -> Self {
@@ -91,6 +124,7 @@ impl StrokeCommand {
             Self::Paint { volume, volumes, .. } | Self::Begin { volume, volumes, .. } => {
                 volume.or_else(|| volumes.as_ref()?.first().copied())
             }
+            Self::Lasso(Lasso { volume, volumes, .. }) => volume.or_else(|| volumes.as_ref()?.first().copied()),
             Self::Extend { .. } | Self::End {} | Self::Cancel {} => None,
         }
     }

@@ -236,6 +236,7 @@ impl StrokeCommand {
         let ends = |name| Effects { journal: Noted::Stroke, ..paints(name) };
         match self {
             Self::Paint { .. } => ends("stroke.paint"),
+            Self::Lasso(_) => ends("stroke.lasso"),
             Self::Begin { .. } => paints("stroke.begin"),
             Self::Extend { .. } => paints("stroke.extend"),
             Self::End {} => ends("stroke.end"),

@@ -110,6 +110,8 @@ tools! {
     Navigate in navigate,
     /// Paints.
     Brush in brush,
+    /// Fills what is drawn around.
+    Lasso in lasso,
     /// Keeps alone what is connected to a place, or removes it.
     Isolate in isolate,
     /// Cuts the part that is hit along the sight and a screen axis.

@@ -41,6 +41,15 @@ pub(super) fn limits_menu(ui: &mut Ui, scene: &Scene, points: &mut Vec<DVec3>, v
         row(ui, "Selection", |ui| side(ui, "Selection", &mut new.only.selection));
         segment_rows(ui, scene, new);
         mirror_rows(ui, scene, points, new);
+        row(ui, "Lasso", |ui| {
+            let LengthUnit { name: unit, per_mm: factor, .. } = LengthUnit::of(voxel);
+            let decimals = readout::decimals(voxel * factor * 20.0);
+            let scale = Scale { logarithmic: false, decimals, unit, factor };
+            let about =
+                ("Depth of the lasso", "How deep a contour fills to either side of its slice; 0: the slice alone");
+            let most = (voxel * 100.0).max(new.depth_mm);
+            slider(ui, about, &mut new.depth_mm, 0.0..=most, scale);
+        });
         if new.shape == Shape::Ellipsoid {
             row(ui, "Flatness", |ui| {
                 let about =

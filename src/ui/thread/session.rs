@@ -18,6 +18,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 /// What the window asks for.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "a change of the brush is made by hand, one at a time")]
 pub enum Request {
     /// To be done in the order sent.
     Apply(Command),
