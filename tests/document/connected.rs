@@ -147,6 +147,10 @@ fn the_largest_is_meant_where_no_place_is_said() {
     });
     let said = say(&mut document, json!({"component":{"keep":{}}}));
     assert_eq!(said["voxels"], sizes.max().unwrap());
+    assert!(said.get("nothing").is_none());
+    let again = say(&mut document, json!({"component":{"keep":{}}}));
+    let words = json!("All of it is connected: there is nothing else to remove.");
+    assert_eq!((&again["step"], &again["nothing"], &again["components"]), (&Value::Null, &words, &json!(1)));
 }
 
 #[test]
@@ -303,6 +307,10 @@ fn selecting_replaces_adds_and_takes_away_and_labels_spare_what_is_locked() {
     assert_eq!(again["kept_locked"], first.iter().zip(&second).filter(|(a, b)| **a && **b).count());
     let kept = say(&mut document, json!({"component":{"label":{"at":{"index":a},"label":5}}}));
     assert_eq!(kept["kept_locked"], kept["voxels"]);
+    assert_eq!((&kept["step"], &kept["nothing"]), (&Value::Null, &json!("The segment that is there is locked.")));
+    assert!(document.state().unwrap().scene.segments().get(5).is_none());
+    let again = say(&mut document, json!({"component":{"select":{"at":{"index":a}}}}));
+    assert_eq!((&again["step"], &again["nothing"]), (&Value::Null, &json!("The selection is so already.")));
     let labels = &document.state().unwrap().one().labels;
     for (i, v) in each(DIMS, |v| v).into_iter().enumerate() {
         let expected = if first[i] {
@@ -315,7 +323,7 @@ fn selecting_replaces_adds_and_takes_away_and_labels_spare_what_is_locked() {
         assert_eq!(labels.value(v).unwrap(), expected);
     }
     assert!(document.state().unwrap().scene.segments().get(4).is_some(), "made with its first voxel");
-    say(&mut document, json!({"history":{"undo":{"steps":4}}}));
+    say(&mut document, json!({"history":{"undo":{"steps":3}}}));
     assert!(undone(&document) == undone_to);
 }
 

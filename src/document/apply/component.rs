@@ -52,25 +52,35 @@ impl Document {
             components: found.components.len(),
             value: None,
             kept_locked: None,
+            nothing: None,
         };
-        match command {
+        let (said, nothing) = match command {
             ComponentCommand::Keep(removal) => {
                 let value = remove(state, id, removal, found.voxels(false), edit)?;
-                Ok(ComponentSaid { value: Some(value), ..said }.into())
+                (
+                    ComponentSaid { value: Some(value), ..said },
+                    "All of it is connected: there is nothing else to remove.",
+                )
             }
             ComponentCommand::Remove(removal) => {
                 let value = remove(state, id, removal, found.voxels(true), edit)?;
-                Ok(ComponentSaid { value: Some(value), ..said }.into())
+                (ComponentSaid { value: Some(value), ..said }, "It has the value that removes already.")
             }
             ComponentCommand::Select(Selecting { how, .. }) => {
                 select(state, id, *how, found.voxels(true), edit)?;
-                Ok(said.into())
+                (said, "The selection is so already.")
             }
             ComponentCommand::Label(Labelling { label, .. }) => {
                 let kept_locked = relabel(state, id, *label, &found.voxels(true), edit)?;
-                Ok(ComponentSaid { kept_locked: Some(kept_locked), ..said }.into())
+                let said = ComponentSaid { kept_locked: Some(kept_locked), ..said };
+                (
+                    said,
+                    if kept_locked > 0 { "The segment that is there is locked." } else { "It has that label already." },
+                )
             }
-        }
+        };
+        let nothing = (edit.counts().0 == 0).then_some(nothing);
+        Ok(ComponentSaid { nothing, ..said }.into())
     }
 
     /// The command with a pixel of the 3D view put in mm, and the volume that shows there named where none is.
@@ -317,7 +327,9 @@ fn relabel(
             Ok(())
         })?;
     }
-    if let Some(segments) = state.scene.segments_mut(id) {
+    if let Some(segments) = state.scene.segments_mut(id)
+        && !changes.is_empty()
+    {
         segments.ensure(label);
     }
     edit.swap(state, FieldKey::new(id, FieldKind::Labels), changes)?;

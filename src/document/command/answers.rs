@@ -64,6 +64,7 @@ impl Answer {
     pub fn nothing(&self) -> Option<&str> {
         match &self.said {
             Said::Painted(said) => said.nothing.as_deref(),
+            Said::Component(said) => said.nothing,
             _ => None,
         }
     }

@@ -81,6 +81,9 @@ pub struct ComponentSaid {
     /// Voxels of the component that were left alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub kept_locked: Option<u64>,
+    /// Why nothing changed, in a sentence.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nothing: Option<&'static str>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
