@@ -5,7 +5,7 @@
 //! there. Places are index space of the box's own lattice. Knows no field: samples are asked for by planes.
 
 use crate::math::DVec3;
-use crate::mesh::cell::{CORNERS, CellEdge, loops};
+use crate::mesh::cell::{CORNERS, Cases, CellEdge};
 
 /// A closed surface in index space.
 #[derive(Clone, Debug, Default)]
@@ -47,7 +47,8 @@ impl Surface {
             all
         };
         let origin = DVec3::new(lo[0] as f64, lo[1] as f64, lo[2] as f64) - 1.0;
-        let mut surface = Self::default();
+        let (mut surface, mut cases) = (Self::default(), Cases::new());
+        let mut corners: Vec<u32> = Vec::new();
         let blank = || -> Plane { std::array::from_fn(|_| vec![NONE; nx * ny]) };
         let (mut low, mut low_edges) = (padded(None), blank());
         for z in 0..nz - 1 {
@@ -62,30 +63,28 @@ impl Surface {
                         continue;
                     }
                     let base = origin + DVec3::new(x as f64, y as f64, z as f64);
-                    for ring in loops(&samples) {
-                        let corners: Vec<u32> = ring
-                            .edges()
-                            .map(|CellEdge { corner, axis }| {
-                                let planes = if corner < 4 { &mut low_edges } else { &mut high_edges };
-                                let known = &mut planes[usize::from(axis)][at(usize::from(corner))];
-                                if *known == NONE {
-                                    let ends = [corner, corner | 1 << axis].map(|c| samples[usize::from(c)]);
-                                    let from_low = match ends {
-                                        [a, b] if a > 0 => share(a, b),
-                                        [a, b] => 1.0 - share(b, a),
-                                    };
-                                    *known = surface.corners.len() as u32;
-                                    let mut place = base + offset(corner);
-                                    place[usize::from(axis)] += from_low;
-                                    surface.corners.push(place);
-                                    surface.sides.push(Some((usize::from(axis), ends[0] > 0)));
-                                }
-                                *known
-                            })
-                            .collect();
-                        match ring.triangles() {
+                    for ring in cases.loops(&samples) {
+                        corners.clear();
+                        corners.extend(ring.edges.iter().map(|&CellEdge { corner, axis }| {
+                            let planes = if corner < 4 { &mut low_edges } else { &mut high_edges };
+                            let known = &mut planes[usize::from(axis)][at(usize::from(corner))];
+                            if *known == NONE {
+                                let ends = [corner, corner | 1 << axis].map(|c| samples[usize::from(c)]);
+                                let from_low = match ends {
+                                    [a, b] if a > 0 => share(a, b),
+                                    [a, b] => 1.0 - share(b, a),
+                                };
+                                *known = surface.corners.len() as u32;
+                                let mut place = base + offset(corner);
+                                place[usize::from(axis)] += from_low;
+                                surface.corners.push(place);
+                                surface.sides.push(Some((usize::from(axis), ends[0] > 0)));
+                            }
+                            *known
+                        }));
+                        match &ring.triangles {
                             Some(triangles) => {
-                                surface.triangles.extend(triangles.into_iter().map(|t| t.map(|i| corners[i])));
+                                surface.triangles.extend(triangles.iter().map(|t| t.map(|i| corners[i])));
                             }
                             None => surface.fan(base, &samples, &corners),
                         }

@@ -11,7 +11,7 @@ mod smooth;
 pub use of_field::{label_surface, selection_surface};
 
 use crate::math::{Aabb, DVec3};
-use std::collections::HashMap;
+use rayon::prelude::*;
 
 /// Why arrays are no mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -88,16 +88,16 @@ impl TriangleMesh {
 
     /// Whether every edge is of two triangles that go along it either way: then there is an inside.
     pub fn is_closed(&self) -> bool {
-        // How often an edge is gone along from its lower to its higher corner, and how often the other way.
-        let mut edges: HashMap<[u32; 2], [u8; 2]> = HashMap::with_capacity(self.triangles.len() * 3 / 2);
+        // Edges that are gone along from their lower to their higher corner, and those that are gone along the other way.
+        let mut ways = [Vec::new(), Vec::new()];
         for &[a, b, c] in &self.triangles {
             for [from, to] in [[a, b], [b, c], [c, a]] {
-                let ways = edges.entry([from.min(to), from.max(to)]).or_default();
-                let way = &mut ways[usize::from(from > to)];
-                *way = way.saturating_add(1);
+                ways[usize::from(from > to)].push(u64::from(from.min(to)) << 32 | u64::from(from.max(to)));
             }
         }
-        edges.values().all(|ways| *ways == [1, 1])
+        ways.par_iter_mut().for_each(|way| way.par_sort_unstable());
+        let [up, down] = ways;
+        up == down && up.windows(2).all(|pair| pair[0] != pair[1])
     }
 
     /// The volume that a closed mesh encloses in mm³, what is hollow taken off.

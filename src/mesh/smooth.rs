@@ -51,15 +51,13 @@ impl Surface {
                 let sum = around.iter().fold(DVec3::ZERO, |sum, [a, _]| sum + corners[*a as usize]);
                 corners[at] + (sum / around.len().max(1) as f64 - corners[at]) * PULL
             });
-            corners = net.filled(&drawn);
+            corners = net.filled(&drawn, 0.0).unwrap_or(drawn);
         }
         for _ in 0..VOLUME_STEPS {
-            let extents = net.extents(&corners);
-            let off = |(extent, target): (&Extent, &f64)| (extent.volume / target - 1.0).abs();
-            if extents.iter().zip(&net.targets).map(off).fold(0.0, f64::max) < VOLUME_NEAR {
-                break;
+            match net.filled(&corners, VOLUME_NEAR) {
+                Some(filled) => corners = filled,
+                None => break,
             }
-            corners = net.filled(&corners);
         }
         self.corners = corners;
     }
@@ -132,45 +130,42 @@ impl Net {
         (0..corners.len()).into_par_iter().with_min_len(CHUNK).map(|at| of(at, self.around(at))).collect()
     }
 
-    /// Twice the area about each corner, as a vector outward.
-    fn normals(&self, corners: &[DVec3]) -> Vec<DVec3> {
-        self.map(corners, |at, around| {
-            let own = corners[at];
-            let of = |[a, b]: &[u32; 2]| (corners[*a as usize] - own).cross(corners[*b as usize] - own);
-            around.iter().map(of).fold(DVec3::ZERO, |sum, n| sum + n)
-        })
-    }
-
-    fn extents(&self, corners: &[DVec3]) -> Vec<Extent> {
+    /// Twice the area about each corner, as a vector outward, and what each piece encloses.
+    fn measured(&self, corners: &[DVec3]) -> (Vec<DVec3>, Vec<Extent>) {
+        let about = self.anchors[0];
         // Every triangle is met at each of its three corners.
-        let one = |at: usize| {
-            let own = corners[at] - self.anchors[0];
-            self.around(at).iter().fold(Extent::default(), |sum, [a, b]| {
-                let [a, b] = [a, b].map(|i| corners[*i as usize] - self.anchors[0]);
-                let area = (a - own).cross(b - own).length() / 6.0;
-                Extent { volume: sum.volume + own.dot(a.cross(b)) / 18.0, area: sum.area + area }
+        let all = self.map(corners, |at, around| {
+            let own = corners[at];
+            around.iter().fold((DVec3::ZERO, Extent::default()), |(sum, extent), [a, b]| {
+                let [a, b] = [a, b].map(|i| corners[*i as usize] - own);
+                let normal = a.cross(b);
+                let volume = extent.volume + (own - about).dot(normal) / 18.0;
+                (sum + normal, Extent { volume, area: extent.area + normal.length() / 6.0 })
             })
-        };
-        let all = self.map(corners, |at, _| one(at));
+        });
         let mut extents = vec![Extent::default(); self.targets.len()];
-        for (extent, &piece) in all.into_iter().zip(&self.piece) {
+        for ((_, extent), &piece) in all.iter().zip(&self.piece) {
             extents[piece as usize].volume += extent.volume;
             extents[piece as usize].area += extent.area;
         }
-        extents
+        (all.into_iter().map(|(normal, _)| normal).collect(), extents)
     }
 
     /// The corners moved along their normals by what their piece lacks of its volume, and no farther from their faces than they may.
-    fn filled(&self, corners: &[DVec3]) -> Vec<DVec3> {
-        let extents = self.extents(corners);
+    /// `None` if no piece lacks more than a share of `near`.
+    fn filled(&self, corners: &[DVec3], near: f64) -> Option<Vec<DVec3>> {
+        let (normals, extents) = self.measured(corners);
+        let lacks = |(extent, target): (&Extent, &f64)| (extent.volume / target - 1.0).abs() >= near;
+        if !extents.iter().zip(&self.targets).any(lacks) {
+            return None;
+        }
         let by: Vec<f64> =
             extents.iter().zip(&self.targets).map(|(e, target)| (target - e.volume) / e.area.max(1e-9)).collect();
-        let normals = self.normals(corners);
-        self.map(corners, |at, _| {
+        Some(self.map(corners, |at, _| {
             let moved =
                 corners[at] + normals[at].normalize_or_zero() * by[self.piece[at] as usize].clamp(-REACH, REACH);
             self.held(at, moved)
-        })
+        }))
     }
 
     /// The nearest place to one that a corner may take.
