@@ -71,7 +71,7 @@ const INNER: &[(&str, &[&[&str]])] = &[
     (
         "interact",
         &[
-            &["curve", "event", "mark", "projection", "readout", "surface", "brush", "slices", "context"],
+            &["curve", "event", "footprint", "mark", "projection", "readout", "surface", "brush", "slices", "context"],
             &["aim", "gesture"],
             &["click", "looking"],
             &["tools"],

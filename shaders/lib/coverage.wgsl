@@ -23,16 +23,24 @@ fn g_of(i: u32, x: vec4<i32>, yz: vec2<i32>, falloff: u32) -> vec4<f32> {
     var dz = a.z * ox + b.z * o.x + c.z * o.y;
     let axis = (dab.form >> 1u) & 3u;
     // A ball is a disc without a normal.
-    var n = select(dab.normal, stroke.normals[0].xyz, axis == 1u);
+#ifdef FORMED
+    let upright = dab.normal;
+#else
+    let upright = vec3<f32>(0.0);
+#endif
+    var n = select(upright, stroke.normals[0].xyz, axis == 1u);
     n = select(n, stroke.normals[1].xyz, axis == 2u);
     n = select(n, stroke.normals[2].xyz, axis == 3u);
     let lift = dots(dx, dy, dz, vec4<f32>(n.x), vec4<f32>(n.y), vec4<f32>(n.z));
     dx -= n.x * lift;
     dy -= n.y * lift;
     dz -= n.z * lift;
-    // What lies along a surface counts along the normal too, beyond where it is covered alike.
+    var squared = dots(dx, dy, dz, dx, dy, dz);
+#ifdef FORMED
+    // What lies along a surface counts along the normal too, beyond where it is covered alike; a lighter touch is smaller.
     let beyond = max(abs(lift) - dab.half, vec4<f32>(0.0)) * dab.stretch;
-    let squared = dots(dx, dy, dz, dx, dy, dz) + beyond * beyond;
+    squared = (squared + beyond * beyond) * (dab.scale * dab.scale);
+#endif
     let r = min(sqrt(squared), vec4<f32>(1.0));
     let f = falloff_of(r, falloff);
     var g = select(dab.gain * f, vec4<f32>(0.0), squared > vec4<f32>(dab.edge));

@@ -9,6 +9,6 @@ mod pose;
 mod shapes;
 
 pub use camera::{Camera, Projection};
-pub use glam::{DAffine3, DMat3, DMat4, DQuat, DVec2, DVec3, DVec4};
+pub use glam::{DAffine3, DMat2, DMat3, DMat4, DQuat, DVec2, DVec3, DVec4};
 pub use pose::Pose;
 pub use shapes::{Aabb, Plane, Ray, nearest_region, outside_by};

@@ -114,6 +114,32 @@ pub enum Tip {
     BuildUp,
 }
 
+/// What the pressure of a pen scales.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Pressure {
+    /// The brush's strength.
+    pub strength: bool,
+    /// Its radius, down to a quarter.
+    pub radius: bool,
+}
+
+impl Default for Pressure {
+    fn default() -> Self {
+        Self { strength: true, radius: false }
+    }
+}
+
+impl Pressure {
+    /// The least share of the radius that a light touch leaves.
+    pub const LEAST: f64 = 0.25;
+
+    /// Whether it is as it was before there was a choice.
+    pub fn is_plain(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 /// The brush.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Brush {
@@ -167,6 +193,9 @@ pub struct Brush {
     /// Across what its strokes are mirrored.
     #[serde(default, skip_serializing_if = "Mirror::is_off")]
     pub mirror: Mirror,
+    /// What the pressure of a point scales.
+    #[serde(default, skip_serializing_if = "Pressure::is_plain")]
+    pub pressure: Pressure,
     /// How far a voxel's neighbourhood reaches, mm, more than 0: σ of `Smooth` and `Sharpen` (up to 8 voxels), the radius of `Median` (up
     /// to 5). Until it is said, a voxel of the first volume.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -211,6 +240,7 @@ impl Default for Brush {
             only: Only::default(),
             connected: false,
             mirror: Mirror::Off,
+            pressure: Pressure::default(),
             reach_mm: None,
             height_mm: None,
         }

@@ -2,7 +2,7 @@
 //!
 //! Owns how one brush becomes another, so that two changes on their way do not undo each other.
 
-use crate::paint::brush::{Brush, EraseDensity, Operation, Shape, Target, Tip};
+use crate::paint::brush::{Brush, EraseDensity, Operation, Pressure, Shape, Target, Tip};
 use crate::paint::falloff::Falloff;
 use crate::paint::mirror::Mirror;
 use crate::paint::only::Only;
@@ -57,6 +57,8 @@ pub struct BrushChange {
     /// Across what strokes are mirrored: `"off"`, `{"axis": "x"}`, `{"points": [a, b, c]}`, `{"plane": …}`, `{"face": {"part": 2,
     /// "face": 6}}`.
     pub mirror: Option<Box<Mirror>>,
+    /// What the pressure of a pen scales, `{"strength": true, "radius": false}`; what is left out of it is as there.
+    pub pressure: Option<Pressure>,
     /// How far a voxel's neighbourhood reaches, mm.
     pub reach_mm: Option<f64>,
     /// How far the surface is moved, mm.
@@ -90,6 +92,7 @@ impl BrushChange {
             only: changed(old.only, new.only),
             connected: changed(old.connected, new.connected),
             mirror: changed(old.mirror, new.mirror).map(Box::new),
+            pressure: changed(old.pressure, new.pressure),
             reach_mm: changed(old.reach_mm, new.reach_mm).flatten(),
             height_mm: changed(old.height_mm, new.height_mm).flatten(),
         }
@@ -132,6 +135,7 @@ impl BrushChange {
             only: self.only.unwrap_or(old.only),
             connected: self.connected.unwrap_or(old.connected),
             mirror: self.mirror.as_deref().copied().unwrap_or(old.mirror),
+            pressure: self.pressure.unwrap_or(old.pressure),
             reach_mm: self.reach_mm.or(old.reach_mm),
             height_mm: self.height_mm.or(old.height_mm),
         }

@@ -25,7 +25,7 @@ mod surface;
 mod voxel_set;
 
 pub use around::Block;
-pub use brush::{Brush, EraseDensity, Operation, Sample, Shape, Target, Tip};
+pub use brush::{Brush, EraseDensity, Operation, Pressure, Sample, Shape, Target, Tip};
 pub use build_up::BuildUpBound;
 pub use change::BrushChange;
 pub use contour::Contour;

@@ -7,7 +7,7 @@
 //! knows where they lie, nothing of what they hold.
 
 use crate::math::{DAffine3, DVec3};
-use crate::paint::brush::{Brush, Sample, Tip};
+use crate::paint::brush::{Brush, Pressure, Sample, Tip};
 use crate::paint::dab::{Dab, half_diagonal_mm};
 use crate::paint::error::PaintError;
 use crate::paint::passed::{cell_of, left};
@@ -32,6 +32,7 @@ pub struct StrokePath {
     radius_mm: f64,
     step_mm: f64,
     builds_up: bool,
+    pressure: Pressure,
     /// `index_from_world` and its inverse, if every voxel on the way is painted.
     thin: Option<[DAffine3; 2]>,
     last: Option<Sample>,
@@ -73,6 +74,7 @@ impl StrokePath {
             radius_mm: brush.radius_mm,
             step_mm,
             builds_up: brush.tip == Tip::BuildUp,
+            pressure: brush.pressure,
             thin,
             last: None,
             before_mm: 0.0,
@@ -119,7 +121,8 @@ impl StrokePath {
         let uncovered = self.thin.is_some() && !self.cell.1;
         (share > SAME || uncovered).then(|| {
             let share = if self.builds_up && !uncovered { share.clamp(0.0, 1.0) as f32 } else { 1.0 };
-            self.dab(last.position, last.pressure * share, last.normal)
+            let dab = self.dab(last.position, last.pressure, last.normal);
+            Dab { pressure: dab.pressure * share, ..dab }
         })
     }
 
@@ -190,7 +193,10 @@ impl StrokePath {
     }
 
     fn dab(&self, centre: DVec3, pressure: f32, normal: DVec3) -> Dab {
-        Dab { centre, radius_mm: self.radius_mm, pressure, normal }
+        let share = if self.pressure.radius { f64::from(pressure).max(Pressure::LEAST) } else { 1.0 };
+        // No pressure at all paints nothing, whatever it scales.
+        let pressure = if self.pressure.strength || pressure == 0.0 { pressure } else { 1.0 };
+        Dab { centre, radius_mm: self.radius_mm * share, pressure, normal }
     }
 }
 
@@ -202,8 +208,10 @@ pub fn step_mm<'a>(brush: &Brush, grids: impl IntoIterator<Item = &'a Grid>) -> 
         1.0 / rows.x_axis.length().max(rows.y_axis.length()).max(rows.z_axis.length())
     };
     let thinnest = grids.into_iter().map(thinnest).fold(f64::INFINITY, f64::min);
+    // The lightest touch still leaves no gaps.
+    let least = if brush.pressure.radius { Pressure::LEAST } else { 1.0 };
     match brush.radius_mm > 0.0 {
-        true => (brush.spacing * brush.radius_mm).max(thinnest * LEAST_STEP),
+        true => (brush.spacing * brush.radius_mm * least).max(thinnest * LEAST_STEP),
         false => thinnest * 0.25,
     }
 }

@@ -274,3 +274,26 @@ fn from_half_the_diagonal_on_equation_2_stands_alone() {
     let wide = dab(DVec3::splat(4.4999), half).footprint(&linear, &grid).unwrap();
     assert!(wide.coverage([4; 3]) < 0.001);
 }
+
+#[test]
+fn pressure_scales_strength_or_radius_or_both_and_leaves_no_gaps() {
+    let grid = Grid::aligned([64; 3], DVec3::ONE, DVec3::ZERO);
+    for (strength, radius) in [(true, false), (false, true), (true, true), (false, false)] {
+        let brush = Brush { radius_mm: 8.0, pressure: Pressure { strength, radius }, ..Brush::default() };
+        let at = |x: f64, pressure: f32| Sample { pressure, ..sample(DVec3::new(x, 30.0, 30.0)) };
+        let mut path = StrokePath::new(&brush, &grid).unwrap();
+        let mut dabs = path.extend(&[at(5.0, 1.0), at(35.0, 0.1), at(50.0, 0.1)]).unwrap();
+        dabs.extend(path.end());
+        for dab in &dabs {
+            // Pressure falls evenly to a tenth at 35 mm.
+            let pressed = (1.0 - (dab.centre.x - 5.0) / 30.0 * 0.9).max(0.1);
+            let expected = if radius { 8.0 * pressed.max(0.25) } else { 8.0 };
+            assert!((dab.radius_mm - expected).abs() < 1e-5, "{} at {}", dab.radius_mm, dab.centre.x);
+            let gain = if strength { pressed } else { 1.0 };
+            assert!((f64::from(dab.pressure) - gain).abs() < 1e-6, "{} at {}", dab.pressure, dab.centre.x);
+        }
+        for pair in dabs.windows(2) {
+            assert!(pair[0].centre.distance(pair[1].centre) <= 0.25 * pair[1].radius_mm + 1e-9);
+        }
+    }
+}

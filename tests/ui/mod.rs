@@ -9,6 +9,7 @@ mod curve;
 mod driver;
 mod duties;
 mod files;
+mod footprint;
 mod glance;
 mod interact;
 mod layout;

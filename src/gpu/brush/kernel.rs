@@ -70,8 +70,9 @@ shared_struct! {
         stretch: f32,
         /// Largest squared distance inside; 0 for a dab that is one voxel.
         edge: f32,
-        unused_a: u32,
-        unused_b: u32,
+        /// The brush's radius over the dab's.
+        scale: f32,
+        unused: u32,
     }
 }
 
@@ -166,15 +167,21 @@ pub(crate) fn tight_bytes(format: TexelFormat) -> u64 {
 }
 
 /// What the kernel is compiled under: a stroke's first dab, if it is one, need not gather coverage; of falloffs, those that cost more than
-/// the others, which need not pay for them; and whether each texel goes toward something of its own.
+/// the others, which need not pay for them; whether dabs have a form or a size of their own, and each texel something of its own that it goes toward.
 pub(crate) fn conditions(variant: Variant, gathers: bool, brush: &Brush) -> Vec<&'static str> {
     let falloff = match brush.effective_falloff() {
         Falloff::Gaussian => Some("GAUSSIAN"),
         Falloff::Curve(_) => Some("CURVE"),
         Falloff::Hard | Falloff::Linear | Falloff::Smooth => None,
     };
+    let formed = (brush.lies_along() || brush.pressure.radius).then_some("FORMED");
     let goals = brush.effective().looks_around().then_some("GOALS");
-    std::iter::once(variant.condition()).chain((!gathers).then_some("ONE_DAB")).chain(falloff).chain(goals).collect()
+    std::iter::once(variant.condition())
+        .chain((!gathers).then_some("ONE_DAB"))
+        .chain(falloff)
+        .chain(formed)
+        .chain(goals)
+        .collect()
 }
 
 /// The kernel of shaders/brush/brush.wgsl. Its bindings are numbered as there.
@@ -288,7 +295,7 @@ fn columns(m: &DMat3) -> [[f32; 4]; 3] {
 }
 
 impl BrushDab {
-    pub(crate) fn new(footprint: &Footprint) -> Self {
+    pub(crate) fn new(footprint: &Footprint, brush_radius_mm: f64) -> Self {
         let base = footprint.centre.floor();
         let reach = if footprint.radius_mm > 0.0 { 1.0 + EDGE } else { 0.0 };
         let along = footprint.along.unwrap_or(Along { normal: DVec3::ZERO, half_mm: 0.0, stretch: 0.0 });
@@ -299,11 +306,11 @@ impl BrushDab {
             fraction: (footprint.centre - base).to_array().map(|v| v as f32),
             gain: footprint.gain,
             normal: along.normal.to_array().map(|v| v as f32),
-            half: (along.half_mm / footprint.radius_mm.max(f64::MIN_POSITIVE)) as f32,
+            half: (along.half_mm / brush_radius_mm.max(f64::MIN_POSITIVE)) as f32,
             stretch: along.stretch as f32,
             edge: (reach * reach) as f32,
-            unused_a: 0,
-            unused_b: 0,
+            scale: if footprint.radius_mm > 0.0 { (brush_radius_mm / footprint.radius_mm) as f32 } else { 1.0 },
+            unused: 0,
         }
     }
 }

@@ -157,7 +157,7 @@ impl Plan {
         plan.append(bytemuck::bytes_of(&stroke.constants), ALIGNED);
         let choices = choices(&stroke.brush, stroke.is_gated());
         for (dabs, work) in groups {
-            let dabs: Vec<_> = dabs.iter().map(BrushDab::new).collect();
+            let dabs: Vec<_> = dabs.iter().map(|dab| BrushDab::new(dab, stroke.brush.radius_mm)).collect();
             let dabs_at = plan.append(bytemuck::cast_slice(&dabs), DABS_BYTES as usize);
             for buffers in 0..stroke.buffers.len() {
                 let mut begun = Begun::default();

@@ -41,6 +41,12 @@ pub(super) fn limits_menu(ui: &mut Ui, scene: &Scene, points: &mut Vec<DVec3>, v
         row(ui, "Selection", |ui| side(ui, "Selection", &mut new.only.selection));
         segment_rows(ui, scene, new);
         mirror_rows(ui, scene, points, new);
+        row(ui, "Pen", |ui| {
+            let tip = "A lighter touch of the pen paints more weakly, where the system tells how hard it is pressed";
+            tick(ui, &mut new.pressure.strength, "Strength", tip);
+            let tip = "A lighter touch of the pen paints with a smaller brush, down to a quarter of the radius";
+            tick(ui, &mut new.pressure.radius, "Radius", tip);
+        });
         row(ui, "Lasso", |ui| {
             let LengthUnit { name: unit, per_mm: factor, .. } = LengthUnit::of(voxel);
             let decimals = readout::decimals(voxel * factor * 20.0);

@@ -52,6 +52,7 @@ impl App {
         let mut marks = self.interaction.gesture().map_or_else(Vec::new, |gesture| gesture.marks(view));
         marks.extend(self.tool_marks(painter, view, plane.as_ref(), size));
         self.draw_marks(painter, &marks, &to_screen, scale);
+        self.draw_footprint(painter, view, plane.as_ref(), size, &to_screen);
     }
 
     /// What the tool in hand shows about the pointer.

@@ -19,6 +19,7 @@ struct Laid {
     index: DVec3,
     /// For a disc: axis across the layer and its normal.
     layer: Option<(usize, DVec3)>,
+    radius: f64,
     /// Of an ellipsoid: the surface's normal.
     normal: DVec3,
 }
@@ -41,13 +42,14 @@ impl Laid {
             index: m.inverse().transform_point3(dab.centre),
             layer,
             normal: dab.normal,
+            radius: dab.radius_mm,
         }
     }
 
     /// Equation 2: G, and whether the distance is too close to a hard rim for f32.
     fn g(&self, grid: &Grid, brush: &Brush, v: [u32; 3]) -> (f64, bool) {
         let at = DVec3::new(f64::from(v[0]), f64::from(v[1]), f64::from(v[2]));
-        if brush.radius_mm == 0.0 {
+        if self.radius == 0.0 {
             return (if (self.index - at).abs().max_element() <= 0.5 { self.gain } else { 0.0 }, false);
         }
         let mut offset = grid.world_from_index.transform_point3(at) - self.centre;
@@ -61,7 +63,7 @@ impl Laid {
             let along = self.normal.dot(offset);
             offset += self.normal * (along / brush.ratio - along);
         }
-        let x = offset.length() / brush.radius_mm;
+        let x = offset.length() / self.radius;
         // Labels take part by distance, whatever the falloff.
         let falloff = if matches!(brush.target, Target::Label(_)) { Falloff::Hard } else { brush.falloff };
         let f = match falloff {

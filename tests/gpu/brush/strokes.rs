@@ -43,9 +43,14 @@ fn every_brush(canvases: &mut [Canvas], target: Target, range: [f64; 2]) {
                         spacing: 0.25,
                         range: (n % 5 == 0).then_some(range.map(Number::Real)),
                         erase: n % 13 == 0,
+                        pressure: Pressure { strength: true, radius: n % 3 == 0 },
                         ..Brush::default()
                     };
-                    let dabs = dabs(&canvas.grid, brush.radius_mm, &mut rng);
+                    let mut dabs = dabs(&canvas.grid, brush.radius_mm, &mut rng);
+                    if brush.pressure.radius {
+                        // A lighter touch is smaller, but not thinner than a voxel.
+                        dabs.iter_mut().for_each(|dab| dab.radius_mm *= rng.random_range(0.8..1.0));
+                    }
                     let found = canvas.paint(&brush, &dabs);
                     check(&format!("{brush:?}"), canvas, &brush, &dabs, &found);
                 }
