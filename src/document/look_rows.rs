@@ -54,6 +54,17 @@ impl LookChange {
     }
 }
 
+/// Whose look matter of a volume has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Owner {
+    /// Its volume's.
+    Whole,
+    /// That of what is selected.
+    Selection,
+    /// That of a part.
+    Part(PartId),
+}
+
 impl<'a> Subject<'a> {
     /// The look that what has none for itself inherits.
     pub(crate) fn look(&self) -> LookRef<'a> {
@@ -71,34 +82,51 @@ impl<'a> Subject<'a> {
         !own.parts.is_empty() || (own.selections.contains_key(&self.id) && !self.selection.is_blank())
     }
 
-    /// The looks in which the 3D view shows matter of a label, in any part.
-    fn looks_of(&self, label: u16) -> impl Iterator<Item = LookRef<'a>> + use<'a> {
+    /// The look of matter of a label; `None` where nothing of it shows.
+    fn look_of(&self, owner: Owner, label: u16) -> Option<LookRef<'a>> {
+        let (own, plain) = (&self.scene.own_looks, self.look());
+        let change = match owner {
+            Owner::Whole => None,
+            Owner::Selection => own.selections.get(&self.id),
+            Owner::Part(id) => own.parts.get(&id),
+        };
+        let base = change.map_or(plain, |change| change.over(plain));
+        let look = own.segment(self.id, label).map_or(base, |change| change.over(base));
+        (own.shows_label(self.id, label) && look.opacity > 0.0).then_some(look)
+    }
+
+    /// All whose looks may differ.
+    fn owners(&self) -> impl Iterator<Item = Owner> + use<'a> {
         let own = &self.scene.own_looks;
-        let plain = self.look();
-        let changed = own.selections.get(&self.id).into_iter().chain(own.parts.values());
-        let bases = std::iter::once(plain).chain(changed.map(move |change| change.over(plain)));
-        let segment = own.segment(self.id, label);
-        let shown = own.shows_label(self.id, label);
-        let looks = bases.map(move |base| segment.map_or(base, |change| change.over(base)));
-        looks.filter(move |look| shown && look.opacity > 0.0)
+        let selection = own.selections.contains_key(&self.id).then_some(Owner::Selection);
+        std::iter::once(Owner::Whole).chain(selection).chain(own.parts.keys().map(|id| Owner::Part(*id)))
     }
 
     /// Whether the 3D view shows matter of a value and label at all, in any part.
     pub(crate) fn shows(&self, value: f64, label: u16) -> bool {
         !value.is_nan()
-            && self.looks_of(label).any(|look| match look.mode {
+            && self.owners().filter_map(|owner| self.look_of(owner, label)).any(|look| match look.mode {
                 Mode::Iso(level) => value >= level,
                 Mode::Dvr | Mode::Mip => look.transfer.opacity_at(value) > 0.0,
             })
     }
 
-    /// All values of a label that the 3D view shows, as closed ranges in order.
+    /// All values of a label that the 3D view shows in any part, as closed ranges in order.
     pub(crate) fn shown_values(&self, label: u16) -> Vec<[f64; 2]> {
+        self.values_in(self.owners().filter_map(|owner| self.look_of(owner, label)))
+    }
+
+    /// The same of what is selected, or of one part.
+    pub(crate) fn shown_values_of(&self, owner: Owner, label: u16) -> Vec<[f64; 2]> {
+        self.values_in(self.look_of(owner, label).into_iter())
+    }
+
+    fn values_in(&self, looks: impl Iterator<Item = LookRef<'a>>) -> Vec<[f64; 2]> {
         let of = |look: LookRef<'_>| match look.mode {
             Mode::Iso(level) => vec![[level, f64::INFINITY]],
             Mode::Dvr | Mode::Mip => opaque_values(&look.transfer.opacity),
         };
-        let mut all: Vec<[f64; 2]> = self.looks_of(label).flat_map(of).collect();
+        let mut all: Vec<[f64; 2]> = looks.flat_map(of).collect();
         all.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let mut joined: Vec<[f64; 2]> = Vec::new();
         for [lo, hi] in all {

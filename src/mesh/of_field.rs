@@ -50,11 +50,9 @@ pub fn label_surface(
     };
     let sample = |texel: [u8; 2]| if u16::from_le_bytes(texel) == label { 1 } else { -1 };
     let marched = march(labels, &region, -1, sample, |_, _| 0.5, &|x| proceed(x * 0.6))?;
-    let Some(mut surface) = marched.filter(|_| proceed(0.6)) else { return Ok(None) };
-    if !surface.triangles.is_empty() {
-        surface.smooth();
-    }
-    Ok(Some(placed(&surface, world_from_index)))
+    let Some(mut surface) = marched else { return Ok(None) };
+    let done = surface.triangles.is_empty() || surface.smooth(&|x| proceed(0.6 + 0.4 * x));
+    Ok(done.then(|| placed(&surface, world_from_index)))
 }
 
 /// The box of the bricks of which `is_met` says, by least and largest value, that they may hold any of it or lie beside it: what is

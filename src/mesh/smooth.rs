@@ -42,11 +42,15 @@ struct Extent {
 }
 
 impl Surface {
-    /// Smooths a surface whose corners lie in the middle of faces of voxels.
-    pub(super) fn smooth(&mut self) {
+    /// Smooths a surface whose corners lie in the middle of faces of voxels. `proceed` gets the share done and answers whether to go
+    /// on; answers false if not.
+    pub(super) fn smooth(&mut self, proceed: &dyn Fn(f32) -> bool) -> bool {
         let net = Net::new(self);
         let mut corners = std::mem::take(&mut self.corners);
-        for _ in 0..ROUNDS {
+        for round in 0..ROUNDS {
+            if !proceed(round as f32 / ROUNDS as f32) {
+                return false;
+            }
             let drawn = net.map(&corners, |at, around| {
                 let sum = around.iter().fold(DVec3::ZERO, |sum, [a, _]| sum + corners[*a as usize]);
                 corners[at] + (sum / around.len().max(1) as f64 - corners[at]) * PULL
@@ -60,6 +64,7 @@ impl Surface {
             }
         }
         self.corners = corners;
+        true
     }
 }
 

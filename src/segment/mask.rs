@@ -87,6 +87,19 @@ impl BrickMask {
         }
     }
 
+    /// What is in either.
+    #[must_use]
+    pub fn or(self, other: Self, valid: [u32; 3]) -> Self {
+        match (self, other) {
+            (Self::All, _) | (_, Self::All) => Self::All,
+            (Self::None, mask) | (mask, Self::None) => mask,
+            (Self::Some(mut bits), Self::Some(other)) => {
+                bits.iter_mut().zip(other.iter()).for_each(|(a, b)| *a |= b);
+                Self::of_bits(bits, valid)
+            }
+        }
+    }
+
     /// What is in this one and not in the other.
     #[must_use]
     pub fn without(self, other: &Self, valid: [u32; 3]) -> Self {

@@ -643,3 +643,51 @@ fn a_walk_of_isolations_over_two_volumes_is_walked_back_and_forth_to_the_byte() 
         }
     }
 }
+
+#[test]
+fn hidden_parts_and_matter_that_its_part_or_the_selection_hides_are_not_met() {
+    let voxels = vec![100_u8; DIMS.iter().product::<u32>() as usize];
+    let mut document = over(Voxels::U8(voxels), DIMS);
+    let grid = *document.state().unwrap().at(None).unwrap().grid();
+    let world = |v: [u32; 3]| grid.world_from_index.transform_point3(DVec3::from_array(v.map(f64::from)));
+    // Oblique, through bricks.
+    let (normal, offset) = (DVec3::new(0.8, 0.6, 0.0), 26.3);
+    let cut = json!({"plane":{"normal":normal.to_array(),"point":(normal * offset).to_array()}});
+    say(&mut document, json!({"part":{"split":{"by":cut}}}));
+    let parts = document.state().unwrap().scene.explosion.parts.clone();
+    assert_eq!(parts.len(), 2);
+    let beyond = |v: [u32; 3]| world(v).dot(normal) > offset;
+    let hidden = parts.iter().find(|part| part.centre().dot(normal) > offset).unwrap().id.0;
+    let ask = |document: &mut Document, within: &str| {
+        let said = say(document, json!({"component":{"label":{"label":9,"at":{"index":[0,0,0]},"within":within}}}));
+        let found = document.state().unwrap().one().labels.clone();
+        say(document, json!({"history":{"undo":{}}}));
+        (said["voxels"].as_u64().unwrap(), each(DIMS, |v| found.value(v).unwrap() == 9.0))
+    };
+    let all = u64::from(DIMS.iter().product::<u32>());
+    assert_eq!(ask(&mut document, "volume").0, all, "cut, and all of it shown");
+    let near: Vec<bool> = each(DIMS, |v| !beyond(v));
+    for change in [json!({"visible":false}), json!({"visible":true,"look":{"opacity":0}})] {
+        let mut set = change.clone();
+        set["id"] = json!(hidden);
+        say(&mut document, json!({"part":{"set":set}}));
+        assert!(ask(&mut document, "volume").1 == near, "{change}");
+    }
+    say(&mut document, json!({"part":{"set":{"id":hidden,"look":"inherit"}}}));
+    assert_eq!(ask(&mut document, "volume").0, all);
+    // What is selected is no part's, and has its own look.
+    let region = |v: [u32; 3]| v[2] > 20 && v[0] < 50;
+    let mut state = document.state().unwrap().clone();
+    let own = *state.one().grid();
+    state.one_mut().selection =
+        crate::common::volumes::painted(FieldKind::Selection, &own, |v| [if region(v) { 200 } else { 0 }, 0, 0, 0]);
+    document.adopt(state);
+    say(&mut document, json!({"selection":{"set":{"look":{"opacity":0}}}}));
+    assert!(ask(&mut document, "volume").1 == each(DIMS, |v| !region(v)));
+    say(&mut document, json!({"selection":{"set":{"look":"inherit"}}}));
+    say(&mut document, json!({"part":{"set":{"id":hidden,"visible":false}}}));
+    assert!(
+        ask(&mut document, "volume").1 == each(DIMS, |v| region(v) || !beyond(v)),
+        "selected matter shows though its part is hidden"
+    );
+}

@@ -207,6 +207,7 @@ fn masks_are_cut_and_joined_voxel_by_voxel() {
         let ((a, a_mask), (b, b_mask)) = (kinds(&mut rng), kinds(&mut rng));
         let expected = |f: fn(bool, bool) -> bool| BrickMask::new(valid, |v| f(a[place(v, valid)], b[place(v, valid)]));
         assert_eq!(a_mask.clone().and(b_mask.clone(), valid), expected(|a, b| a && b));
+        assert_eq!(a_mask.clone().or(b_mask.clone(), valid), expected(|a, b| a || b));
         assert_eq!(a_mask.clone().without(&b_mask, valid), expected(|a, b| a && !b));
         assert_eq!(a_mask.count(valid), a.iter().filter(|v| **v).count() as u64);
     }

@@ -4,11 +4,14 @@
 //! shows is judged by texels, as pictures are; ranges by the source's own numbers, as a brush's. Changes nothing.
 
 use crate::document::command::component::{Matter, Within};
+use crate::document::look_rows::Owner;
 use crate::document::subject::Subject;
+use crate::explode::PartId;
+use crate::math::DVec3;
 use crate::paint::Gate;
 use crate::segment::{BrickMask, ROWS};
 use crate::volume::{BRICK, Brick, BrickIndex, BrickKey, SLOT, SourceError, TexelFormat};
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// From half on a voxel is selected.
@@ -29,9 +32,12 @@ enum Told {
     Visible(Visible),
 }
 
-/// Which values show, by label.
-#[derive(Default)]
-struct Visible(Mutex<HashMap<u16, Arc<Shown>>>);
+/// What shows, by whose look it has and by label.
+struct Visible {
+    /// Whether it hangs on the part, or on what is selected.
+    is_apart: bool,
+    known: Mutex<HashMap<(Owner, u16), Arc<Shown>>>,
+}
 
 /// Which values of a label show.
 struct Shown {
@@ -46,7 +52,7 @@ impl<'a> Meant<'a> {
         let matter = match matter {
             Matter::Everything => Told::Everything,
             Matter::Range(range) => Told::Range(Gate::new(range, &subject.density)),
-            Matter::Visible => Told::Visible(Visible::default()),
+            Matter::Visible => Told::Visible(Visible::new(&subject)),
         };
         Self { subject, within, matter }
     }
@@ -108,12 +114,35 @@ fn place([x, y, z]: [u32; 3]) -> usize {
 }
 
 impl Visible {
+    fn new(subject: &Subject<'_>) -> Self {
+        let hides = subject.scene.explosion.parts.iter().any(|part| !part.visible);
+        Self { is_apart: hides || subject.is_dressed_in_parts(), known: Mutex::default() }
+    }
+
     fn mask(&self, subject: &Subject<'_>, index: BrickIndex, valid: [u32; 3]) -> Result<BrickMask, SourceError> {
+        if !self.is_apart {
+            return self.mask_of(subject, Owner::Whole, index, valid);
+        }
+        let mut mask = BrickMask::None;
+        for (owner, own) in owners(subject, index, valid)? {
+            mask = mask.or(own.and(self.mask_of(subject, owner, index, valid)?, valid), valid);
+        }
+        Ok(mask)
+    }
+
+    /// What would show if all of a brick had the same look.
+    fn mask_of(
+        &self,
+        subject: &Subject<'_>,
+        owner: Owner,
+        index: BrickIndex,
+        valid: [u32; 3],
+    ) -> Result<BrickMask, SourceError> {
         let (density, key) = (&subject.density, BrickKey { level: 0, index });
         let labels = subject.labels.brick(key)?;
         let codes = density.format() == TexelFormat::R16Unorm;
         if let Brick::Uniform([a, b, ..]) = labels {
-            let shown = self.shown(subject, u16::from_le_bytes([a, b]));
+            let shown = self.shown(subject, owner, u16::from_le_bytes([a, b]));
             let summary = density.summary(key);
             let (min, max) = (f64::from(summary.min), f64::from(summary.max));
             if min > max || !shown.ranges.iter().any(|[lo, hi]| *lo <= max && min <= *hi) {
@@ -134,11 +163,11 @@ impl Visible {
             u16::from_le_bytes([a, b])
         };
         let brick = density.brick(key)?;
-        let mut last = (0, self.shown(subject, 0));
+        let mut last = (0, self.shown(subject, owner, 0));
         Ok(BrickMask::new(valid, |at| {
             let label = label_at(at);
             if label != last.0 {
-                last = (label, self.shown(subject, label));
+                last = (label, self.shown(subject, owner, label));
             }
             let texel = brick.texel(at, density.format().bytes());
             if codes {
@@ -149,10 +178,50 @@ impl Visible {
         }))
     }
 
-    fn shown(&self, subject: &Subject<'_>, label: u16) -> Arc<Shown> {
-        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        known.entry(label).or_insert_with(|| Arc::new(Shown::new(subject, label))).clone()
+    fn shown(&self, subject: &Subject<'_>, owner: Owner, label: u16) -> Arc<Shown> {
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        known.entry((owner, label)).or_insert_with(|| Arc::new(Shown::new(subject, owner, label))).clone()
     }
+}
+
+/// Whose looks the voxels of a brick have, of those that are in no hidden part: the selection's where they are selected by a half,
+/// else their part's at rest.
+fn owners(subject: &Subject<'_>, index: BrickIndex, valid: [u32; 3]) -> Result<Vec<(Owner, BrickMask)>, SourceError> {
+    let selected = match subject.selection.is_blank() {
+        true => BrickMask::None,
+        false => {
+            let brick = subject.selection.brick(BrickKey { level: 0, index })?;
+            of_texels::<1>(&brick, valid, |[texel]| texel >= SELECTED)
+        }
+    };
+    let explosion = &subject.scene.explosion;
+    let part = |at: [u32; 3]| {
+        let voxel = DVec3::from_array(std::array::from_fn(|a| f64::from(index.origin()[a] + at[a])));
+        let part = explosion.holding(subject.grid().world_from_index.transform_point3(voxel))?;
+        part.visible.then_some(part.id)
+    };
+    let mut parts: Vec<(PartId, BrickMask)> = Vec::new();
+    if selected != BrickMask::All {
+        // Parts are convex: what holds all corners holds the brick. Of hidden ones, which are not told apart here, several may.
+        let corner = |n: usize| part(std::array::from_fn(|a| if n >> a & 1 == 1 { valid[a] - 1 } else { 0 }));
+        match corner(0) {
+            Some(id) if (1..8).all(|n| corner(n) == Some(id)) => parts.push((id, BrickMask::All)),
+            _ => {
+                let [nx, ny, nz] = valid;
+                let places = (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])));
+                let of: Vec<Option<PartId>> = places.map(part).collect();
+                for id in of.iter().flatten().copied().collect::<BTreeSet<_>>() {
+                    let is_own = |[x, y, z]: [u32; 3]| of[(x + nx * (y + ny * z)) as usize] == Some(id);
+                    parts.push((id, BrickMask::new(valid, is_own)));
+                }
+            }
+        }
+    }
+    let unselected = |(id, own): (PartId, BrickMask)| (Owner::Part(id), own.without(&selected, valid));
+    let mut owners: Vec<_> = parts.into_iter().map(unselected).collect();
+    owners.push((Owner::Selection, selected));
+    owners.retain(|(_, own)| *own != BrickMask::None);
+    Ok(owners)
 }
 
 /// The value of a texel, as pictures have it.
@@ -161,8 +230,8 @@ fn decoded(subject: &Subject<'_>, texel: [u8; 4]) -> f64 {
 }
 
 impl Shown {
-    fn new(subject: &Subject<'_>, label: u16) -> Self {
-        let mut shown = Self { ranges: subject.shown_values(label), codes: Vec::new() };
+    fn new(subject: &Subject<'_>, owner: Owner, label: u16) -> Self {
+        let mut shown = Self { ranges: subject.shown_values_of(owner, label), codes: Vec::new() };
         if subject.density.format() == TexelFormat::R16Unorm {
             let mut codes = vec![0; CODE_WORDS];
             for code in 0..=u16::MAX {
