@@ -83,6 +83,39 @@ fn density_that_is_taken_away_or_added_does_not_lead_the_stroke() {
 }
 
 #[test]
+fn what_looks_around_goes_where_a_script_goes_and_reads_what_was_there_at_the_start() {
+    for operation in ["raise", "fill"] {
+        let set = json!({"radius_mm":5,"target":{"density":0},"operation":operation,"height_mm":2,"reach_mm":1.5});
+        lives_as_at_once(operation, &[brush(set)]);
+    }
+    let limits = json!({"radius_mm":5,"shape":"ellipsoid","ratio":0.4,"target":{"label":1},"within_mm":2.5,"connected":true,"mirror":{"axis":"x"}});
+    lives_as_at_once("limits", &[brush(limits)]);
+}
+
+#[test]
+fn the_picture_of_a_running_stroke_is_that_of_the_same_volume_read_again() {
+    for operation in ["raise", "smooth", "fill"] {
+        let set = json!({"radius_mm":6,"target":{"density":0},"operation":operation,"height_mm":2.5,"reach_mm":1.5});
+        let Some(mut document) = ball(&[brush(set)]) else { return };
+        run(&mut document, r#"{"view":{"look":{"mode":{"iso":105}}}}"#).unwrap();
+        let first = document.picture(ViewName::ThreeD, [128, 128], None).unwrap();
+        let line = to_and_fro(5);
+        run(&mut document, &json!({"stroke":{"begin":{"points":points(&line)}}}).to_string()).unwrap();
+        let mut running = document.picture(ViewName::ThreeD, [128, 128], None).unwrap();
+        run(&mut document, r#"{"stroke":{"end":{}}}"#).unwrap();
+        if operation == "fill" {
+            // As one it is known at the end.
+            running = document.picture(ViewName::ThreeD, [128, 128], None).unwrap();
+        }
+        run(&mut document, r#"{"history":{"undo":{}}}"#).unwrap();
+        run(&mut document, r#"{"history":{"redo":{}}}"#).unwrap();
+        let again = document.picture(ViewName::ThreeD, [128, 128], None).unwrap();
+        assert!(first.colour != running.colour, "{operation} shows");
+        assert!(running.colour == again.colour, "{operation}");
+    }
+}
+
+#[test]
 fn a_stroke_that_keeps_to_the_surface_keeps_to_the_one_at_its_start() {
     let carve = json!({"radius_mm":4,"falloff":"hard","target":{"density":0.0},"visible_only":true});
     lives_as_at_once("carving", &[brush(carve.clone())]);
