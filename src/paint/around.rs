@@ -34,7 +34,15 @@ impl Block {
     /// # Errors
     /// If the source fails.
     pub fn read(field: &Field, lo: [i64; 3], size: [usize; 3]) -> Result<Self, SourceError> {
-        let bytes = field.read(0, lo, size.map(|s| s as u32))?;
+        Self::read_at(field, 0, lo, size)
+    }
+
+    /// Of a field at a level.
+    ///
+    /// # Errors
+    /// If the source fails.
+    pub(super) fn read_at(field: &Field, level: u8, lo: [i64; 3], size: [usize; 3]) -> Result<Self, SourceError> {
+        let bytes = field.read(level, lo, size.map(|s| s as u32))?;
         let values = match field.format() {
             TexelFormat::R8Unorm => bytes.iter().map(|&code| f32::from(code)).collect(),
             TexelFormat::R16Unorm | TexelFormat::R16Uint => {
@@ -122,6 +130,18 @@ impl Block {
         };
         let slope = DVec3::from_array([0, 1, 2].map(|axis| (beside(axis, 1) - beside(axis, -1)) * 0.5));
         if slope.is_finite() { slope } else { DVec3::ZERO }
+    }
+
+    /// The slope at a continuous index, between those of the eight voxels around it.
+    pub fn slope_between(&self, at: DVec3) -> DVec3 {
+        let base = at.floor();
+        let part = at - base;
+        let corner = |n: i64| {
+            let step = [n & 1, n >> 1 & 1, n >> 2];
+            let share: f64 = (0..3).map(|a| if step[a] == 1 { part[a] } else { 1.0 - part[a] }).product();
+            self.slope(std::array::from_fn(|a| base[a] as i64 + step[a])) * share
+        };
+        (0..8).map(corner).sum()
     }
 
     /// The value at a continuous index by Catmull-Rom splines, never beyond the eight values around it; where one of those is missing, by

@@ -17,6 +17,8 @@ pub const GOALS: usize = 4;
 /// The widest Gaussian, and the farthest offset, in voxels of the thinnest layers.
 const MOST_SIGMA: f64 = 8.0;
 const MOST_HEIGHT: f64 = 12.0;
+/// A Gaussian for normals that is wider than so many voxels is taken on a coarser level.
+const FEW_VOXELS: f64 = 1.5;
 /// The most voxels of a median's radius.
 const MOST_MEDIAN: f64 = 5.0;
 
@@ -154,6 +156,27 @@ impl Goals<'_> {
         Block::read(self.field, lo, margin.map(|m| SLOT as usize + 2 * m))
     }
 
+    /// Slopes of the field, smoothed by a Gaussian.
+    fn slopes(&self, index: BrickIndex, sigma: f64) -> Result<Slopes, SourceError> {
+        let spacing = self.grid.spacing();
+        let mut level = 0;
+        let coarsest = self.field.level_count().saturating_sub(1);
+        while level < coarsest && sigma >= FEW_VOXELS * spacing.max_element() * f64::from(2_u32 << level) {
+            level += 1;
+        }
+        let (scale, origin) = (i64::from(1_u32 << level), index.origin());
+        let spacing = spacing * scale as f64;
+        let around = reach(sigma, spacing);
+        // A voxel more for differences, one for what lies between voxels.
+        let margin: [i64; 3] = std::array::from_fn(|a| around[a] as i64 + 2);
+        let first = |a: usize| i64::from(origin[a]) - 1;
+        let lo = std::array::from_fn(|a| first(a).div_euclid(scale) - margin[a]);
+        let end: [i64; 3] = std::array::from_fn(|a| (first(a) + i64::from(SLOT)).div_euclid(scale) + 1 + margin[a]);
+        let size = std::array::from_fn(|a| (end[a] - lo[a]) as usize);
+        let block = Block::read_at(self.field, level, lo, size)?;
+        Ok(Slopes { smooth: block.gaussian(sigma, spacing), level })
+    }
+
     /// Values that lie the height, or its share, further along the normal.
     fn displaced(
         &self,
@@ -168,21 +191,17 @@ impl Goals<'_> {
         // Matter that moves outward is taken from further inside.
         let sign = if matches!(operation, Operation::Raise | Operation::Pull) { -1.0 } else { 1.0 };
         let sigma = normal_sigma(self.brush, operation, height, spacing);
-        let around = reach(sigma, spacing);
         // Index steps of an offset in any direction, and the splines' reach.
         let rows = self.grid.index_from_world().matrix3.transpose();
-        let margin: [usize; 3] = std::array::from_fn(|a| {
-            let far = (rows.col(a).length() * height).ceil() as usize + 2;
-            far.max(around[a] + 1)
-        });
+        let margin: [usize; 3] = std::array::from_fn(|a| (rows.col(a).length() * height).ceil() as usize + 2);
         let block = self.block(index, margin)?;
-        let smooth = block.gaussian(sigma, spacing);
+        let slopes = self.slopes(index, sigma)?;
         let to_world = DMat3::from_cols(rows.x_axis, rows.y_axis, rows.z_axis);
         let to_index = matrix.inverse();
         for v in texels.voxels() {
             let own = block.at(v);
             // The gradient by mm: each index's share along the normal of its layers.
-            let normal = -(to_world * smooth.slope(v));
+            let normal = -(to_world * slopes.at(v));
             let Some(normal) = normal.try_normalize() else {
                 goals.extend([own; GOALS]);
                 continue;
@@ -195,6 +214,24 @@ impl Goals<'_> {
             }));
         }
         Ok(())
+    }
+}
+
+/// Slopes of a smoothed field about a slot, from a level on which the Gaussian is a few voxels wide.
+struct Slopes {
+    smooth: Block,
+    level: u8,
+}
+
+impl Slopes {
+    /// In the same unit for every axis.
+    fn at(&self, voxel: [i64; 3]) -> DVec3 {
+        if self.level == 0 {
+            return self.smooth.slope(voxel);
+        }
+        let scale = f64::from(1_u32 << self.level);
+        let fine = DVec3::new(voxel[0] as f64, voxel[1] as f64, voxel[2] as f64);
+        self.smooth.slope_between((fine + 0.5) / scale - 0.5)
     }
 }
 

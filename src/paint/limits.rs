@@ -4,7 +4,6 @@
 //! that were found for it (the visible surface, what is connected, a drawn contour). Cost: that of the slots asked for. Knows neither how
 //! such sets are found nor the GPU.
 
-use crate::math::DVec3;
 use crate::paint::brush::Brush;
 use crate::paint::gate::{GATE_WORDS, Gate};
 use crate::paint::only::{OfSegment, Side};
@@ -134,16 +133,9 @@ fn near(set: &VoxelSet, depth_mm: f64, index: BrickIndex, grid: &Grid) -> Vec<u3
     let (margin, dims, origin) = (margin(depth_mm, grid), grid.dims, index.origin());
     let lo: [u32; 3] = std::array::from_fn(|a| origin[a].saturating_sub(1 + margin[a]));
     let end: [u32; 3] = std::array::from_fn(|a| origin[a].saturating_add(SLOT - 1 + margin[a]).min(dims[a]));
-    if set.bricks_within(lo, end).next().is_none() {
-        return vec![0; GATE_WORDS];
-    }
+    let Some(held) = set.within(lo, end) else { return vec![0; GATE_WORDS] };
     let size: [usize; 3] = std::array::from_fn(|a| (end[a] - lo[a]) as usize);
-    let at = |i: usize| -> [u32; 3] {
-        let [x, y, z] = [i % size[0], i / size[0] % size[1], i / (size[0] * size[1])];
-        [lo[0] + x as u32, lo[1] + y as u32, lo[2] + z as u32]
-    };
-    let spacing: DVec3 = grid.spacing();
-    let squared = squared_distances(size, spacing, |i| set.contains(at(i)));
+    let squared = squared_distances(size, grid.spacing(), |i| held[i]);
     let most = depth_mm * depth_mm * (1.0 + 1e-9);
     let voxel = |a: usize, t: u32| ((origin[a] + t).saturating_sub(1).min(dims[a] - 1) - lo[a]) as usize;
     packed((0..SLOT * SLOT * SLOT).map(|texel| {

@@ -29,14 +29,20 @@ impl VoxelSet {
         new
     }
 
-    /// Adds all voxels of another.
-    pub fn extend(&mut self, other: &Self) {
+    /// Adds all voxels of another; answers those that are new.
+    pub fn extend(&mut self, other: &Self) -> Self {
+        let mut new = Self::default();
         for (brick, bits) in &other.0 {
-            match self.0.get_mut(brick) {
-                Some(own) => own.iter_mut().zip(bits.iter()).for_each(|(a, b)| *a |= b),
-                None => drop(self.0.insert(*brick, bits.clone())),
+            let own = self.brick_mut(*brick);
+            if own.iter().zip(bits.iter()).any(|(a, b)| b & !a != 0) {
+                let rows = new.brick_mut(*brick);
+                for ((own, bits), new) in own.iter_mut().zip(bits.iter()).zip(rows) {
+                    *new = bits & !*own;
+                    *own |= bits;
+                }
             }
         }
+        new
     }
 
     /// A bit for every texel of a slot of level 0 in a volume of `dims` voxels, as [`Gate::slot`](crate::paint::gate::Gate::slot) has them: apron
@@ -97,9 +103,22 @@ impl VoxelSet {
         self.0.entry(index).or_insert_with(|| Box::new([0; BRICK_VOXELS / 32]))
     }
 
-    /// Bricks with a voxel between `lo` and `end` (exclusive) that the set has something of.
-    pub(super) fn bricks_within(&self, lo: [u32; 3], end: [u32; 3]) -> impl Iterator<Item = BrickIndex> + '_ {
-        crate::paint::dab::IndexBox { lo, end }.bricks().filter(|index| self.0.contains_key(index))
+    /// Which voxels from `lo` to `end` (exclusive) are in it, x fastest; `None` if none is.
+    pub(super) fn within(&self, lo: [u32; 3], end: [u32; 3]) -> Option<Vec<bool>> {
+        let whole = crate::paint::dab::IndexBox { lo, end };
+        let size: [usize; 3] = std::array::from_fn(|a| (end[a] - lo[a]) as usize);
+        let mut held = None;
+        for (index, bits) in whole.bricks().filter_map(|index| Some((index, self.0.get(&index)?))) {
+            for voxel in whole.within(index).voxels() {
+                let (word, bit) = place(voxel);
+                if bits[word] & bit != 0 {
+                    let [x, y, z]: [usize; 3] = std::array::from_fn(|a| (voxel[a] - lo[a]) as usize);
+                    let held = held.get_or_insert_with(|| vec![false; size.iter().product()]);
+                    held[x + size[0] * (y + size[1] * z)] = true;
+                }
+            }
+        }
+        held
     }
 
     /// Bricks whose slots show any of its voxels, or one so near to one of them along an axis, in a volume of `dims` voxels.

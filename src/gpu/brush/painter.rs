@@ -124,9 +124,9 @@ impl Painter {
     /// surface: other voxels it leaves alone. To be called before the dabs on them.
     pub fn open(&mut self, volume: VolumeId, voxels: &VoxelSet) {
         if let Some(stroke) = self.strokes.get_mut(&volume).filter(|s| s.brush.keeps_to_surface()) {
-            stroke.seen.extend(voxels);
+            let new = stroke.seen.extend(voxels);
             let reach = margin(stroke.brush.within_mm.unwrap_or(0.0), &stroke.grid);
-            stroke.stale.extend(voxels.slots(stroke.grid.dims, reach));
+            stroke.stale.extend(new.slots(stroke.grid.dims, reach));
         }
     }
 
