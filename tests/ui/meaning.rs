@@ -224,6 +224,7 @@ fn a_picture_that_is_too_large_is_not_begun() {
 fn what_is_exported_is_chosen_and_gets_its_ending() {
     let dir = tempfile::tempdir().unwrap();
     let mut window = Window::open(SMALL);
+    let first = window.scene.segments().0[0].id;
     for (what, format, field, ending) in [
         ("What: Labels", "Format: Segments (.seg.nrrd)", "labels", ".seg.nrrd"),
         ("What: Labels", "Format: NIfTI (.nii.gz)", "labels", ".nii.gz"),
@@ -240,6 +241,33 @@ fn what_is_exported_is_chosen_and_gets_its_ending() {
         let wanted = command(json!({ "volume": { "export": { "field": field, "path": path } } }));
         assert_eq!(take_path(&mut window, &dir.path().join("out")), [wanted]);
     }
+    // A surface is the selection's or a segment's: the one that is painted, else the first.
+    for (what, format, field, label, ending) in [
+        ("What: Selection", "Surface: PLY", "selection", None, ".ply"),
+        ("What: Labels", "Surface: STL", "labels", Some(first), ".stl"),
+        ("What: Labels", "Surface: glTF", "labels", Some(first), ".glb"),
+    ] {
+        choose(&mut window, "Export…");
+        window.click(what);
+        window.click(format);
+        window.harness.step();
+        let path = dir.path().join(format!("out{ending}"));
+        let mut wanted = json!({"field": field, "path": path});
+        if let Some(label) = label {
+            wanted["label"] = json!(label);
+        }
+        assert_eq!(take_path(&mut window, &dir.path().join("out")), [command(json!({"volume":{"export":wanted}}))]);
+    }
+    // From there back to voxels no label is left.
+    choose(&mut window, "Export…");
+    window.click("What: Labels");
+    window.click("Surface: OBJ");
+    window.click("Format: NRRD");
+    let wanted = json!({"volume":{"export":{"field":"labels","path":dir.path().join("out.nrrd")}}});
+    assert_eq!(take_path(&mut window, &dir.path().join("out")), [command(wanted)]);
+    choose(&mut window, "Export…");
+    window.click("What: Density");
+    assert!(window.harness.query_by_label("Surface: STL").is_none(), "values have no surface");
 }
 
 #[test]

@@ -117,6 +117,11 @@ pub(super) fn states() -> Vec<(&'static str, Window, &'static str)> {
         }
     };
     add("an export", "Format: NIfTI (.nii.gz)", &from_menu("Export…"));
+    add("an export of a surface", "Segment to export", &|window| {
+        from_menu("Export…")(window);
+        window.click("What: Labels");
+        window.click("Surface: STL");
+    });
     add("a picture to save", "Size: 4K", &from_menu("Save picture…"));
     add("a picture of a size of its own", "Height in pixels", &|window| {
         from_menu("Save picture…")(window);
