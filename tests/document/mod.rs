@@ -70,4 +70,5 @@ mod values_support;
 mod views;
 mod visible;
 mod volumes;
+mod walk_of_brushes;
 mod weak;
