@@ -421,6 +421,8 @@ fn a_command_that_cannot_be_names_its_field() {
         (json!({"keep":{"volume":9}}), "volume: 9 found"),
         (json!({"keep":{"matter":{"range":[300,400]}}}), "matter: none found, voxels of the range expected"),
         (json!({"keep":{"at":{"index":[1e9,0,0]}}}), "at: "),
+        (json!({"remove":{"value":1e40}}), "value: 1e40 found, a value within 32-bit floats"),
+        (json!({"keep":{"value":-1e40}}), "value: -1e40 found, a value within 32-bit floats"),
     ] {
         let said = refused(&mut document, json!({"component": what}));
         assert!(said.contains(words), "{said}");
@@ -580,6 +582,13 @@ fn data_of_every_type_keep_what_is_not_removed_to_the_last_bit() {
         }
         say(&mut document, json!({"history":{"undo":{}}}));
         assert!(bytes(&document) == before, "{ty:?}");
+        if ty == VoxelType::F64 {
+            // What doubles hold they keep, in floats a power of two smaller.
+            let what = json!({"at":{"index":[0,0,0]},"matter":{"range":[middle, middle]},"value":1e300});
+            say(&mut document, json!({"component":{"remove": what}}));
+            let found = super::values_support::density(&mut document, [0; 3]).as_f64().unwrap();
+            assert!((found / 1e300 - 1.0).abs() < 1e-6, "{found}");
+        }
     }
 }
 

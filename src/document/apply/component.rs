@@ -73,10 +73,12 @@ impl Document {
             ComponentCommand::Label(Labelling { label, .. }) => {
                 let kept_locked = relabel(state, id, *label, &found.voxels(true), edit)?;
                 let said = ComponentSaid { kept_locked: Some(kept_locked), ..said };
-                (
-                    said,
-                    if kept_locked > 0 { "The segment that is there is locked." } else { "It has that label already." },
-                )
+                let nothing = match (kept_locked, label) {
+                    (0, 0) => "It has no label.",
+                    (0, _) => "It has that label already.",
+                    _ => "The segment that is there is locked.",
+                };
+                (said, nothing)
             }
         };
         let nothing = (edit.counts().0 == 0).then_some(nothing);
@@ -234,7 +236,6 @@ fn remove(
         ..Brush::default()
     };
     let volume = subject.volume;
-    brush.check_on(&volume.density)?;
     let before = match volume.painted {
         Some(reach) => Reach(reach),
         None => Reach::new([volume.histogram.min, volume.histogram.max], &volume.density)?,
@@ -242,6 +243,11 @@ fn remove(
     let reach = before.after(&brush, &volume.density, 1.0);
     let wider = brush.map_for(&volume.density, &volume.statistics, 1.0);
     let map = brush.floats_for(wider.as_ref().unwrap_or(volume.density.map()), &volume.density, reach).or(wider);
+    let held = map.as_ref().unwrap_or(volume.density.map());
+    if !held.decode(held.encode(value)).is_finite() {
+        let expected = "a value within 32-bit floats, which keep what is removed: up to 3.4e38 either way";
+        return Err(DocumentError::invalid("value", format!("{value:e}"), expected));
+    }
     if let Some(map) = map {
         edit.remap(state, id, map)?;
     }
