@@ -873,3 +873,66 @@ fn odd_volumes_get_at_once_what_they_get_one_after_another() {
     }
     assert!(strokes > 12 && several > 2, "{strokes} strokes, {several} on several volumes and each by itself");
 }
+
+#[test]
+fn what_looks_around_does_so_in_each_volume_by_its_own_voxels() {
+    let dir = tempfile::tempdir().unwrap();
+    let Some(mut document) = nested(dir.path()) else { return };
+    let at = json!([{"at": {"mm": [0.5, 1.0, -0.5]}}]);
+    let corners = json!([{"mm": [-4, -4, 0]}, {"mm": [5, -3, 0]}, {"mm": [1, 6, 0]}]);
+    for operation in ["smooth", "median", "sharpen", "fill", "lasso"] {
+        let more = json!({"operation": if operation == "lasso" { "add" } else { operation }, "reach_mm": 2.1, "radius_mm": 3.0});
+        set_brush(&mut document, json!({"density": 12.5}), more);
+        let line = |of: Value| match operation {
+            "lasso" => {
+                json!({"stroke": {"lasso": {"points": corners, "normal": [0, 0.1, 1], "depth_mm": 1.5, "volumes": of}}})
+            }
+            _ => json!({"stroke": {"paint": {"points": at, "volumes": of}}}),
+        };
+        let before = both(&document);
+        say(&mut document, line(json!([0, 1])));
+        let together = both(&document);
+        // Values go evenly through most of both, which filling in leaves as it is.
+        let changed = [0, 1].map(|i| together[i] != before[i]);
+        assert!(changed == [true; 2] || operation == "fill", "{operation}");
+        say(&mut document, json!({"history": {"undo": {}}}));
+        assert!(both(&document) == before, "{operation} is one step");
+        say(&mut document, line(json!([1])));
+        say(&mut document, line(json!([0])));
+        assert!(both(&document) == together, "{operation}");
+        say(&mut document, json!({"history": {"undo": {"steps": 2}}}));
+    }
+}
+
+#[test]
+fn what_a_kill_cut_off_while_it_moved_the_surface_or_filled_in_is_done_as_far_as_it_had_come() {
+    for operation in ["raise", "fill"] {
+        let dir = tempfile::tempdir().unwrap();
+        let Some(mut document) = nested(dir.path()) else { return };
+        let project = dir.path().join("p.burin");
+        let part = |range: std::ops::Range<usize>| Value::Array(points().as_array().unwrap()[range].to_vec());
+        let more = json!({"operation": operation, "height_mm": 1.5, "radius_mm": 2.5, "mirror": {"axis": "z"}});
+        set_brush(&mut document, json!({"density": 0.0}), more);
+        let lasso =
+            json!({"stroke": {"lasso": {"points": [{"mm": [-4, -4, 0]}, {"mm": [5, -3, 0]}, {"mm": [1, 6, 0]}]}}});
+        say(&mut document, json!({"project": {"save": {"path": project}}}));
+        say(&mut document, lasso.clone());
+        say(&mut document, json!({"stroke": {"paint": {"points": part(0..2), "volumes": [1, 0]}}}));
+        let expected = both(&document);
+        say(&mut document, json!({"history": {"undo": {"steps": 2}}}));
+        say(&mut document, json!({"project": {"save": {}}}));
+        drop(document);
+        killed_after(
+            &project,
+            &[
+                lasso,
+                json!({"stroke": {"begin": {"points": part(0..1), "volumes": [1, 0]}}}),
+                json!({"stroke": {"extend": {"points": part(1..2)}}}),
+            ],
+        );
+        let mut document = Document::new();
+        let answer = say(&mut document, json!({"project": {"open": {"path": project}}}));
+        assert_eq!(answer["recovered"]["stroke"], json!("painted"), "{answer}");
+        assert!(both(&document) == expected, "{operation}");
+    }
+}
