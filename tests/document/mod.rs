@@ -6,6 +6,8 @@ mod before_many_volumes;
 mod brushes;
 mod colours;
 mod connected;
+mod connected_kept;
+mod connected_shown;
 mod doors;
 mod effects;
 mod exploded;
