@@ -57,7 +57,7 @@ pub struct BrushChange {
     /// Across what strokes are mirrored: `"off"`, `{"axis": "x"}`, `{"points": [a, b, c]}`, `{"plane": …}`, `{"face": {"part": 2,
     /// "face": 6}}`.
     pub mirror: Option<Box<Mirror>>,
-    /// What the pressure of a pen scales, `{"strength": true, "radius": false}`; what is left out of it is as there.
+    /// What the pressure of a pen scales, `{"strength": true, "radius": false}`, as which what is left out counts.
     pub pressure: Option<Pressure>,
     /// How far a voxel's neighbourhood reaches, mm.
     pub reach_mm: Option<f64>,
