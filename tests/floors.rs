@@ -71,6 +71,7 @@ const INNER: &[(&str, &[&[&str]])] = &[
     (
         "interact",
         &[
+            &["boxes"],
             &["curve", "event", "footprint", "mark", "projection", "readout", "surface", "brush", "slices", "context"],
             &["aim", "gesture"],
             &["click", "looking"],

@@ -3,6 +3,7 @@
 mod distance;
 mod levels;
 mod presets;
+mod refined;
 
 use burin::math::DVec3;
 use burin::volume::*;

@@ -155,6 +155,7 @@ pub fn frame(camera: Camera, mode: Mode, shaded: bool, bodies: Vec<Body>) -> Fra
         layers: Default::default(),
         looks: Vec::new(),
         overlays: Default::default(),
+        boxes: Vec::new(),
     }
 }
 

@@ -20,6 +20,7 @@ mod marks;
 mod measure;
 mod open;
 mod paint;
+mod refined;
 mod save;
 mod settle;
 mod slices;
@@ -49,6 +50,7 @@ const BENCHES: &[Bench] = &[
     ("explode/settle", settle::settle),
     ("explode/visibility", explode::visibility),
     ("explode/pictures", explode::pictures),
+    ("paint/refined", refined::boxes),
     ("segment/components", components::components),
     ("segment/isolate", components::isolate),
     ("segment/surfaces", components::surfaces),

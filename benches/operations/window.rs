@@ -92,6 +92,7 @@ fn snapshot(document: &Document) -> Result<Snapshot, Failure> {
         poses: Arc::new(document.poses().clone()),
         grid: *volume.grid(),
         centres: [(volume.id, volume.volume.grid().world_bounds().centre())].into(),
+        boxes: Default::default(),
         voxel_type: volume.source.voxel_type(),
         statistics: volume.statistics,
         histogram: Arc::new(volume.histogram.clone()),

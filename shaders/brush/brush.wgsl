@@ -145,7 +145,7 @@ fn brush(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
 #ifndef ONE_DAB
             coverage[kept + n] = kept_of(state, does);
 #endif
-            let cover = cover_of(state, does);
+            let cover = cover_of(state, does) * inside(row, quad);
             let old = texels(start[source + quad]);
             let paints = (cover > vec4<f32>(0.0)) & open(row, within, item.place, quad, does);
             let new_texels = select(old, painted(old, cover, row, quad, does), paints);
@@ -156,6 +156,16 @@ fn brush(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
     if differs && atomicLoad(&changed[item.place]) == 0u {
         atomicStore(&changed[item.place], 1u);
     }
+}
+
+// How much of a stroke there is at four texels: less in the band at the faces of a box of a volume.
+fn inside(row: Row, quad: u32) -> vec4<f32> {
+    let last = vec3<f32>(stroke.dims - 1);
+    let x = vec4<f32>(shown(row, quad));
+    let yz = vec2<f32>(row.yz);
+    let across = min(yz, last.yz - yz) * stroke.band.yz;
+    let along = min(x, last.x - x) * stroke.band.x;
+    return clamp(min(along, vec4<f32>(min(across.x, across.y))) + stroke.band.w, vec4<f32>(0.0), vec4<f32>(1.0));
 }
 
 // x of the voxels that four texels show.

@@ -5,6 +5,10 @@
 #import burin::layers
 #import burin::picture::{Picture, before_at}
 #import burin::march::march
+#ifdef HOLES
+#import burin::constants::THROUGH_HOLE
+#import burin::holes::{meets, piece_from}
+#endif
 #ifdef MODES
 #import burin::merge::march_merged
 #else
@@ -28,17 +32,49 @@
 
 #ifndef MODES
 // An interval of a body's ray.
-fn pass_through(whole: BodyRay, within: vec2<f32>) {
+fn pass_through(whole: BodyRay, ray: Ray, within: vec2<f32>) {
+#ifdef HOLES
+    var at = within.x;
+    loop {
+        let r = piece_from(whole, ray, at, within.y);
+        if (r.within.x >= r.within.y) {
+            break;
+        }
+        let span = mode::enter(r);
+        march(r, span.x, span.y);
+        mode::leave(r);
+        at = r.within.y;
+    }
+#else
     var r = whole;
     r.within = within;
     let span = mode::enter(r);
     march(r, span.x, span.y);
     mode::leave(r);
+#endif
 }
 #endif
 
+#ifdef HOLES
+// The picture at a pixel's centre where its ray meets a hole, marked as such; other pixels are drawn without holes.
+fn picture_of(px: vec2<f32>) -> Picture {
+    if (!meets(ray_through(px))) {
+        return before_at(px);
+    }
+    var picture = picture_through(px);
+#ifndef CONTINUES
+    picture.object |= THROUGH_HOLE;
+#endif
+    return picture;
+}
+#else
 // The picture at a pixel's centre.
 fn picture_of(px: vec2<f32>) -> Picture {
+    return picture_through(px);
+}
+#endif
+
+fn picture_through(px: vec2<f32>) -> Picture {
     layers::look_at(px);
     let before = before_at(px);
     if (!mode::begin(before)) {
@@ -58,11 +94,11 @@ fn picture_of(px: vec2<f32>) -> Picture {
 #ifdef CUTS
         var piece = layers::next_piece(within.x, within.y);
         while (piece.x < piece.y && !mode::over(listed.merge)) {
-            pass_through(r, piece);
+            pass_through(r, ray, piece);
             piece = layers::next_piece(piece.y, within.y);
         }
 #else
-        pass_through(r, within);
+        pass_through(r, ray, within);
 #endif
         if (mode::over(listed.merge)) {
             break;

@@ -8,6 +8,9 @@
 #import burin::fade
 #import burin::layers
 #import burin::march::march
+#ifdef HOLES
+#import burin::holes::piece_from
+#endif
 
 // Selected pixels, visible ones, then a number per body.
 @group(2) @binding(0) var<storage, read_write> counts: array<atomic<u32>>;
@@ -20,6 +23,17 @@ fn faded(body: u32, ray: Ray, most: f32, limit: f32) -> vec2<f32> {
     let r = body_ray(body, ray);
     let within = interval(r, ray);
     fade::begin(limit);
+#ifdef HOLES
+    var at = within.x;
+    loop {
+        let open = piece_from(r, ray, at, within.y);
+        if (open.within.x >= open.within.y || fade::done()) {
+            break;
+        }
+        march(open, open.span.x, min(open.span.y, most));
+        at = open.within.y;
+    }
+#else
 #ifdef CUTS
     var piece = layers::next_piece(within.x, within.y);
     while (piece.x < piece.y && !fade::done()) {
@@ -28,6 +42,7 @@ fn faded(body: u32, ray: Ray, most: f32, limit: f32) -> vec2<f32> {
     }
 #else
     march(r, ceil(within.x), min(ceil(within.y), most));
+#endif
 #endif
     return fade::end();
 }

@@ -5,7 +5,7 @@
 // No branch here hangs on a uniform's value alone: Mesa's software Vulkan (22.3) takes such a value for a constant, compiles the
 // whole shader anew for every draw, and keeps each one, a megabyte and more, as long as the pipeline lives.
 
-#import burin::constants::{MOST_BODIES, MOST_PLANES, TILE, LIST_WIDTH, MERGE_MARK, MODE_DVR}
+#import burin::constants::{MOST_BODIES, MOST_PLANES, MOST_HOLES, NO_HOLE, TILE, LIST_WIDTH, MERGE_MARK, MODE_DVR}
 #import burin::field::{enter_volume, last_cell, info}
 
 struct View {
@@ -27,7 +27,7 @@ struct View {
     k_to: f32,
     width: u32,                 // pixels of the window
     height: u32,
-    unused_a: u32,
+    hole_count: u32,            // of all bodies
     above_a: vec3<u32>,         // first cell of the map of what lies above a texel: maxima
     from_a: f32,                // that texel; FAR where there is no such map
     above_b: vec3<u32>,
@@ -46,11 +46,29 @@ struct CastBody {
     eye: vec3<f32>,             // the eye in index space
     code: u32,                  // what the picture's object id says, even; + 1 where its volume is selected
     lo: vec3<f32>,              // its box in index space
-    unused_a: u32,
+    first_hole: u32,            // where boxes of finer volumes are cut out of it
     hi: vec3<f32>,
-    unused_b: u32,
+    hole_count: u32,
     tint: vec3<f32>,
-    unused_c: u32,
+    own_hole: u32,              // the one that it fills itself; NO_HOLE if it is none
+}
+
+// A box of a volume that a finer one fills, as its host is posed.
+struct Hole {
+    column_x: vec3<f32>,        // index_from_world of the host's body, by columns
+    steps: f32,                 // samples of the finer one in a step of the lattice
+    column_y: vec3<f32>,
+    host_steps: f32,            // the same of its host
+    column_z: vec3<f32>,
+    host: u32,                  // its host's place among the volumes that the picture shows
+    eye: vec3<f32>,             // the eye in the host's index space
+    texel_ratio: f32,           // a texel of the host's density in texels of the finer one
+    lo: vec3<f32>,              // in the host's index space
+    texel_bias: f32,            // finer texel = host's texel · ratio + bias
+    hi: vec3<f32>,
+    volume: u32,                // the place of what fills it among the volumes that the picture shows
+    scale: vec3<f32>,           // samples a voxel of the host
+    seamless: u32,              // whether both are shown alike
 }
 
 // What a body shows: the numbers that its volume's texels mean to its look, and how its volume's painted fields show.
@@ -77,6 +95,12 @@ struct BodyMatter {
 @group(0) @binding(3) var tile_heads: texture_2d<u32>;
 @group(0) @binding(4) var tile_lists: texture_2d<u32>;
 @group(0) @binding(10) var<uniform> matters: array<BodyMatter, MOST_BODIES>;
+#ifdef HOLES
+@group(0) @binding(12) var<uniform> holes: array<Hole, MOST_HOLES>;
+
+// Samples in a step of the lattice, of the body whose ray was made last.
+var<private> lattice: f32 = 1.0;
+#endif
 
 // A pixel's ray in world mm: `start` as seen from the eye.
 struct Ray {
@@ -98,6 +122,14 @@ struct BodyRay {
     cell_last: vec3<f32>,       // its last cell
     world: mat3x3<f32>,         // transposed it takes gradients to the world
     tint: vec3<f32>,
+#ifdef HOLES
+    hole: u32,                  // that it fills; NO_HOLE if none
+    steps: f32,                 // its samples in a step of the lattice
+    span: vec2<f32>,            // the samples of `within`: from x on, before y
+    joins: vec2<bool>,          // whether matter of the same object goes on before and behind it
+    ends_whole: bool,           // whether its last stretch is what lies behind it to take
+    left: u32,                  // the hole that the ray leaves where it begins, if it leaves one
+#endif
 }
 
 #ifdef OWN_LOOKS
@@ -238,6 +270,11 @@ fn body_ray(b: u32, ray: Ray) -> BodyRay {
     table_map = vec2<f32>(view.table_scale, view.table_bias);
     light_of = view.lighting;
 #endif
+#ifdef HOLES
+    r.hole = bodies[b].own_hole;
+    r.steps = select(holes[min(r.hole, MOST_HOLES - 1u)].steps, 1.0, r.hole == NO_HOLE);
+    lattice = r.steps;
+#endif
     r.body = b;
     r.mask = bodies[b].mask;
     r.o = bodies[b].eye + m * ray.start;
@@ -251,6 +288,48 @@ fn body_ray(b: u32, ray: Ray) -> BodyRay {
     return r;
 }
 
+#ifdef HOLES
+// Where a ray is inside a hole, in steps; x ≥ y where it is not.
+fn hole_span(i: u32, ray: Ray) -> vec2<f32> {
+    let m = mat3x3<f32>(holes[i].column_x, holes[i].column_y, holes[i].column_z);
+    let o = holes[i].eye + m * ray.start;
+    let along = m * ray.dir * view.step_mm;
+    let inverse = 1.0 / select(along, vec3<f32>(1e-20), abs(along) < vec3<f32>(1e-20));
+    let a = (holes[i].lo - o) * inverse;
+    let b = (holes[i].hi - o) * inverse;
+    let near = min(a, b);
+    let far = max(a, b);
+    return vec2<f32>(max(max(near.x, near.y), max(near.z, 0.0)), min(min(far.x, far.y), far.z));
+}
+#endif
+
+// The first sample at or after a place of the ray of the body that was made last.
+fn sample_from(place: f32) -> f32 {
+#ifdef HOLES
+    return ceil(place * lattice) / lattice;
+#else
+    return ceil(place);
+#endif
+}
+
+// The sample after one.
+fn sample_after(k: f32) -> f32 {
+#ifdef HOLES
+    return (floor(k * lattice) + 1.0) / lattice;
+#else
+    return k + 1.0;
+#endif
+}
+
+// The distance of samples, in steps.
+fn sample_distance() -> f32 {
+#ifdef HOLES
+    return 1.0 / lattice;
+#else
+    return 1.0;
+#endif
+}
+
 // Where the ray is inside the body, in steps: from x to y; x ≥ y where it is not.
 fn interval(r: BodyRay, ray: Ray) -> vec2<f32> {
     let inverse = r.cell_i / f32(info.cell);
@@ -260,6 +339,12 @@ fn interval(r: BodyRay, ray: Ray) -> vec2<f32> {
     let far = max(a, b);
     var t0 = max(max(near.x, near.y), max(near.z, 0.0));
     var t1 = min(min(far.x, far.y), far.z);
+#ifdef HOLES
+    // By the numbers of its host, so that both agree to the last bit where one ends and the other begins.
+    let span = hole_span(min(r.hole, MOST_HOLES - 1u), ray);
+    t0 = select(span.x, t0, r.hole == NO_HOLE);
+    t1 = select(span.y, t1, r.hole == NO_HOLE);
+#endif
     let first = bodies[r.body].first_plane;
     let count = bodies[r.body].plane_count;
     for (var i = 0u; i < count; i += 1u) {

@@ -9,13 +9,16 @@
 
 #import burin::constants::{CLEAR_END, FAR}
 #import burin::field::{selection_at, selected}
-#import burin::body::{Ray, BodyRay, view, body_ray}
+#import burin::body::{Ray, BodyRay, view, body_ray, sample_after, sample_distance, sample_from}
 #import burin::look::{look_at, table_at, share, opacity_of_share, painted}
 #ifdef REFINE
 #import burin::look::{Matter, integrals_at, shows_between, matter_between, colour_of_entry}
 #endif
 #import burin::light::{gradient_here, slope_of, lit, lit_evenly, facing}
 #import burin::picture::{Picture, object_at}
+#ifdef HOLES
+#import burin::holes::{goes_on, reaches_over, sample_before, texel_before}
+#endif
 #import burin::span::{Run, samples_in, stretches_in, texel_on}
 
 const RUN: f32 = 32.0;
@@ -36,14 +39,14 @@ fn begin(before: Picture) -> bool {
 
 fn enter(r: BodyRay) -> vec2<f32> {
     turn_to(r.body);
-    return samples_of(r.within);
+    return samples_of(r);
 }
 
-fn samples_of(within: vec2<f32>) -> vec2<f32> {
+fn samples_of(r: BodyRay) -> vec2<f32> {
 #ifdef REFINE
-    return stretches_in(within);
+    return stretches_in(r);
 #else
-    return samples_in(within);
+    return samples_in(r);
 #endif
 }
 
@@ -76,14 +79,31 @@ var<private> lit_end: vec4<f32>;
 var<private> lit_at: f32;
 
 fn open(r: BodyRay, k: f32) {
-    ends_at = max(k - 1.0, r.within.x);
+#ifdef HOLES
+    let left_at = ends_at;
+#endif
+    ends_at = max(k - sample_distance(), r.within.x);
+    var texel = texel_on(r, ends_at);
+#ifdef HOLES
+    if (reaches_over(r, k)) {
+        // What was marched last may have ended between samples.
+        let before = sample_before(r);
+        ends_at = select(before, left_at, left_at > before && left_at <= r.within.x);
+        texel = texel_before(r, ends_at);
+    }
+#endif
 #ifdef LABEL_LOOKS
-    far_texel = texel_on(r, ends_at);
+    far_texel = texel;
     far_end = vec4<f32>(0.0);
 #else
-    far_end = integrals_at(texel_on(r, ends_at));
+    far_end = integrals_at(texel);
 #endif
+#ifdef HOLES
+    // The slope there was found where it was another body's.
+    lit_at = select(-1.0, lit_at, lit_at == ends_at && goes_on(r));
+#else
     lit_at = -1.0;
+#endif
 }
 
 fn inside() -> bool {
@@ -97,7 +117,14 @@ fn middle_to(r: BodyRay, k: f32) -> f32 {
 
 // Meets the stretch up to sample k. If that is too much for one stretch it is refused, and its first half is next. Values are
 // chosen, not branched on: software Vulkan computes both sides of a branch.
-fn meet(r: BodyRay, run: Run, k: f32, texel: f32) -> vec4<f32> {
+fn meet(r: BodyRay, run: Run, k: f32, at: f32) -> vec4<f32> {
+    var texel = at;
+#ifdef HOLES
+    // Half of a stretch that reaches over.
+    if (k < r.within.x && r.joins.x) {
+        texel = texel_before(r, k);
+    }
+#endif
 #ifdef LABEL_LOOKS
 #ifndef LABEL_RUNS
     look_at(r.o + r.d * middle_to(r, k));
@@ -107,9 +134,14 @@ fn meet(r: BodyRay, run: Run, k: f32, texel: f32) -> vec4<f32> {
     let here = integrals_at(texel);
     let shows = shows_between(far_end, here);
     matter = matter_between(far_end, here);
-    let much = shows && clear * min(matter.extinction, 1.0) > WORTH;
+    let apart = sample_distance();
+    let much = shows && clear * min(matter.extinction * apart, 1.0) > WORTH;
+#ifdef HOLES
+    let whole = sample_from(k) == k;
+#else
     let whole = floor(k) == k;
-    let middle = k - 0.5;
+#endif
+    let middle = k - 0.5 * apart;
     let refused = much && whole && middle > ends_at && middle < r.within.y;
     begins_at = select(ends_at, begins_at, refused);
     ends_at = select(min(k, r.within.y), ends_at, refused);
@@ -118,8 +150,13 @@ fn meet(r: BodyRay, run: Run, k: f32, texel: f32) -> vec4<f32> {
     far_texel = select(texel, far_texel, refused);
 #endif
     // Two steps on if the run has as many.
-    let far = select(1.0, max(1.0, min(2.0, run.end - 1.0 - k)), shows && clear < FAINT);
-    next_at = select(k + select(far, 0.5, much || !whole), middle, refused);
+#ifdef HOLES
+    let ahead = (run.end - k) / apart - 1.0;
+#else
+    let ahead = run.end - 1.0 - k;
+#endif
+    let far = select(1.0, max(1.0, min(2.0, ahead)), shows && clear < FAINT);
+    next_at = select(k + select(far, 0.5, much || !whole) * apart, middle, refused);
     return vec4<f32>(0.0, 0.0, 0.0, select(0.0, 1.0, shows && !refused));
 }
 
@@ -143,7 +180,7 @@ fn evaluate(r: BodyRay, run: Run, k: f32, texel: f32, c: vec4<f32>) -> vec4<f32>
 #endif
     var colour = painted(colour_of_entry(matter.entry), p, s) * r.tint;
 #ifdef LIT
-    let slope = slope_of(r, gradient_here(run.page, r.o + r.d * ends_at), texel);
+    let slope = slope_of(r, gradient_here(r, run.page, r.o + r.d * ends_at), texel);
     let before = select(slope, lit_end, lit_at == begins_at);
     lit_end = slope;
     lit_at = ends_at;
@@ -154,7 +191,7 @@ fn evaluate(r: BodyRay, run: Run, k: f32, texel: f32, c: vec4<f32>) -> vec4<f32>
 }
 #else
 fn after(k: f32) -> f32 {
-    return k + 1.0;
+    return sample_after(k);
 }
 
 fn meet(r: BodyRay, run: Run, k: f32, texel: f32) -> vec4<f32> {
@@ -183,9 +220,12 @@ fn evaluate(r: BodyRay, run: Run, k: f32, texel: f32, c: vec4<f32>) -> vec4<f32>
         out.a = opacity_of_share(c.a, share(r.mask, s));
     }
 #endif
+#ifdef HOLES
+    out.a = opacity_of_share(out.a, sample_after(k) - k);
+#endif
     var colour = painted(c.rgb, p, s) * r.tint;
 #ifdef LIT
-    colour = lit(colour, facing(r, gradient_here(run.page, p), texel));
+    colour = lit(colour, facing(r, gradient_here(r, run.page, p), texel));
 #endif
     return vec4<f32>(colour, out.a);
 }

@@ -3,7 +3,7 @@
 
 #import burin::constants::FAR
 #import burin::field::selection_at
-#import burin::body::BodyRay
+#import burin::body::{BodyRay, sample_after}
 #import burin::look::{look_at, table_at, share, opacity_of_share}
 #import burin::span::Run
 
@@ -21,7 +21,7 @@ fn begin(limit_at: f32) {
 }
 
 fn after(k: f32) -> f32 {
-    return k + 1.0;
+    return sample_after(k);
 }
 
 fn meet(r: BodyRay, run: Run, k: f32, texel: f32) -> vec4<f32> {
@@ -37,6 +37,9 @@ fn add(r: BodyRay, run: Run, k: f32, texel: f32, c: vec4<f32>) {
     if (alpha > 0.0 && r.mask != 0u) {
         alpha = opacity_of_share(alpha, share(r.mask, selection_at(run.selection, r.o + r.d * k)));
     }
+#endif
+#ifdef HOLES
+    alpha = opacity_of_share(alpha, sample_after(k) - k);
 #endif
     clear *= 1.0 - alpha;
     if (clear <= limit) {

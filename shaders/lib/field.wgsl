@@ -15,11 +15,15 @@ struct FieldInfo {
     colour_texel: vec3<f32>,
     floats: u32,                // whether density's texels are values and not codes
     selection_texel: vec3<f32>,
-    second_pool: u32,           // whether they lie in float_pool
+    pool: u32,                  // of density: 0 density_pool, 1 float_pool, 2 fine_codes, 3 fine_floats
     density_pages: u32,         // the numbers of the fields' first pages
     colour_pages: u32,
     selection_pages: u32,
     label_pages: u32,
+    density_placed: u32,        // whether density lies in place
+    labels_placed: u32,
+    fine_labels: u32,           // whether labels lie in fine_labels
+    unused: u32,
 }
 
 #ifdef MANY_VOLUMES
@@ -38,6 +42,10 @@ var<private> info: FieldInfo;
 @group(1) @binding(7) var skip_maps: texture_3d<u32>;
 @group(1) @binding(8) var pair_layers: texture_2d_array<f32>;
 @group(1) @binding(9) var linear_sampler: sampler;
+// Of boxes of a volume, so that the volume itself may lie in place.
+@group(1) @binding(10) var fine_codes: texture_3d<f32>;
+@group(1) @binding(11) var fine_floats: texture_3d<f32>;
+@group(1) @binding(12) var fine_labels: texture_3d<u32>;
 
 // All that follows is of this volume from here on, by its place in the list of those that the picture shows.
 fn enter_volume(place: u32) {
@@ -103,9 +111,8 @@ fn is_nan(x: f32) -> bool {
 
 // ---- density
 
-#ifdef IN_PLACE
 // Bricks lie where they are in the volume and share their aprons: one page for all of them.
-fn density_page(brick: vec3<i32>) -> Page {
+fn placed_page() -> Page {
     var page: Page;
     page.held = true;
     page.scale = info.density_texel;
@@ -121,8 +128,18 @@ fn density_page(brick: vec3<i32>) -> Page {
 #endif
     return page;
 }
+
+#ifdef IN_PLACE
+fn density_page(brick: vec3<i32>) -> Page {
+    return placed_page();
+}
 #else
 fn density_page(brick: vec3<i32>) -> Page {
+#ifdef PLACED
+    if (info.density_placed != 0u) {
+        return placed_page();
+    }
+#endif
     let entry = entry_of(info.density_pages, brick);
     var page = page_of(entry.r, brick, info.density_texel);
     let code = f32(entry.g) * (1.0 / 65535.0);
@@ -156,12 +173,12 @@ fn filtered(pool: texture_3d<f32>, q: vec3<f32>) -> f32 {
 }
 #endif
 
-// The same of the pool of floats, where several volumes are drawn.
-fn float_at(q: vec3<f32>) -> f32 {
+// The same of a pool of floats, where several volumes are drawn.
+fn float_at(pool: texture_3d<f32>, q: vec3<f32>) -> f32 {
 #ifdef MANUAL_FILTER
-    return filtered(float_pool, q);
+    return filtered(pool, q);
 #else
-    return textureSampleLevel(float_pool, linear_sampler, q, 0.0).r;
+    return textureSampleLevel(pool, linear_sampler, q, 0.0).r;
 #endif
 }
 
@@ -198,14 +215,24 @@ fn pooled(q: vec3<f32>) -> f32 {
     return paired(q);
 #else
 #ifdef MANY_VOLUMES
+#ifdef FINE_CODES
+    if (info.pool == 2u) {
+        return textureSampleLevel(fine_codes, linear_sampler, q, 0.0).r;
+    }
+#endif
+#ifdef FINE_FLOATS
+    if (info.pool == 3u) {
+        return float_at(fine_floats, q);
+    }
+#endif
 #ifdef FLOAT_POOL
 #ifdef CODE_POOL
-    if (info.second_pool != 0u) {
-        return float_at(q);
+    if (info.pool != 0u) {
+        return float_at(float_pool, q);
     }
     return textureSampleLevel(density_pool, linear_sampler, q, 0.0).r;
 #else
-    return float_at(q);
+    return float_at(float_pool, q);
 #endif
 #else
     return textureSampleLevel(density_pool, linear_sampler, q, 0.0).r;
@@ -300,6 +327,16 @@ fn label_in(entry: vec2<u32>, brick: vec3<i32>, p: vec3<f32>) -> u32 {
     if (!page.held) {
         return entry.g;
     }
+#ifdef PLACED_LABELS
+    if (info.labels_placed != 0u) {
+        return textureLoad(label_pool, vec3<i32>(p + 1.5), 0).r;
+    }
+#endif
+#ifdef FINE_LABELS
+    if (info.fine_labels != 0u) {
+        return textureLoad(fine_labels, nearest_texel(page, brick, p), 0).r;
+    }
+#endif
     return textureLoad(label_pool, nearest_texel(page, brick, p), 0).r;
 }
 

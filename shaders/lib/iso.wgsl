@@ -8,7 +8,7 @@
 
 #import burin::constants::{FAR, MASK_SELECTION}
 #import burin::field::{brick_of, density_page, density_texel, address, selection_page, selected}
-#import burin::body::{Ray, BodyRay, view, bodies, planes, body_ray}
+#import burin::body::{Ray, BodyRay, view, bodies, planes, body_ray, sample_from, sample_after, sample_distance}
 #ifdef CUTS
 #import burin::layers::cut_cosine
 #endif
@@ -74,18 +74,23 @@ fn enter(r: BodyRay) -> vec2<f32> {
 fn enter_between(r: BodyRay, k_from: f32, k_to: f32) -> vec2<f32> {
     hit = FAR;
     hit_caps = false;
-    let follows = ceil(r.within.x);
+    let follows = sample_from(r.within.x);
     let enters = r.within.x < r.within.y && r.within.x <= nearest && follows >= k_from && follows < k_to;
     if (enters && holds(r, r.within.x)) {
         hit = r.within.x;
+#ifdef HOLES
+        hit_caps = !r.joins.x;
+#else
         hit_caps = true;
+#endif
         return vec2<f32>(0.0);
     }
-    return vec2<f32>(max(follows, k_from), min(min(ceil(r.within.y), ceil(nearest) + 1.0), k_to));
+    let reach = min(sample_from(r.within.y), sample_from(nearest) + sample_distance());
+    return vec2<f32>(max(follows, k_from), min(reach, k_to));
 }
 
 fn after(k: f32) -> f32 {
-    return k + 1.0;
+    return sample_after(k);
 }
 
 fn meet(r: BodyRay, run: Run, k: f32, texel: f32) -> vec4<f32> {
@@ -123,8 +128,19 @@ fn done() -> bool {
 }
 
 fn leave(r: BodyRay) {
+#ifdef HOLES
+    // Where the same matter goes on at another resolution, the place itself is a sample.
+    let ends = r.within.y;
+    let of_pass = ends >= view.k_from && ends < view.k_to && ends <= nearest;
+    if (hit == FAR && r.joins.y && r.within.x < ends && of_pass && holds(r, ends)) {
+        hit = ends;
+    }
+    if (hit < FAR && !hit_caps) {
+        var outer = max(sample_from(hit) - sample_distance(), r.within.x);
+#else
     if (hit < FAR && !hit_caps) {
         var outer = max(hit - 1.0, r.within.x);
+#endif
         for (var i = 0u; i < BISECTIONS; i += 1u) {
             let middle = 0.5 * (outer + hit);
             if (holds(r, middle)) {
@@ -193,7 +209,7 @@ fn surface_cosine(r: BodyRay, k: f32) -> f32 {
     }
 #endif
     let page = density_page(brick);
-    return facing(r, gradient(page, p), density_texel(page, address(page, p)));
+    return facing(r, gradient(r, page, p), density_texel(page, address(page, p)));
 }
 
 // Colour and opacity of the nearest hit, which is of this body.

@@ -6,6 +6,12 @@
 #import burin::field::rise
 #endif
 #import burin::body::{BodyRay, view}
+#ifdef HOLES
+#import burin::constants::{NO_HOLE, MOST_HOLES}
+#import burin::body::{holes, matters}
+#import burin::holes::texel_of_host
+#import burin::field::{info, enter_volume, brick_of, density_page}
+#endif
 #import burin::look::look_light
 
 fn difference(a: f32, b: f32) -> f32 {
@@ -27,20 +33,68 @@ fn gradient_across(page: Page, p: vec3<f32>) -> vec2<f32> {
     );
 }
 
-// The same along the axes of index space.
-fn gradient(page: Page, p: vec3<f32>) -> vec3<f32> {
+#ifdef HOLES
+// The texel at a place in a box of another volume or beside it, where its host goes on.
+fn texel_about(hole: u32, page: Page, p: vec3<f32>, last: vec3<f32>) -> f32 {
+    if (all(p >= vec3<f32>(0.0)) && all(p <= last)) {
+        return density_texel(page, address(page, p));
+    }
+    return texel_of_host(hole, p);
+}
+
+// In a box of another volume: in the band at its faces it goes over to its host's.
+fn gradient_of_box(hole: u32, volume: u32, page: Page, p: vec3<f32>) -> vec3<f32> {
+    let last = vec3<f32>(info.dims) - 1.0;
+    var own = vec3<f32>(0.0);
+    for (var axis = 0u; axis < 3u; axis += 1u) {
+        var ahead = p;
+        var behind = p;
+        ahead[axis] += 0.5;
+        behind[axis] -= 0.5;
+        let after = texel_about(hole, page, ahead, last);
+        own[axis] = difference(after, texel_about(hole, page, behind, last));
+    }
+    // From 0 at a face to 1 half a voxel of the host away.
+    let off = min(p, last - p) / holes[hole].scale;
+    let inside = clamp(2.0 * min(off.x, min(off.y, off.z)), 0.0, 1.0);
+    if (inside >= 1.0) {
+        return own;
+    }
+    let place = holes[hole].lo + p / holes[hole].scale;
+    enter_volume(holes[hole].host);
+    let around = plain_gradient(density_page(brick_of(place)), place) * holes[hole].texel_ratio / holes[hole].scale;
+    enter_volume(volume);
+    return mix(around, own, inside);
+}
+
+// Along the axes of index space.
+fn gradient(r: BodyRay, page: Page, p: vec3<f32>) -> vec3<f32> {
+    if (r.hole != NO_HOLE) {
+        return gradient_of_box(r.hole, matters[r.body].volume, page, p);
+    }
+    return plain_gradient(page, p);
+}
+#else
+// Along the axes of index space.
+fn gradient(r: BodyRay, page: Page, p: vec3<f32>) -> vec3<f32> {
+    return plain_gradient(page, p);
+}
+#endif
+
+// The same within one volume.
+fn plain_gradient(page: Page, p: vec3<f32>) -> vec3<f32> {
     let z = vec3<f32>(0.0, 0.0, 0.5);
     let along_z = difference(density_texel(page, address(page, p + z)), density_texel(page, address(page, p - z)));
     return vec3<f32>(gradient_across(page, p), along_z);
 }
 
 // The same at the place of the texel that was read last.
-fn gradient_here(page: Page, p: vec3<f32>) -> vec3<f32> {
+fn gradient_here(r: BodyRay, page: Page, p: vec3<f32>) -> vec3<f32> {
 #ifdef PAIRS
     let along_z = rise(address(page, p));
     return vec3<f32>(gradient_across(page, p), along_z);
 #else
-    return gradient(page, p);
+    return gradient(r, page, p);
 #endif
 }
 

@@ -17,9 +17,13 @@
 //     inside() -> bool               whether what was taken last shows at its end
 // MIP: higher(r) is the ray as it skips what holds no more than it has met.
 // LABEL_RUNS: looks go by label, and what a brick's labels are is told by its page.
+// FOUND_AT: the sample after one is not always a step further.
 // STAGED: samples that are nothing are passed over in a loop of their own, so that `add` may be dear; else each is added.
 
-#import burin::body::BodyRay
+#import burin::body::{BodyRay, sample_distance}
+#ifdef HOLES
+#import burin::holes::reaches_over
+#endif
 #import burin::span::{Run, next_sample, run_from, run_texel}
 #ifdef MODES
 #import burin::modes as mode
@@ -55,7 +59,7 @@
 
 // Where a run shows something next.
 struct Found {
-#ifdef REFINE
+#ifdef FOUND_AT
     at: f32,
 #endif
     k: f32,                     // the sample to meet next
@@ -65,7 +69,7 @@ struct Found {
 
 // The sample that was found.
 fn place_found(found: Found) -> f32 {
-#ifdef REFINE
+#ifdef FOUND_AT
     return found.at;
 #else
     return found.k - 1.0;
@@ -88,7 +92,7 @@ fn told_at(r: BodyRay, k: f32) -> f32 {
 #endif
 
 fn seek(r: BodyRay, run: Run, first: f32) -> Found {
-#ifdef REFINE
+#ifdef FOUND_AT
     var found = Found(first, first, 0.0, vec4<f32>(0.0));
 #else
     var found = Found(first, 0.0, vec4<f32>(0.0));
@@ -102,7 +106,7 @@ fn seek(r: BodyRay, run: Run, first: f32) -> Found {
         take_label(label_in(run.labels, run.brick, r.o + r.d * told_at(r, found.k)));
         found.texel = run_texel(run, found.k);
         found.colour = mode::meet(r, run, found.k, found.texel);
-#ifdef REFINE
+#ifdef FOUND_AT
         found.at = found.k;
 #endif
         found.k = mode::after(found.k);
@@ -123,7 +127,7 @@ fn seek(r: BodyRay, run: Run, first: f32) -> Found {
 #endif
         found.texel = run_texel(run, found.k);
         found.colour = mode::meet(r, run, found.k, found.texel);
-#ifdef REFINE
+#ifdef FOUND_AT
         found.at = found.k;
 #endif
         found.k = mode::after(found.k);
@@ -141,6 +145,12 @@ fn further(r: BodyRay, k: f32, next: f32, k1: f32) -> f32 {
     if (k == next && mode::inside()) {
         return k;
     }
+#ifdef HOLES
+    // What lies before a piece may show up to its first sample.
+    if (reaches_over(r, k)) {
+        return k;
+    }
+#endif
 #endif
 #ifdef MIP
     return next_sample(higher(r), k, k1);
@@ -166,7 +176,7 @@ fn march(r: BodyRay, k0: f32, k1: f32) {
         if (k >= k1 || mode::done()) {
             break;
         }
-        let run = run_from(r, k, min(k1, k + mode::RUN));
+        let run = run_from(r, k, min(k1, k + mode::RUN * sample_distance()));
         begin_run(r, k, next);
 #ifdef STAGED
         // Asked at the end: software Vulkan runs what follows a break once more for nothing.

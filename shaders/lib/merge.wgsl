@@ -6,6 +6,9 @@
 
 #import burin::constants::{FAR, MOST_BODIES}
 #import burin::body::{Ray, BodyRay, Listed, body_ray, body_at, interval}
+#ifdef HOLES
+#import burin::holes::{piece_from, goes_on}
+#endif
 #import burin::layers
 #import burin::dvr::{samples_of, evaluate, compose, turn_to, done as clouded}
 #ifdef REFINE
@@ -69,7 +72,11 @@ fn gather(r: BodyRay, first: f32, k0: f32, k1: f32) {
             k = found.k;
             if (found.colour.a > 0.0) {
                 let c = evaluate(r, run, place_found(found), found.texel, found.colour);
+#ifdef HOLES
+                mix_in(c, u32(floor(place_found(found)) - first), r.body);
+#else
                 mix_in(c, u32(ceil(place_found(found)) - first), r.body);
+#endif
             }
             if (k >= run.end) {
                 break;
@@ -81,9 +88,13 @@ fn gather(r: BodyRay, first: f32, k0: f32, k1: f32) {
 
 // A body's ray of which it is known where it is inside the body.
 fn ray_within(body: u32, ray: Ray, within: vec2<f32>) -> BodyRay {
+#ifdef HOLES
+    return piece_from(body_ray(body, ray), ray, within.x, within.y);
+#else
     var r = body_ray(body, ray);
     r.within = within;
     return r;
+#endif
 }
 
 #ifdef MODES
@@ -126,9 +137,32 @@ fn search(whole: BodyRay, within: vec2<f32>) {
         march(r, span.x, span.y);
         iso::leave(r);
     } else {
+#ifdef HOLES
+        march(r, r.span.x, r.span.y);
+#else
         march(r, ceil(within.x), ceil(within.y));
+#endif
     }
 }
+
+#ifdef HOLES
+// The same piece by piece, where finer volumes fill boxes of the body.
+fn search_pieces(r: BodyRay, ray: Ray, within: vec2<f32>) {
+    var at = within.x;
+    loop {
+        let piece = piece_from(r, ray, at, within.y);
+        if (piece.within.x >= piece.within.y || iso::nearest < FAR) {
+            break;
+        }
+        search(piece, piece.within);
+        at = piece.within.y;
+    }
+}
+#else
+fn search_pieces(r: BodyRay, ray: Ray, within: vec2<f32>) {
+    search(r, within);
+}
+#endif
 
 fn event_of(r: BodyRay, ray: Ray, within: vec2<f32>) -> Event {
     iso::restart();
@@ -136,11 +170,11 @@ fn event_of(r: BodyRay, ray: Ray, within: vec2<f32>) -> Event {
 #ifdef CUTS
     var piece = layers::next_piece(within.x, within.y);
     while (piece.x < piece.y && iso::nearest == FAR) {
-        search(r, piece);
+        search_pieces(r, ray, piece);
         piece = layers::next_piece(piece.y, within.y);
     }
 #else
-    search(r, within);
+    search_pieces(r, ray, within);
 #endif
     if (iso::nearest < FAR) {
         return Event(iso::nearest, iso::nearest, iso::surface(r, ray));
@@ -193,14 +227,37 @@ fn march_merged(listed: Listed, ray: Ray) {
 #else
             let part = visible;
 #endif
-            let span = samples_of(part);
+#ifdef HOLES
+            var at = part.x;
+            loop {
+                let open_part = piece_from(r, ray, at, part.y);
+                if (open_part.within.x >= open_part.within.y || n >= CAPACITY) {
+                    break;
+                }
+                let span = samples_of(open_part);
+                if (span.x < span.y) {
+                    ahead[n] = next_sample(open_part, span.x, span.y);
+#ifdef REFINE
+                    ahead[n] = select(ahead[n], span.x, goes_on(open_part));
+#endif
+                    k1[n] = span.y;
+                    who[n] = body;
+                    within[n] = open_part.within;
+                    n += 1u;
+                }
+                at = open_part.within.y;
+            }
+#else
+            let inner = ray_within(body, ray, part);
+            let span = samples_of(inner);
             if (span.x < span.y && n < CAPACITY) {
-                ahead[n] = next_sample(ray_within(body, ray, part), span.x, span.y);
+                ahead[n] = next_sample(inner, span.x, span.y);
                 k1[n] = span.y;
                 who[n] = body;
                 within[n] = part;
                 n += 1u;
             }
+#endif
 #ifdef CUTS
         }
 #endif
@@ -267,7 +324,13 @@ fn march_merged(listed: Listed, ray: Ray) {
             break;
         }
         var reached = min(second, k1[nearest]);
-        if (second - first >= ALONE) {
+#ifdef HOLES
+        // Nothing else begins before it ends, or not soon.
+        let alone = second - first >= ALONE || second >= k1[nearest];
+#else
+        let alone = second - first >= ALONE;
+#endif
+        if (alone) {
             turn_to(who[nearest]);
 #ifdef MODES
             reached = min(reached, end_before(next_at, k1[nearest], within[nearest]));
@@ -279,7 +342,13 @@ fn march_merged(listed: Listed, ray: Ray) {
             inside_at[nearest] = inside();
 #endif
         } else {
-            reached = first + f32(SHARED_RUN);
+#ifdef HOLES
+            // A step's samples, of whatever resolution, are composed together.
+            let base = floor(first);
+#else
+            let base = first;
+#endif
+            reached = base + f32(SHARED_RUN);
 #ifdef MODES
             reached = min(reached, until);
 #endif
@@ -296,7 +365,7 @@ fn march_merged(listed: Listed, ray: Ray) {
                 let part = within[j];
 #endif
                 if (ahead[j] < end) {
-                    gather(ray_within(who[j], ray, part), first, ahead[j], end);
+                    gather(ray_within(who[j], ray, part), base, ahead[j], end);
 #ifdef REFINE
                     inside_at[j] = inside();
 #endif
@@ -306,7 +375,7 @@ fn march_merged(listed: Listed, ray: Ray) {
                 let m = matter[i];
                 if (m.a > 0.0 && !clouded()) {
                     turn_to(u32(strongest[i].y));
-                    compose(vec4<f32>(m.rgb / m.a, 1.0 - exp(-m.a)), first + f32(i));
+                    compose(vec4<f32>(m.rgb / m.a, 1.0 - exp(-m.a)), base + f32(i));
                 }
             }
         }

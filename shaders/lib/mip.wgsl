@@ -6,8 +6,8 @@
 
 #import burin::constants::{FAR, MASK_SELECTION}
 #import burin::field::{selected, is_nan}
-#import burin::body::{Ray, BodyRay, view, bodies, body_ray}
-#import burin::look::{table_at, painted, is_shown, look_at}
+#import burin::body::{Ray, BodyRay, view, bodies, body_ray, sample_after, table_place}
+#import burin::look::{table_at, table_at_place, painted, is_shown, look_at}
 #import burin::picture::{Picture, object_at}
 #import burin::span::{Run, samples_in}
 
@@ -45,7 +45,7 @@ fn begin(before: Picture) -> bool {
 }
 
 fn enter(r: BodyRay) -> vec2<f32> {
-    return samples_in(r.within);
+    return samples_in(r);
 }
 
 // The ray by whose map of empty space the next sample is looked for: cells of nothing that is more than what was met are as good as
@@ -59,7 +59,7 @@ fn higher(r: BodyRay) -> BodyRay {
 }
 
 fn after(k: f32) -> f32 {
-    return k + 1.0;
+    return sample_after(k);
 }
 
 fn meet(r: BodyRay, run: Run, k: f32, texel: f32) -> vec4<f32> {
@@ -80,13 +80,19 @@ fn add(r: BodyRay, run: Run, k: f32, texel: f32, c: vec4<f32>) {
 #ifdef LABELS_IN_PLACE
     look_at(r.o + r.d * k);
 #endif
-    var better = exceeds(texel, k) && is_shown();
+#ifdef HOLES
+    // Of volumes with codes of their own: where it lies in the table tells which is more.
+    let place = table_place(texel);
+#else
+    let place = texel;
+#endif
+    var better = exceeds(place, k) && is_shown();
 #ifdef SELECTION
     if (better && r.mask != 0u) {
         better = (selected(r.o + r.d * k) >= 0.5) == (r.mask == MASK_SELECTION);
     }
 #endif
-    largest = select(largest, texel, better);
+    largest = select(largest, place, better);
     largest_at = select(largest_at, k, better);
     largest_body = select(largest_body, r.body, better);
 }
@@ -111,7 +117,11 @@ fn over(merge: bool) -> bool {
 fn maximum(r: BodyRay) -> vec4<f32> {
     let p = r.o + r.d * largest_at;
     look_at(p);
+#ifdef HOLES
+    let c = table_at_place(largest);
+#else
     let c = table_at(largest);
+#endif
     return vec4<f32>(painted(c.rgb, p, selected(p)) * bodies[r.body].tint, c.a);
 }
 

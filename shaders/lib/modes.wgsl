@@ -6,7 +6,7 @@
 // of bodies of direct volume rendering do.
 
 #import burin::constants::{MODE_DVR, MODE_ISO, MODE_MIP}
-#import burin::body::{Ray, BodyRay, body_mode}
+#import burin::body::{Ray, BodyRay, body_mode, sample_after}
 #import burin::picture::Picture
 #import burin::span::Run
 #import burin::dvr
@@ -33,7 +33,7 @@ fn meet(r: BodyRay, run: Run, k: f32, texel: f32) -> vec4<f32> {
 
 #ifdef REFINE
 fn after(k: f32) -> f32 {
-    return select(k + 1.0, dvr::after(k), body_mode() == MODE_DVR);
+    return select(sample_after(k), dvr::after(k), body_mode() == MODE_DVR);
 }
 
 fn open(r: BodyRay, k: f32) {
@@ -47,7 +47,7 @@ fn inside() -> bool {
 }
 #else
 fn after(k: f32) -> f32 {
-    return k + 1.0;
+    return sample_after(k);
 }
 
 fn open(r: BodyRay, k: f32) {}

@@ -7,18 +7,29 @@
 
 #import burin::constants::BRICK
 #import burin::field::{Page, brick_of, density_page, density_texel, address, selection_page, skip_within, label_entry, has_labels, info}
-#import burin::body::{BodyRay, view}
+#import burin::body::{BodyRay, view, sample_from, sample_after, sample_distance}
 #import burin::look::{goes_by_label, take_label}
 
-// The samples of this pass between two places of a ray, in steps: from x on, before y.
-fn samples_in(within: vec2<f32>) -> vec2<f32> {
-    return vec2<f32>(max(ceil(within.x), view.k_from), min(ceil(within.y), view.k_to));
+// The samples of this pass on what of a ray is inside its body: from x on, before y.
+fn samples_in(r: BodyRay) -> vec2<f32> {
+#ifdef HOLES
+    return vec2<f32>(max(r.span.x, view.k_from), min(r.span.y, view.k_to));
+#else
+    return vec2<f32>(max(ceil(r.within.x), view.k_from), min(ceil(r.within.y), view.k_to));
+#endif
 }
 
 // The same where samples end stretches of the ray: the last one lies where the ray leaves the body.
-fn stretches_in(within: vec2<f32>) -> vec2<f32> {
-    let first = max(ceil(within.x), view.k_from);
-    return vec2<f32>(first, select(first, min(ceil(within.y) + 1.0, view.k_to), within.x < within.y));
+fn stretches_in(r: BodyRay) -> vec2<f32> {
+    let first = max(sample_from(r.within.x), view.k_from);
+#ifdef HOLES
+    // What lies behind takes the stretch that reaches over.
+    let last = select(sample_from(r.within.y) + sample_distance(), r.within.y, r.ends_whole);
+    let end = min(last, view.k_to);
+#else
+    let end = min(sample_from(r.within.y) + sample_distance(), view.k_to);
+#endif
+    return vec2<f32>(first, select(first, end, r.within.x < r.within.y));
 }
 
 // The place of sample k.
@@ -48,7 +59,7 @@ fn next_sample(r: BodyRay, first: f32, k1: f32) -> f32 {
             break;
         }
         let leave = (cell + 0.5 - r.cell_o) * r.cell_i + (f32(distance) - 0.5) * abs(r.cell_i);
-        k = max(k + 1.0, ceil(min(leave.x, min(leave.y, leave.z))));
+        k = max(sample_after(k), sample_from(min(leave.x, min(leave.y, leave.z))));
     }
 #endif
     return k;
@@ -115,13 +126,13 @@ fn run_end(r: BodyRay, brick: vec3<i32>, k: f32, most: f32) -> f32 {
     // One page serves all bricks.
     return most;
 #else
-    return min(most, max(brick_end(r, brick), k + 1.0));
+    return min(most, max(brick_end(r, brick), sample_after(k)));
 #endif
 #else
-    return min(most, max(brick_end(r, brick), k + 1.0));
+    return min(most, max(brick_end(r, brick), sample_after(k)));
 #endif
 #else
-    return min(most, max(brick_end(r, brick), k + 1.0));
+    return min(most, max(brick_end(r, brick), sample_after(k)));
 #endif
 }
 
@@ -129,5 +140,5 @@ fn run_end(r: BodyRay, brick: vec3<i32>, k: f32, most: f32) -> f32 {
 fn brick_end(r: BodyRay, brick: vec3<i32>) -> f32 {
     let corner = f32(BRICK) * (vec3<f32>(brick) + select(vec3<f32>(0.0), vec3<f32>(1.0), r.d > vec3<f32>(0.0))) - 0.5;
     let leave = (corner - r.o) * r.cell_i / f32(info.cell);
-    return ceil(min(leave.x, min(leave.y, leave.z)));
+    return sample_from(min(leave.x, min(leave.y, leave.z)));
 }

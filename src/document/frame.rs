@@ -6,13 +6,14 @@
 use crate::document::error::DocumentError;
 use crate::document::look_rows::LookRows;
 use crate::document::scene::slice_plane::SlicePlane;
+use crate::document::scene::volumes::SubVolume;
 use crate::document::scene::{Layer, ViewName};
 use crate::document::state::State;
 use crate::document::subject::Subject;
 use crate::explode::{PartId, Poses};
-use crate::gpu::{Body, Frame, Mask, Overlay, SliceFrame, SliceLayer};
+use crate::gpu::{Body, FineBox, Frame, Mask, Overlay, SliceFrame, SliceLayer};
 use crate::math::{Camera, DVec3};
-use crate::volume::FieldKind;
+use crate::volume::{FieldKind, VolumeId};
 use std::collections::BTreeMap;
 
 /// Id of the body that is not a part: the whole volume, or the selection among its parts. Parts' ids begin at 1.
@@ -27,7 +28,60 @@ const ALL_BLACK: (f64, f64) = (2e38, 2e38);
 impl State {
     /// The volumes that pictures show, in order.
     pub(crate) fn visible(&self) -> impl Iterator<Item = Subject<'_>> {
-        self.subjects().filter(|subject| subject.settings.visible && subject.settings.opacity > 0.0)
+        self.subjects().filter(|subject| self.is_visible(subject.id))
+    }
+
+    /// Whether pictures show a volume; a sub-volume only with what it is cut out of.
+    fn is_visible(&self, id: VolumeId) -> bool {
+        let settings = self.scene.volumes.all.get(&id).filter(|v| v.visible && v.opacity > 0.0);
+        settings.is_some_and(|v| v.sub_volume.is_none_or(|sub| sub.parent < id && self.is_visible(sub.parent)))
+    }
+
+    /// The sub-volumes that pictures show, parents first.
+    fn boxes(&self) -> Vec<FineBox> {
+        let of = |subject: Subject<'_>| {
+            let SubVolume { parent, of } = subject.settings.sub_volume?;
+            let coarse = self.subject(parent)?.grid().voxel_mm();
+            let finer = (coarse / subject.grid().voxel_mm() - 1e-6).ceil().max(1.0) as u32;
+            Some(FineBox { volume: subject.id, host: parent, of, finer })
+        };
+        self.visible().filter_map(of).collect()
+    }
+
+    /// Corners of the sub-volumes that pictures show, where they lie, world mm, in the order of `Aabb::corners`.
+    pub fn box_corners(&self) -> BTreeMap<VolumeId, [DVec3; 8]> {
+        let of = |subject: Subject<'_>| {
+            subject.settings.sub_volume?;
+            let grid = subject.grid();
+            Some((subject.id, grid.centre_bounds().corners().map(|c| grid.world_from_index.transform_point3(c))))
+        };
+        self.visible().filter_map(of).collect()
+    }
+
+    /// Volumes that a stroke names, with the sub-volumes that pictures show of them: what is painted there is painted in these.
+    pub(super) fn with_sub_volumes(&self, named: Vec<VolumeId>) -> Vec<VolumeId> {
+        let mut all = named.clone();
+        for inner in named.iter().flat_map(|id| self.scene.cut_out_of(*id)) {
+            if self.is_visible(inner) && !all.contains(&inner) {
+                all.push(inner);
+            }
+        }
+        all
+    }
+
+    /// The voxels of a volume that sub-volumes stand for which are painted too: from one on and before another, along each axis.
+    pub(super) fn finer_boxes(&self, id: VolumeId, painted: &[VolumeId]) -> Vec<[[u32; 3]; 2]> {
+        let inner = self.scene.volumes.all.iter().filter(|(inner, _)| painted.contains(inner));
+        let of_it = inner.filter_map(|(_, settings)| settings.sub_volume.filter(|sub| sub.parent == id));
+        // Voxels on its faces are seen from outside.
+        of_it.map(|SubVolume { of, .. }| [of.lo.map(|v| v + 1), of.hi]).collect()
+    }
+
+    /// Whether anything is selected in a volume, in one that it is cut out of or that is cut out of that one.
+    fn selects(&self, id: VolumeId) -> bool {
+        let root = self.scene.root_of(id);
+        let mut family = self.subjects().filter(|subject| self.scene.root_of(subject.id) == root);
+        family.any(|subject| !subject.selection.is_blank())
     }
 
     /// What the 3D view shows with the parts in these poses.
@@ -36,19 +90,25 @@ impl State {
         let plain = poses.at_rest(parts)
             && parts.iter().all(|p| p.visible && p.colour.is_none())
             && !self.visible().any(|subject| subject.is_dressed_in_parts());
-        self.frame_of(camera, size, |subject| if plain { vec![whole_of(subject)] } else { bodies_of(subject, poses) })
+        self.frame_of(camera, size, |subject| {
+            if plain { vec![whole_of(subject)] } else { bodies_of(subject, self.selects(subject.id), poses) }
+        })
     }
 
     /// The selection and every visible part as a body of its own, also where all are at rest. What hides what is told by samples a
     /// voxel apart, however finely pictures are drawn.
     pub(super) fn parted_frame(&self, poses: &Poses, camera: &Camera, size: [u32; 2]) -> Frame {
-        let frame = self.frame_of(camera, size, |subject| bodies_of(subject, poses));
+        let frame = self.frame_of(camera, size, |subject| bodies_of(subject, self.selects(subject.id), poses));
         Frame { step_mm: frame.step_mm.max(self.voxel_mm()), refine: false, ..frame }
     }
 
-    /// Smallest spacing of all visible volumes in mm; where there is none that of nothing, 1.
+    /// Smallest spacing of all visible volumes in mm, however finely boxes of them are divided; where there is none that of nothing, 1.
     fn voxel_mm(&self) -> f64 {
-        self.visible().map(|subject| subject.grid().voxel_mm()).reduce(f64::min).unwrap_or(1.0)
+        self.visible()
+            .filter(|subject| subject.settings.sub_volume.is_none())
+            .map(|subject| subject.grid().voxel_mm())
+            .reduce(f64::min)
+            .unwrap_or(1.0)
     }
 
     fn frame_of(&self, camera: &Camera, size: [u32; 2], bodies: impl Fn(&Subject<'_>) -> Vec<Body>) -> Frame {
@@ -74,6 +134,7 @@ impl State {
             layers: Default::default(),
             looks: Vec::new(),
             overlays,
+            boxes: self.boxes(),
         };
         rows.put(dressed, &mut frame);
         frame
@@ -143,9 +204,8 @@ fn whole_of(subject: &Subject<'_>) -> Body {
     Body { volume: subject.id, ..Body::whole(WHOLE) }
 }
 
-/// What of a volume is selected and its share of every visible part.
-fn bodies_of(subject: &Subject<'_>, poses: &Poses) -> Vec<Body> {
-    let selected = !subject.selection.is_blank();
+/// What of a volume is selected, if anything can be, and its share of every visible part.
+fn bodies_of(subject: &Subject<'_>, selected: bool, poses: &Poses) -> Vec<Body> {
     let mask = if selected { Mask::Background } else { Mask::None };
     let parts = subject.scene.explosion.parts.iter().filter(|p| p.visible).map(|part| Body {
         id: part.id.0,

@@ -72,14 +72,33 @@ impl<'a> Subject<'a> {
             transfer: self.transfer(),
             mode: self.mode(),
             lighting: self.scene.lighting_of(self.id),
-            opacity: self.settings.opacity,
+            opacity: self.strength(),
         }
+    }
+
+    /// How strongly it is shown: a sub-volume no more than what it is cut out of.
+    pub(crate) fn strength(&self) -> f32 {
+        let all = &self.scene.volumes.all;
+        let parents = std::iter::successors(self.settings.sub_volume, |sub| all.get(&sub.parent)?.sub_volume);
+        let strengths = parents.take(all.len()).filter_map(|sub| all.get(&sub.parent)).map(|parent| parent.opacity);
+        strengths.fold(self.settings.opacity, |all, one| all * one)
+    }
+
+    /// The volume whose segments and parts it is shown by.
+    fn family(&self) -> VolumeId {
+        self.scene.root_of(self.id)
+    }
+
+    /// What is other about the look of what of it is selected.
+    fn selection_change(&self) -> Option<&'a LookChange> {
+        let of = &self.scene.own_looks.selections;
+        of.get(&self.id).or_else(|| of.get(&self.family()))
     }
 
     /// Whether its parts or its selection have looks for themselves, so that they cannot be drawn as one.
     pub(crate) fn is_dressed_in_parts(&self) -> bool {
         let own = &self.scene.own_looks;
-        !own.parts.is_empty() || (own.selections.contains_key(&self.id) && !self.selection.is_blank())
+        !own.parts.is_empty() || (self.selection_change().is_some() && !self.selection.is_blank())
     }
 
     /// The look of matter of a label; `None` where nothing of it shows.
@@ -87,18 +106,18 @@ impl<'a> Subject<'a> {
         let (own, plain) = (&self.scene.own_looks, self.look());
         let change = match owner {
             Owner::Whole => None,
-            Owner::Selection => own.selections.get(&self.id),
+            Owner::Selection => self.selection_change(),
             Owner::Part(id) => own.parts.get(&id),
         };
         let base = change.map_or(plain, |change| change.over(plain));
-        let look = own.segment(self.id, label).map_or(base, |change| change.over(base));
-        (own.shows_label(self.id, label) && look.opacity > 0.0).then_some(look)
+        let look = own.segment(self.family(), label).map_or(base, |change| change.over(base));
+        (own.shows_label(self.family(), label) && look.opacity > 0.0).then_some(look)
     }
 
     /// All whose looks may differ.
     fn owners(&self) -> impl Iterator<Item = Owner> + use<'a> {
         let own = &self.scene.own_looks;
-        let selection = own.selections.contains_key(&self.id).then_some(Owner::Selection);
+        let selection = self.selection_change().is_some().then_some(Owner::Selection);
         std::iter::once(Owner::Whole).chain(selection).chain(own.parts.keys().map(|id| Owner::Part(*id)))
     }
 
@@ -186,14 +205,14 @@ impl<'a> LookRows<'a> {
     pub(crate) fn dress(&mut self, subject: &Subject<'a>, body: Body) -> Vec<Body> {
         let own = &self.scene.own_looks;
         let change = match body.mask {
-            Mask::Selection => own.selections.get(&subject.id),
+            Mask::Selection => subject.selection_change(),
             Mask::None | Mask::Background => own.parts.get(&PartId(body.id)),
         };
         let look = change.map_or(subject.look(), |change| change.over(subject.look()));
         let body = Body { own_colours: change.is_some_and(|change| change.transfer.is_some()), ..body };
-        let by_label = own.segments.contains_key(&subject.id) || own.only.contains_key(&subject.id);
+        let by_label = own.segments.contains_key(&subject.family()) || own.only.contains_key(&subject.family());
         if !by_label || subject.labels.is_blank() {
-            let shown = own.shows_label(subject.id, 0);
+            let shown = own.shows_label(subject.family(), 0);
             let row = self.row(look).filter(|_| shown);
             return row.map(|row| Body { look: Some(row), ..body }).into_iter().collect();
         }
@@ -205,7 +224,7 @@ impl<'a> LookRows<'a> {
 
     /// Looks by label on top of a look: one table for each mode among them.
     fn tables_of(&mut self, subject: &Subject<'a>, base: Option<usize>, look: LookRef<'a>) -> Vec<Arc<LabelLooks>> {
-        let (scene, volume) = (self.scene, subject.id);
+        let (scene, volume) = (self.scene, subject.family());
         let own = &scene.own_looks;
         let only = own.only.get(&volume);
         let mut all = LabelLooks { default: base.filter(|_| only.is_none()), by_label: BTreeMap::new() };

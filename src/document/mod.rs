@@ -31,6 +31,7 @@ pub use command::component::*;
 pub use command::files::*;
 pub use command::parts::*;
 pub use command::resolved::{FileRead, ResolvedCommand};
+pub use command::sub_volumes::*;
 pub use command::views::*;
 pub use command::*;
 pub use command::{answers, answers_ask, effects};
@@ -154,6 +155,7 @@ impl Document {
             Command::Ask(question) => return Ok(Answer::from(self.ask(question)?)),
             Command::Project(project) => self.project(project)?,
             Command::Volume(volume) => self.volume(volume)?,
+            Command::SubVolume(command) => self.sub_volume(command)?,
             Command::History(history) => self.undo_redo(history)?,
             // What they do to the scene is all they do.
             Command::Transfer(_) | Command::Brush(_) | Command::Part(_) => {

@@ -4,6 +4,7 @@
 //! keeps. Knows commands and files, not what is done with them.
 
 use crate::document::command::files::{ProjectCommand, RenderCommand, VolumeCommand};
+use crate::document::command::sub_volumes::SubVolumeCommand;
 use crate::document::command::{Command, SegmentCommand, SelectionCommand};
 use crate::document::disk::lock::LOCK;
 use crate::document::disk::source_files::SourceFiles;
@@ -30,6 +31,7 @@ impl Command {
             )
             | Self::Selection(SelectionCommand::Import { path, .. })
             | Self::Segment(SegmentCommand::Import { path, .. })
+            | Self::SubVolume(SubVolumeCommand::Export { path, .. })
             | Self::Render(RenderCommand::Image { path, .. }) => vec![path],
             Self::Selection(
                 SelectionCommand::FromLabel { .. } | SelectionCommand::Clear { .. } | SelectionCommand::Set { .. },
@@ -38,6 +40,12 @@ impl Command {
                 SegmentCommand::Set { .. } | SegmentCommand::Remove { .. } | SegmentCommand::ShowOnly { .. },
             )
             | Self::Volume(VolumeCommand::Remove { .. } | VolumeCommand::Set { .. })
+            | Self::SubVolume(
+                SubVolumeCommand::Add { .. }
+                | SubVolumeCommand::Set { .. }
+                | SubVolumeCommand::Remove { .. }
+                | SubVolumeCommand::Bake { .. },
+            )
             | Self::Transfer(_)
             | Self::View(_)
             | Self::Brush(_)

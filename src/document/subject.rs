@@ -38,7 +38,11 @@ impl State {
     pub fn subject(&self, id: VolumeId) -> Option<Subject<'_>> {
         let (volume, settings) = (self.volumes.get(&id)?, self.scene.volumes.all.get(&id)?);
         let own = volume.grid();
-        let grid = Grid { world_from_index: placed(settings, own.world_from_index), ..*own };
+        let grid = match settings.sub_volume.filter(|sub| sub.parent < id) {
+            // It lies in its parent, wherever that is put.
+            Some(sub) => Grid { dims: own.dims, ..sub.of.grid(self.subject(sub.parent)?.grid()) },
+            None => Grid { world_from_index: placed(settings, own.world_from_index), ..*own },
+        };
         Some(Subject { id, volume, settings, scene: &self.scene, grid })
     }
 
@@ -96,7 +100,7 @@ impl<'a> Subject<'a> {
 
     /// What its labels mean.
     pub fn segments(&self) -> &'a Segments {
-        &self.settings.segments
+        self.scene.segments_of(self.id)
     }
 
     /// Colours and opacities that it is shown with.

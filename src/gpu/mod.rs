@@ -29,7 +29,7 @@ pub use fields::pools::FieldPools;
 pub use fields::skip_maps::distances;
 pub use fields::visible_values::VisibleValues;
 pub use fields::volumes::{Fields, VolumeFields};
-pub use picture::frame::{Body, Frame, LabelLooks, Look, LookRef, Mask, Overlay};
+pub use picture::frame::{Body, FineBox, Frame, LabelLooks, Look, LookRef, Mask, Overlay};
 pub use picture::image::{Image, ImageError};
 pub use picture::layer::{CutMesh, Layers, OpaqueMesh};
 pub use picture::object_id::ObjectId;

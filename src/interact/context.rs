@@ -2,6 +2,7 @@
 
 use crate::document::Scene;
 use crate::explode::Poses;
+use crate::interact::boxes::BoxCorners;
 use crate::volume::Grid;
 
 /// What a tool may look at.
@@ -13,6 +14,8 @@ pub struct Context<'a> {
     pub poses: &'a Poses,
     /// The volume's lattice, which says where slices lie.
     pub grid: &'a Grid,
+    /// Sub-volumes that are shown.
+    pub boxes: &'a BoxCorners,
     /// The smallest spacing in mm: the smallest brush that one can still grow is half of it.
     pub voxel_mm: f64,
 }

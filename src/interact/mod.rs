@@ -5,6 +5,7 @@
 //! itself; what it wants done are [`Command`](crate::document::Command)s.
 
 mod aim;
+pub mod boxes;
 mod brush;
 mod click;
 mod context;

@@ -22,6 +22,8 @@ pub enum Limit {
     Connected,
     /// A contour that was drawn.
     Contour,
+    /// What no sub-volume stands for.
+    SubVolumes,
     /// A side of the selection.
     Selection,
     /// A side of a segment.

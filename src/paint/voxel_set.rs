@@ -11,19 +11,32 @@ pub type BrickBits = [u32; BRICK_VOXELS / 32];
 
 /// Voxels by brick of level 0, a bit each; bricks without any take no room.
 #[derive(Clone, Debug, Default)]
-pub struct VoxelSet(HashMap<BrickIndex, Box<BrickBits>>);
+pub struct VoxelSet {
+    bricks: HashMap<BrickIndex, Box<BrickBits>>,
+    /// Boxes, from a voxel on and before another: then it is all voxels but theirs, and no bricks.
+    all_but: Vec<[[u32; 3]; 2]>,
+}
 
 impl VoxelSet {
+    /// All voxels but those of boxes, each from a voxel on and before another; at least one box, and nothing is to be added.
+    pub fn all_but(boxes: Vec<[[u32; 3]; 2]>) -> Self {
+        Self { all_but: boxes, ..Self::default() }
+    }
+
     /// Whether it holds a voxel.
     pub fn contains(&self, voxel: [u32; 3]) -> bool {
+        if !self.all_but.is_empty() {
+            let inside = |[lo, end]: &[[u32; 3]; 2]| (0..3).all(|a| lo[a] <= voxel[a] && voxel[a] < end[a]);
+            return !self.all_but.iter().any(inside);
+        }
         let (word, bit) = place(voxel);
-        self.0.get(&BrickIndex::of_voxel(voxel)).is_some_and(|bits| bits[word] & bit != 0)
+        self.bricks.get(&BrickIndex::of_voxel(voxel)).is_some_and(|bits| bits[word] & bit != 0)
     }
 
     /// Adds a voxel; answers whether it is new.
     pub fn insert(&mut self, voxel: [u32; 3]) -> bool {
         let (word, bit) = place(voxel);
-        let bits = self.0.entry(BrickIndex::of_voxel(voxel)).or_insert_with(|| Box::new([0; BRICK_VOXELS / 32]));
+        let bits = self.bricks.entry(BrickIndex::of_voxel(voxel)).or_insert_with(|| Box::new([0; BRICK_VOXELS / 32]));
         let new = bits[word] & bit == 0;
         bits[word] |= bit;
         new
@@ -32,7 +45,7 @@ impl VoxelSet {
     /// Adds all voxels of another; answers those that are new.
     pub fn extend(&mut self, other: &Self) -> Self {
         let mut new = Self::default();
-        for (brick, bits) in &other.0 {
+        for (brick, bits) in &other.bricks {
             let own = self.brick_mut(*brick);
             if own.iter().zip(bits.iter()).any(|(a, b)| b & !a != 0) {
                 let rows = new.brick_mut(*brick);
@@ -75,7 +88,7 @@ impl VoxelSet {
 
     /// All of them, brick by brick, x fastest.
     pub fn voxels(&self) -> Vec<[u32; 3]> {
-        let mut bricks: Vec<_> = self.0.iter().collect();
+        let mut bricks: Vec<_> = self.bricks.iter().collect();
         bricks.sort_unstable_by_key(|(brick, _)| **brick);
         let mut all = Vec::new();
         for (brick, bits) in bricks {
@@ -90,7 +103,7 @@ impl VoxelSet {
 
     /// Whether it holds none.
     pub fn is_empty(&self) -> bool {
-        self.0.values().all(|bits| bits.iter().all(|word| *word == 0))
+        self.all_but.is_empty() && self.bricks.values().all(|bits| bits.iter().all(|word| *word == 0))
     }
 
     /// Puts a brick's voxels in place of those that it holds: `row` has the 32 of a row along x, counted along y and then z.
@@ -100,7 +113,7 @@ impl VoxelSet {
 
     /// A brick's voxels, to change them.
     fn brick_mut(&mut self, index: BrickIndex) -> &mut BrickBits {
-        self.0.entry(index).or_insert_with(|| Box::new([0; BRICK_VOXELS / 32]))
+        self.bricks.entry(index).or_insert_with(|| Box::new([0; BRICK_VOXELS / 32]))
     }
 
     /// Which voxels from `lo` to `end` (exclusive) are in it, x fastest; `None` if none is.
@@ -108,7 +121,7 @@ impl VoxelSet {
         let whole = crate::paint::dab::IndexBox { lo, end };
         let size: [usize; 3] = std::array::from_fn(|a| (end[a] - lo[a]) as usize);
         let mut held = None;
-        for (index, bits) in whole.bricks().filter_map(|index| Some((index, self.0.get(&index)?))) {
+        for (index, bits) in whole.bricks().filter_map(|index| Some((index, self.bricks.get(&index)?))) {
             for voxel in whole.within(index).voxels() {
                 let (word, bit) = place(voxel);
                 if bits[word] & bit != 0 {
@@ -129,7 +142,7 @@ impl VoxelSet {
             let end = std::array::from_fn(|a| (origin[a] + BRICK).saturating_add(margin[a]).min(dims[a]));
             crate::paint::dab::IndexBox { lo, end }.slots(dims)
         };
-        let mut all: Vec<_> = self.0.keys().flat_map(reach).collect();
+        let mut all: Vec<_> = self.bricks.keys().flat_map(reach).collect();
         all.sort_unstable();
         all.dedup();
         all

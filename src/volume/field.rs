@@ -8,6 +8,7 @@ use crate::volume::blocks::{Region, copy_box, fill_box};
 use crate::volume::brick::{BRICK, BRICK_VOXELS, Brick, BrickIndex, BrickKey, SLOT};
 use crate::volume::cells::BrickSummary;
 use crate::volume::cells::Cells;
+use crate::volume::computed::{Computed, SubBox};
 use crate::volume::grid::Grid;
 use crate::volume::grid::level_dims;
 use crate::volume::pyramid::texel_value;
@@ -91,6 +92,8 @@ pub type Changes = Vec<(BrickIndex, Option<Brick>)>;
 pub(super) enum Base {
     Blank,
     Source(Arc<dyn BrickSource>),
+    /// Any kind and level of it, computed when asked for; for density it is a source too.
+    Computed(Arc<dyn Computed>, Option<Arc<dyn BrickSource>>),
 }
 
 /// Texels over a grid, in bricks of 32³ and coarser levels: a source with sparse edits over it, or edits alone.
@@ -111,6 +114,12 @@ pub struct Field {
 
 const EMPTY: (BrickSummary, Cells) =
     (BrickSummary { uniform: Some([0; 4]), min: 0.0, max: 0.0 }, Cells::Uniform([0.0, 0.0]));
+
+/// Of a brick whose parent cannot be read now: anything may be in it, and whoever reads it is told.
+const UNKNOWN: (BrickSummary, Cells) = (
+    BrickSummary { uniform: None, min: f32::NEG_INFINITY, max: f32::INFINITY },
+    Cells::Uniform([f32::NEG_INFINITY, f32::INFINITY]),
+);
 
 impl Field {
     /// A field with nothing painted: all texels 0.
@@ -149,6 +158,46 @@ impl Field {
         match &self.base {
             Base::Blank => None,
             Base::Source(source) => Some(source),
+            Base::Computed(_, source) => source.as_ref(),
+        }
+    }
+
+    /// Whether it is of a box of a parent.
+    pub fn is_of_box(&self) -> bool {
+        matches!(self.base, Base::Computed(..))
+    }
+
+    /// What it is computed from where nobody edited it, if it is.
+    fn computed_by(&self) -> Option<&Arc<dyn Computed>> {
+        match &self.base {
+            Base::Computed(by, _) => Some(by),
+            _ => None,
+        }
+    }
+
+    /// The box of a parent that it is of, if it is.
+    pub fn sub_box(&self) -> Option<SubBox> {
+        self.computed_by().map(|by| by.sub_box())
+    }
+
+    /// What of a level lies in a box inside the volume where nobody edited it, appended to `out`, x fastest.
+    fn base_texels(&self, level: u8, lo: [u32; 3], size: [u32; 3], out: &mut Vec<u8>) -> Result<(), SourceError> {
+        match &self.base {
+            Base::Computed(by, _) => by.texels(&self.map, (level, lo, size), out)?,
+            Base::Source(source) if level == 0 => {
+                self.map.encode_voxels(&source.read(lo, size)?, source.scaling(), out);
+            }
+            _ => out.resize(out.len() + size.iter().map(|&s| s as usize).product::<usize>() * self.format.bytes(), 0),
+        }
+        Ok(())
+    }
+
+    /// Whether bricks of a level that nobody edited hold anything.
+    fn has_base(&self, level: u8) -> bool {
+        match self.base {
+            Base::Blank => false,
+            Base::Source(_) => level == 0,
+            Base::Computed(..) => true,
         }
     }
 
@@ -183,6 +232,20 @@ impl Field {
         self.edits.iter().map(|(&i, b)| (i, b)).collect()
     }
 
+    /// The bricks of level 0 of a field without a source that may hold anything, in order.
+    pub fn present(&self) -> Vec<BrickIndex> {
+        if !self.is_of_box() {
+            return self.edits().into_keys().collect();
+        }
+        let holds = |index: &BrickIndex| self.summary(BrickKey { level: 0, index: *index }).uniform != Some([0; 4]);
+        self.brick_indices(0).into_iter().filter(holds).collect()
+    }
+
+    /// What takes everything out of a brick of a field without a source: no edit, or one of nothing over what is computed.
+    pub fn nothing(&self) -> Option<Brick> {
+        self.is_of_box().then_some(Brick::Uniform([0; 4]))
+    }
+
     /// What was painted over a brick of level 0, if anything.
     pub fn edit(&self, index: BrickIndex) -> Option<&Brick> {
         self.edits.get(&index)
@@ -195,7 +258,11 @@ impl Field {
 
     /// The brick's summary, apron included.
     pub fn summary(&self, key: BrickKey) -> BrickSummary {
-        self.about.get(&key).unwrap_or(&EMPTY).0
+        match (self.about.get(&key), self.computed_by()) {
+            (Some(about), _) => about.0,
+            (None, Some(of)) => of.about(&self.map, key).map_or(UNKNOWN.0, |about| about.0),
+            (None, None) => EMPTY.0,
+        }
     }
 
     /// Smallest and largest value of the whole field; min > max if all is NaN. One pass over the summaries of level 0, and
@@ -211,7 +278,11 @@ impl Field {
 
     /// Minima and maxima of the cells of a brick of any level.
     pub fn cells(&self, key: BrickKey) -> Cells {
-        self.about.get(&key).unwrap_or(&EMPTY).1.clone()
+        match (self.about.get(&key), self.computed_by()) {
+            (Some(about), _) => about.1.clone(),
+            (None, Some(of)) => of.about(&self.map, key).map_or(UNKNOWN.1, |about| about.1),
+            (None, None) => EMPTY.1.clone(),
+        }
     }
 
     /// A brick's own 32³ texels; those beyond the volume are 0.
@@ -219,13 +290,8 @@ impl Field {
     /// # Errors
     /// If the source fails.
     pub fn brick(&self, key: BrickKey) -> Result<Brick, SourceError> {
-        if key.level > 0 {
-            return Ok(self.coarse.get(&key).cloned().unwrap_or(Brick::Uniform([0; 4])));
-        }
-        if let Some(brick) = self.edits.get(&key.index) {
-            return Ok(brick.clone());
-        }
-        self.base_brick(key.index)
+        let held = if key.level > 0 { self.coarse.get(&key) } else { self.edits.get(&key.index) };
+        held.map_or_else(|| self.base_of(key), |brick| Ok(brick.clone()))
     }
 
     /// A brick of level 0 as it is without edits.
@@ -233,11 +299,17 @@ impl Field {
     /// # Errors
     /// If the source fails.
     pub fn base_brick(&self, index: BrickIndex) -> Result<Brick, SourceError> {
-        let Base::Source(source) = &self.base else { return Ok(Brick::Uniform([0; 4])) };
+        self.base_of(BrickKey { level: 0, index })
+    }
+
+    fn base_of(&self, key: BrickKey) -> Result<Brick, SourceError> {
+        if !self.has_base(key.level) {
+            return Ok(Brick::Uniform([0; 4]));
+        }
         let bytes = self.format.bytes();
-        let valid = self.valid(0, index);
+        let valid = self.valid(key.level, key.index);
         let mut block = Vec::with_capacity(BRICK_VOXELS * bytes);
-        self.map.encode_voxels(&source.read(index.origin(), valid)?, source.scaling(), &mut block);
+        self.base_texels(key.level, key.index.origin(), valid, &mut block)?;
         let mut texels = vec![0; BRICK_VOXELS * bytes];
         copy_box(&block, valid, [0; 3], &mut texels, [BRICK; 3], [0; 3], valid, bytes);
         Ok(Brick::from_texels(texels, bytes))
@@ -253,9 +325,8 @@ impl Field {
         if let Some(brick) = self.edits.get(&index) {
             return Ok(brick.texel(voxel.map(|v| v % BRICK), self.format.bytes()));
         }
-        let Base::Source(source) = &self.base else { return Ok([0; 4]) };
         let mut out = Vec::with_capacity(4);
-        self.map.encode_voxels(&source.read(voxel, [1; 3])?, source.scaling(), &mut out);
+        self.base_texels(0, voxel, [1; 3], &mut out)?;
         out.resize(4, 0);
         Ok([out[0], out[1], out[2], out[3]])
     }
@@ -285,6 +356,16 @@ impl Field {
         self.read_box(0, index.origin().map(|o| i64::from(o) - 1), [SLOT; 3], false)
     }
 
+    /// A brick of level 0 with its edits.
+    pub(super) fn brick_at(&self, index: BrickIndex) -> Result<Brick, SourceError> {
+        self.brick(BrickKey { level: 0, index })
+    }
+
+    /// A box inside the volume as it is without edits.
+    pub(super) fn read_unedited(&self, lo: [u32; 3], size: [u32; 3]) -> Result<Vec<u8>, SourceError> {
+        self.read_box(0, lo.map(i64::from), size, false)
+    }
+
     /// Any box of texels of a level, x fastest; voxels outside repeat the volume's border.
     ///
     /// # Errors
@@ -306,9 +387,9 @@ impl Field {
             0 => None,
             _ => self.coarse.get(&BrickKey { level, index }),
         };
-        let source = self.source().filter(|_| level == 0);
+        let has_base = self.has_base(level);
         let mut parts = Vec::new();
-        // What only the source has.
+        // What nobody edited.
         let mut unedited: Vec<Region> = Vec::new();
         for z in first[2] / BRICK..=last[2] / BRICK {
             for y in first[1] / BRICK..=last[1] / BRICK {
@@ -333,17 +414,16 @@ impl Field {
             unedited = vec![around];
         }
         let mut block = Vec::new();
-        match source {
-            Some(source) if parts.is_empty() => {
+        match has_base && parts.is_empty() {
+            true => {
                 block.reserve_exact(inner.iter().map(|&s| s as usize).product::<usize>() * bytes);
-                self.map.encode_voxels(&source.read(first, inner)?, source.scaling(), &mut block);
+                self.base_texels(level, first, inner, &mut block)?;
             }
-            _ => block.resize(inner.iter().map(|&s| s as usize).product::<usize>() * bytes, 0),
+            false => block.resize(inner.iter().map(|&s| s as usize).product::<usize>() * bytes, 0),
         }
-        for part in unedited.iter().filter(|_| !parts.is_empty()) {
-            let Some(source) = source else { break };
+        for part in unedited.iter().filter(|_| has_base && !parts.is_empty()) {
             let mut texels = Vec::with_capacity(part.count() * bytes);
-            self.map.encode_voxels(&source.read(part.lo, part.size())?, source.scaling(), &mut texels);
+            self.base_texels(level, part.lo, part.size(), &mut texels)?;
             let at = std::array::from_fn(|a| part.lo[a] - first[a]);
             copy_box(&texels, part.size(), [0; 3], &mut block, inner, at, part.size(), bytes);
         }

@@ -50,6 +50,11 @@ impl Grid {
         Aabb { min: DVec3::splat(-0.5), max: self.dims_f64() - 0.5 }
     }
 
+    /// The box from the first voxel's centre to the last one's, in index space: all that is known of a box of another volume.
+    pub fn centre_bounds(&self) -> Aabb {
+        Aabb { min: DVec3::ZERO, max: self.dims_f64() - 1.0 }
+    }
+
     /// The smallest world box around the volume.
     pub fn world_bounds(&self) -> Aabb {
         let corners = self.index_bounds().corners().map(|c| self.world_from_index.transform_point3(c));

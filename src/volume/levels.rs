@@ -6,7 +6,9 @@
 use crate::volume::blocks::{Region, copy_box, difference, interior};
 use crate::volume::brick::{BRICK, BRICK_VOXELS, Brick, BrickIndex, BrickKey, CELL};
 use crate::volume::cells::Cells;
+use crate::volume::computed::Computed;
 use crate::volume::field::{Base, Changes, Field, FieldKind, Refresh};
+use crate::volume::grid::Grid;
 use crate::volume::pyramid::{About, coarsen, renew, summarise};
 use crate::volume::source::{BrickSource, SourceError};
 use crate::volume::texel::DensityMap;
@@ -77,6 +79,52 @@ impl Field {
         }
         progress(1.0);
         Ok(Some(field))
+    }
+
+    /// A field that is computed where nobody edits it; density by this map. Nothing is computed yet.
+    pub(super) fn computed(
+        kind: FieldKind,
+        by: Arc<dyn Computed>,
+        source: Option<Arc<dyn BrickSource>>,
+        (grid, map): (&Grid, DensityMap),
+    ) -> Self {
+        let blank = Self::blank(kind, grid);
+        let map = if kind == FieldKind::Density { map } else { blank.map };
+        Self { format: kind.format(map.format), map, base: Base::Computed(by, source), ..blank }
+    }
+
+    /// The same with the edits of some bricks alone, and without coarser levels and summaries.
+    pub(super) fn edits_alone(&self, bricks: impl Fn(BrickIndex) -> bool) -> Self {
+        let edits = self.edits.iter().filter(|(index, _)| bricks(**index));
+        Self {
+            edits: edits.map(|(index, brick)| (*index, brick.clone())).collect(),
+            coarse: Default::default(),
+            about: Default::default(),
+            extremes: Default::default(),
+            base: self.base.clone(),
+            ..*self
+        }
+    }
+
+    /// A field without edits and levels by another map.
+    pub(super) fn by_map(self, map: DensityMap) -> Self {
+        Self { format: map.format, map, ..self }
+    }
+
+    /// The density that it is where nobody edited it, by another map.
+    ///
+    /// # Errors
+    /// As [`from_source`](Self::from_source); nothing if there is no source.
+    pub fn unedited(
+        &self,
+        map: DensityMap,
+        progress: &(dyn Fn(f32) -> bool + Sync),
+    ) -> Result<Option<Self>, SourceError> {
+        match &self.base {
+            Base::Blank => Ok(None),
+            Base::Source(source) => Self::from_source(source.clone(), map, progress),
+            Base::Computed(..) => Ok(Some(self.edits_alone(|_| false).by_map(map))),
+        }
     }
 
     /// Exchanges bricks of level 0: `Some` is an edit, `None` takes the edit away. Answers what was there before (the same
@@ -184,7 +232,7 @@ impl Field {
             Ok((brick, self.valid(level - 1, child), region, octant(child)))
         };
         let below = children.iter().map(below).collect::<Result<Vec<_>, SourceError>>()?;
-        let before = self.coarse.get(&key).unwrap_or(&Brick::Uniform([0; 4]));
+        let before = self.brick(key)?;
         Ok(before.edited(bytes, |texels| {
             for (brick, valid, region, octant) in &below {
                 coarsen(self.format, brick, *valid, region, *octant, texels);

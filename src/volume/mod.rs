@@ -4,9 +4,12 @@
 //! map over a source, coarser levels, cell minima and maxima), segments and the transfer function. Knows no file format
 //! and no GPU; texels are kept in the GPU's formats so that host, file and GPU hold the same bytes.
 
+mod band;
 mod blocks;
 mod brick;
+mod carry;
 mod cells;
+mod computed;
 mod distance;
 mod field;
 mod first_transfer;
@@ -18,6 +21,8 @@ mod look;
 mod number;
 mod presets;
 mod pyramid;
+mod refined;
+mod resample;
 mod segments;
 mod source;
 mod texel;
@@ -29,9 +34,11 @@ mod volume;
 mod voxel_type;
 mod voxels;
 
+pub use band::BandBrick;
 pub use blocks::Region;
 pub use brick::{BRICK, BRICK_VOXELS, Brick, BrickIndex, BrickKey, CELL, CELLS_PER_BRICK, SLOT, SLOT_VOXELS};
 pub use cells::{BrickSummary, Cells};
+pub use computed::SubBox;
 pub use distance::squared_distances;
 pub use field::{Changes, Field, FieldKind, Refresh};
 pub use grid::Grid;

@@ -3,6 +3,8 @@
 //! Owns the four fields and the source behind the density. Any number of volumes lie beside each other; `VolumeId` names one,
 //! `FieldKey` one of its fields, everywhere. What a person calls it, where it is shown and how is the document's, as are files.
 
+use crate::volume::brick::BrickIndex;
+use crate::volume::computed::SubBox;
 use crate::volume::field::{Field, FieldKind};
 use crate::volume::grid::Grid;
 use crate::volume::histogram::Histogram;
@@ -27,6 +29,26 @@ pub struct VolumeId(pub u32);
 impl VolumeId {
     /// The volume that a document begins with.
     pub const FIRST: Self = Self(0);
+
+    /// Numbers of volumes that no scene names.
+    const BEFORE: u32 = 1 << 31;
+
+    /// What a sub-volume of this name is computed from: its parent as it was.
+    #[must_use]
+    pub const fn of_before(self) -> Self {
+        Self(self.0 | Self::BEFORE)
+    }
+
+    /// The sub-volume that is computed from what this names.
+    #[must_use]
+    pub const fn of_sub_volume(self) -> Self {
+        Self(self.0 & !Self::BEFORE)
+    }
+
+    /// Whether it names what a sub-volume is computed from.
+    pub const fn is_of_before(self) -> bool {
+        self.0 & Self::BEFORE != 0
+    }
 }
 
 impl std::fmt::Display for VolumeId {
@@ -97,6 +119,32 @@ impl Volume {
         let (colour, selection, labels) =
             (blank(FieldKind::Colour), blank(FieldKind::Selection), blank(FieldKind::Labels));
         Ok(Some(Self { density, colour, selection, labels, source, statistics, histogram, painted: None }))
+    }
+
+    /// The same as it is now with the edits of some bricks alone, and without coarser levels: what a sub-volume is computed from.
+    #[must_use]
+    pub fn as_it_is(&self, bricks: impl Fn(BrickIndex) -> bool) -> Self {
+        let field = |kind| self.field(kind).edits_alone(&bricks);
+        Self {
+            density: field(FieldKind::Density),
+            colour: field(FieldKind::Colour),
+            selection: field(FieldKind::Selection),
+            labels: field(FieldKind::Labels),
+            ..self.clone()
+        }
+    }
+
+    /// The same without edits and coarser levels, its density by this map.
+    #[must_use]
+    pub fn unedited(&self, map: DensityMap) -> Self {
+        let mut bare = self.as_it_is(|_| false);
+        bare.density = bare.density.by_map(map);
+        bare
+    }
+
+    /// The box of a parent that it is, if it is one.
+    pub fn sub_box(&self) -> Option<SubBox> {
+        self.density.sub_box()
     }
 
     /// The lattice that all fields share, where the source has it.

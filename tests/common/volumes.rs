@@ -83,6 +83,7 @@ pub fn frame(grid: &Grid, transfer: TransferFunction, direction: DVec3, size: [u
         layers: Default::default(),
         looks: Vec::new(),
         overlays: Default::default(),
+        boxes: Vec::new(),
     }
 }
 

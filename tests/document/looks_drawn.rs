@@ -93,6 +93,7 @@ fn wanted(state: &State, bodies: Vec<Body>, looks: Vec<Look>) -> Frame {
         overlay: overlay(0),
         layers: Default::default(),
         overlays: (0..3).map(|id| (VolumeId(id), overlay(id))).collect(),
+        boxes: Vec::new(),
     }
 }
 

@@ -64,6 +64,8 @@ mod selected;
 mod selection;
 mod strokes;
 mod strokes_across;
+mod sub_strokes;
+mod sub_volumes;
 mod surface;
 mod surfaces;
 mod unharmed;

@@ -28,7 +28,7 @@ fn foretold(document: &Document, line: &Value) -> Option<Scene> {
 #[test]
 fn the_document_does_to_the_scene_what_was_foretold() {
     // What needs a picture, files, voxels or the past is not the scene's to tell, and what would write files is not tried here.
-    let elsewhere = ["project", "volume", "render", "stroke", "history", "selection", "component"];
+    let elsewhere = ["project", "volume", "sub_volume", "render", "stroke", "history", "selection", "component"];
     let mut held = 0;
     for line in one_of_each() {
         let noun = line.as_object().unwrap().keys().next().unwrap().clone();

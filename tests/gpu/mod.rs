@@ -26,4 +26,5 @@ mod reference_refined;
 mod residency;
 mod shader;
 mod slice;
+mod sub_volumes;
 mod without;

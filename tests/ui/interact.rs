@@ -51,8 +51,16 @@ impl Hand {
     }
 
     fn send(&mut self, event: Event) -> Vec<Command> {
-        self.interaction
-            .handle(event, &Context { scene: &self.scene, poses: &self.poses, grid: &self.grid, voxel_mm: 1.0 })
+        self.interaction.handle(
+            event,
+            &Context {
+                scene: &self.scene,
+                poses: &self.poses,
+                grid: &self.grid,
+                boxes: &Default::default(),
+                voxel_mm: 1.0,
+            },
+        )
     }
 
     fn press(&mut self, button: Button, x: f64, y: f64) -> Vec<Command> {
@@ -312,7 +320,7 @@ fn a_brush_never_shrinks_below_half_a_voxel_and_can_grow_from_nothing() {
     let (grid, mut scene) = scene();
     let radius = |scene: &Scene, factor| match Interaction::sized(
         factor,
-        &Context { scene, poses: &Poses::default(), grid: &grid, voxel_mm: 2.0 },
+        &Context { scene, poses: &Poses::default(), grid: &grid, boxes: &Default::default(), voxel_mm: 2.0 },
     ) {
         Command::Brush(BrushCommand::Set(BrushChange { radius_mm: Some(r), .. })) => r,
         other => panic!("{other:?}"),
@@ -333,7 +341,13 @@ fn a_brush_for_voxels_of_metres_and_of_nanometres_grows_and_shrinks() {
             for factor in [1.15, 1.0 / 1.15] {
                 let Command::Brush(BrushCommand::Set(BrushChange { radius_mm: Some(new), .. })) = Interaction::sized(
                     factor,
-                    &Context { scene: &scene, poses: &Poses::default(), grid: &grid, voxel_mm },
+                    &Context {
+                        scene: &scene,
+                        poses: &Poses::default(),
+                        grid: &grid,
+                        boxes: &Default::default(),
+                        voxel_mm,
+                    },
                 ) else {
                     panic!("no radius")
                 };

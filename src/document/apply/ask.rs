@@ -1,6 +1,7 @@
 //! Questions; they change nothing.
 
 use crate::document::Document;
+use crate::document::apply::sub_volume;
 use crate::document::command::Question;
 use crate::document::command::answers::{Said, SceneSaid};
 use crate::document::command::answers_ask::{
@@ -16,7 +17,7 @@ use crate::document::state::State;
 use crate::document::subject::Subject;
 use crate::explode::{Part, PartRecord};
 use crate::math::{DVec2, DVec3};
-use crate::volume::{BrickIndex, FieldKind, Number, SourceError, Total};
+use crate::volume::{BrickIndex, FieldKind, Number, SourceError, SubBox, Total};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -24,6 +25,10 @@ impl Document {
     pub(crate) fn ask(&mut self, question: &Question) -> Result<Said, DocumentError> {
         Ok(match *question {
             Question::Volume { volume: id } => volume(&self.open()?.at(id)?).into(),
+            Question::SubVolumes { volume: id } => sub_volume::list(self.open()?, id)?.into(),
+            Question::SubVolumeFit { volume: id, lo, hi, scale } => {
+                sub_volume::fit(self.open()?, id, SubBox { lo, hi, scale: scale.each() })?.into()
+            }
             Question::Scene {} => SceneSaid { scene: self.open()?.scene.clone(), parts: self.standing_parts()? }.into(),
             Question::Parts {} => {
                 PartsSaid { degree: self.open()?.scene.explosion.degree, parts: self.standing_parts()? }.into()

@@ -303,7 +303,8 @@ fn select(state: &mut State, id: VolumeId, how: Joining, voxels: Voxels, edit: &
             };
             let mut changes: Changes = voxels.par_iter().map(new).collect();
             let given: std::collections::BTreeSet<BrickIndex> = changes.iter().map(|(index, _)| *index).collect();
-            changes.extend(selection.edits().into_keys().filter(|index| !given.contains(index)).map(|i| (i, None)));
+            let gone = selection.present().into_iter().filter(|index| !given.contains(index));
+            changes.extend(gone.map(|index| (index, selection.nothing())));
             changes
         }
     };

@@ -20,7 +20,7 @@ impl Document {
     /// If its places lie in no plane of a slice, or as a stroke.
     pub(super) fn lasso(&mut self, lasso: &Lasso) -> Result<Answer, DocumentError> {
         let state = self.open()?;
-        let volumes = state.scene.painted_by(lasso.volume, lasso.volumes.as_deref())?;
+        let volumes = state.with_sub_volumes(state.scene.painted_by(lasso.volume, lasso.volumes.as_deref())?);
         let subject = state.at(volumes.first().copied())?;
         let depth_mm = lasso.depth_mm.unwrap_or(state.scene.brush.depth_mm);
         if !(0.0..1e100).contains(&depth_mm) {

@@ -6,6 +6,7 @@
 
 mod along;
 pub(crate) mod ask;
+pub(crate) mod bake;
 pub(crate) mod colours;
 pub(crate) mod component;
 mod connected;
@@ -25,6 +26,7 @@ pub(crate) mod selection;
 pub(crate) mod selection_import;
 pub(crate) mod stroke;
 pub(crate) mod stroke_nothing;
+pub(crate) mod sub_volume;
 pub(crate) mod trail;
 pub(crate) mod undo;
 pub(crate) mod view;

@@ -60,6 +60,8 @@ pub(super) struct OnVolume {
     pub(super) seen: VoxelSet,
     /// Sets of voxels that it keeps within, once they were found.
     pub(super) confines: Confines,
+    /// Whether it is painted because what it is cut out of is.
+    pub(super) goes_along: bool,
     dabs: u64,
     /// Voxels and bricks that hold another value than before, once the stroke has ended.
     changed: (u64, usize),
@@ -125,7 +127,9 @@ impl Running {
     ///
     /// # Errors
     /// If a source fails; what was taken in by then is in the edit.
-    pub(super) fn take_in(&mut self, state: &mut State, painted: PaintedBricks) -> Result<(), SourceError> {
+    pub(super) fn take_in(&mut self, state: &mut State, mut painted: PaintedBricks) -> Result<(), SourceError> {
+        // Sub-volumes first: then their bands follow what was painted on what they are cut out of.
+        painted.sort_by_key(|(key, _)| std::cmp::Reverse(key.volume));
         for (key, bricks) in painted {
             let before = self.edit.counts();
             self.edit.swap(state, key, bricks.into_iter().map(|(index, brick)| (index, Some(brick))).collect())?;
@@ -157,7 +161,8 @@ impl Running {
 
     /// What is said of it at its end: of all volumes together, and of each where they are several.
     pub(super) fn said(&self, state: &State, bricks_touched: Option<usize>) -> PaintedSaid {
-        let told: Vec<_> = self.on.iter().map(|on| self.said_of(on, state)).collect();
+        let told = self.on.iter().filter(|on| !on.goes_along || on.changed.0 > 0);
+        let told: Vec<_> = told.map(|on| self.said_of(on, state)).collect();
         let nothing = bricks_touched.is_none().then(|| said_together(state, &told));
         PaintedSaid {
             step: None,
@@ -256,6 +261,7 @@ impl OnVolume {
             needs,
             seen: VoxelSet::default(),
             confines: Confines::new(),
+            goes_along: false,
             dabs: 0,
             changed: (0, 0),
         })

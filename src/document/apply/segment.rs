@@ -8,7 +8,7 @@ use crate::document::error::DocumentError;
 use crate::document::history::edit::Edit;
 use crate::document::subject::Subject;
 use crate::io;
-use crate::volume::{Brick, BrickIndex, Changes, FieldKey, FieldKind, SourceError};
+use crate::volume::{Brick, BrickKey, Changes, FieldKey, FieldKind, SourceError};
 use rayon::prelude::*;
 
 impl Document {
@@ -47,19 +47,18 @@ impl Document {
     }
 }
 
-/// The edited bricks that hold a label, with 0 in its place.
+/// The bricks that hold a label, with 0 in its place.
 fn without_label(subject: &Subject<'_>, id: u16) -> Result<Changes, SourceError> {
     let bytes = subject.labels.format().bytes();
     let gone = id.to_le_bytes();
-    let edits: Vec<(BrickIndex, &Brick)> = subject.labels.edits().into_iter().collect();
-    let changed = edits.into_par_iter().filter_map(|(index, brick)| {
-        let mut texels = brick.to_texels(bytes);
+    let changed = subject.labels.present().into_par_iter().map(|index| {
+        let mut texels = subject.labels.brick(BrickKey { level: 0, index })?.to_texels(bytes);
         let mut found = false;
         for texel in texels.chunks_exact_mut(bytes).filter(|t| **t == gone) {
             texel.fill(0);
             found = true;
         }
-        found.then(|| (index, Some(Brick::from_texels(texels, bytes))))
+        Ok(found.then(|| (index, Some(Brick::from_texels(texels, bytes)))))
     });
-    Ok(changed.collect())
+    Ok(changed.collect::<Result<Vec<_>, SourceError>>()?.into_iter().flatten().collect())
 }

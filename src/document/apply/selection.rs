@@ -10,7 +10,7 @@ use crate::document::scene::check::finite;
 use crate::document::state::State;
 use crate::document::subject::Subject;
 use crate::io;
-use crate::volume::{Brick, BrickIndex, Changes, FieldKey, FieldKind, VolumeId};
+use crate::volume::{Brick, BrickIndex, BrickKey, Changes, FieldKey, FieldKind, VolumeId};
 use rayon::prelude::*;
 
 /// The widest soft border, in voxels: blocks and what is around them have to fit into memory.
@@ -57,7 +57,8 @@ impl Document {
 fn replace(state: &mut State, id: VolumeId, edit: &mut Edit, mut changes: Changes) -> Result<(), DocumentError> {
     let given: std::collections::BTreeSet<BrickIndex> = changes.iter().map(|(index, _)| *index).collect();
     let selected = &state.at(Some(id))?.volume.selection;
-    changes.extend(selected.edits().into_keys().filter(|index| !given.contains(index)).map(|i| (i, None)));
+    let gone = selected.present().into_iter().filter(|index| !given.contains(index));
+    changes.extend(gone.map(|index| (index, selected.nothing())));
     Ok(edit.swap(state, FieldKey::new(id, FieldKind::Selection), changes)?)
 }
 
@@ -67,13 +68,10 @@ fn from_label(subject: &Subject<'_>, label: u16) -> Result<Changes, DocumentErro
     }
     let wanted = label.to_le_bytes();
     let bytes = subject.labels.format().bytes();
-    let edits: Vec<(BrickIndex, &Brick)> = subject.labels.edits().into_iter().collect();
-    Ok(edits
-        .into_par_iter()
-        .map(|(index, brick)| {
-            let texels =
-                brick.to_texels(bytes).chunks_exact(bytes).map(|t| if t == wanted { 255 } else { 0 }).collect();
-            (index, Some(Brick::from_texels(texels, 1)))
-        })
-        .collect())
+    let selected = subject.labels.present().into_par_iter().map(|index| {
+        let brick = subject.labels.brick(BrickKey { level: 0, index })?;
+        let texels = brick.to_texels(bytes).chunks_exact(bytes).map(|t| if t == wanted { 255 } else { 0 }).collect();
+        Ok((index, Some(Brick::from_texels(texels, 1))))
+    });
+    selected.collect()
 }

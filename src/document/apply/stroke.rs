@@ -53,7 +53,8 @@ impl Document {
         volumes: Option<&[VolumeId]>,
         points: &[StrokePoint],
     ) -> Result<Answer, DocumentError> {
-        let volumes = self.open()?.scene.painted_by(volume, volumes)?;
+        let state = self.open()?;
+        let volumes = state.with_sub_volumes(state.scene.painted_by(volume, volumes)?);
         let resolved = self.follow(&volumes, points, None)?;
         self.begin_stroke(&volumes, resolved)
     }
@@ -178,13 +179,19 @@ impl Document {
             let step_mm = step_mm(&brush, subjects.iter().map(|subject| subject.grid()));
             let mut on = subjects.iter().map(|s| OnVolume::new(s, &brush, step_mm)).collect::<Result<Vec<_>, _>>()?;
             for (on, subject) in on.iter_mut().zip(&subjects) {
+                on.goes_along = subject.settings.sub_volume.is_some_and(|sub| volumes.contains(&sub.parent));
+                let boxes = state.finer_boxes(subject.id, volumes);
+                if !boxes.is_empty() {
+                    on.confines.push((Limit::SubVolumes, Arc::new(VoxelSet::all_but(boxes))));
+                }
                 on.confines
                     .extend(contour.as_ref().map(|c| (Limit::Contour, Arc::new(within(c, &brush, subject.grid())))));
             }
             on
         };
         let mut edit = Edit::new(Some(state));
-        edit.name(match (verb(&brush), brush.target.field().name(), volumes.len()) {
+        let named = on.iter().filter(|on| !on.goes_along).count();
+        edit.name(match (verb(&brush), brush.target.field().name(), named) {
             (what, field, 1) => format!("{what} {field}"),
             (what, field, count) => format!("{what} {field} in {count} volumes"),
         });

@@ -96,6 +96,7 @@ fn kept_off(subject: &Subject<'_>, brush: &Brush, limit: Limit) -> String {
             "Nothing under the brush is connected to something that shows where the stroke began.".into()
         }
         Limit::Contour => "No voxel lies in the contour.".into(),
+        Limit::SubVolumes => "All that the brush covers lies in sub-volumes, which are painted in its place.".into(),
         Limit::Selection => {
             format!(
                 "Nothing under the brush lies {} the selection, where alone it may paint.",

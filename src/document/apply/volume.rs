@@ -3,6 +3,7 @@
 use crate::document::Document;
 use crate::document::apply::export::export;
 use crate::document::apply::open::ReadDocument;
+use crate::document::apply::sub_volume;
 use crate::document::command::Command;
 use crate::document::command::answers::{AddedSaid, Answer, Said, VolumeRemovedSaid};
 use crate::document::command::files::VolumeCommand;
@@ -55,6 +56,16 @@ impl Document {
             VolumeCommand::Remove { volume } => {
                 let state = self.open_mut()?;
                 edit.name(format!("Remove volume {}", state.at(Some(volume))?.settings.name));
+                // What is cut out of it goes with it.
+                for inner in state.scene.cut_out_of(volume).into_iter().rev() {
+                    if state.scene.volumes.all.contains_key(&inner) {
+                        sub_volume::remove(state, inner, edit)?;
+                    }
+                }
+                if state.scene.sub_volume(volume).is_ok() {
+                    sub_volume::remove(state, volume, edit)?;
+                    return Ok(VolumeRemovedSaid { removed: volume, active: Some(state.scene.volumes.active) }.into());
+                }
                 edit.remove(state, volume)?;
                 let volumes = &mut state.scene.volumes;
                 volumes.all.remove(&volume);

@@ -19,6 +19,7 @@ use serde_json::Value;
 
 pub use crate::document::command::answers_files::*;
 pub use crate::document::command::answers_paint::*;
+pub use crate::document::command::answers_sub_volumes::*;
 
 /// What a command answers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -144,6 +145,10 @@ pub enum Said {
     Added(Box<AddedSaid>),
     VolumeRemoved(VolumeRemovedSaid),
     VolumeSet(Box<VolumeSetSaid>),
+    SubVolume(Box<SubVolumeSaid>),
+    SubVolumes(SubVolumesSaid),
+    Fit(Box<FitSaid>),
+    Baked(BakedSaid),
     Scene(Box<SceneSaid>),
     Parts(PartsSaid),
     Voxel(Box<VoxelSaid>),
@@ -181,7 +186,8 @@ said! {
     SegmentRemoved(SegmentRemovedSaid), ImportedSegments(ImportedSegmentsSaid), Split(SplitSaid), Part(PartSaid),
     Whole(WholeSaid), Degree(DegreeSaid), Forces(ForcesSaid), Seed(SeedSaid), Settled(SettledSaid), Moved(MovedSaid),
     Travelled(TravelledSaid), Budget(BudgetSaid), Group(GroupSaid), Volume(VolumeSaid), Added(AddedSaid),
-    VolumeRemoved(VolumeRemovedSaid), VolumeSet(VolumeSetSaid), Scene(SceneSaid),
+    VolumeRemoved(VolumeRemovedSaid), VolumeSet(VolumeSetSaid), SubVolume(SubVolumeSaid),
+    SubVolumes(SubVolumesSaid), Fit(FitSaid), Baked(BakedSaid), Scene(SceneSaid),
     Parts(PartsSaid), Voxel(VoxelSaid), Pick(PickSaid), Field(FieldSaid), Visibility(VisibilitySaid),
     History(HistorySaid), Picture(PictureSaid),
 }

@@ -8,6 +8,7 @@ use crate::document::command::brush::{BrushCommand, StrokeCommand};
 use crate::document::command::component::ComponentCommand;
 use crate::document::command::files::{ProjectCommand, RenderCommand, VolumeCommand};
 use crate::document::command::parts::{ExplosionCommand, PartCommand};
+use crate::document::command::sub_volumes::SubVolumeCommand;
 use crate::document::command::views::{TransferCommand, ViewCommand};
 use crate::document::command::{Command, HistoryCommand, Question, SegmentCommand, SelectionCommand};
 
@@ -138,6 +139,7 @@ impl Command {
         match self {
             Self::Project(command) => command.effects(),
             Self::Volume(command) => command.effects(),
+            Self::SubVolume(command) => command.effects(),
             Self::Transfer(command) => command.effects(),
             Self::View(command) => command.effects(),
             Self::Brush(command) => command.effects(),
@@ -179,6 +181,19 @@ impl VolumeCommand {
             Self::Remove { .. } => undone("volume.remove"),
             Self::Set { .. } => undone("volume.set"),
             Self::Export { .. } => Effects::of_files("volume.export").lasting(Lasts::AWhileWith("Exporting")),
+        }
+    }
+}
+
+impl SubVolumeCommand {
+    fn effects(&self) -> Effects {
+        let undone = |name| Effects { past: Remembered::Nothing, ..Effects::change(name) };
+        match self {
+            Self::Add { .. } => undone("sub_volume.add"),
+            Self::Set { .. } => undone("sub_volume.set").lasting(Lasts::AWhile("Changing a sub-volume")),
+            Self::Remove { .. } => undone("sub_volume.remove"),
+            Self::Bake { .. } => undone("sub_volume.bake").lasting(Lasts::AWhile("Baking a sub-volume")),
+            Self::Export { .. } => Effects::of_files("sub_volume.export").lasting(Lasts::AWhileWith("Exporting")),
         }
     }
 }
@@ -327,6 +342,8 @@ impl Question {
     fn effects(&self) -> Effects {
         Effects::question(match self {
             Self::Volume { .. } => "ask.volume",
+            Self::SubVolumes { .. } => "ask.sub_volumes",
+            Self::SubVolumeFit { .. } => "ask.sub_volume_fit",
             Self::Scene {} => "ask.scene",
             Self::Parts {} => "ask.parts",
             Self::Voxel { .. } => "ask.voxel",

@@ -9,6 +9,7 @@ pub mod answers;
 pub mod answers_ask;
 pub mod answers_files;
 pub mod answers_paint;
+pub mod answers_sub_volumes;
 pub(crate) mod brush;
 pub(crate) mod component;
 pub mod effects;
@@ -16,6 +17,7 @@ pub(crate) mod files;
 pub mod looks;
 pub(crate) mod parts;
 pub(crate) mod resolved;
+pub(crate) mod sub_volumes;
 pub(crate) mod views;
 
 use crate::document::command::brush::{BrushCommand, StrokeCommand};
@@ -23,6 +25,7 @@ use crate::document::command::component::ComponentCommand;
 use crate::document::command::files::{ProjectCommand, RenderCommand, VolumeCommand};
 use crate::document::command::looks::LookSetting;
 use crate::document::command::parts::{ExplosionCommand, PartCommand};
+use crate::document::command::sub_volumes::{Scale, SubVolumeCommand};
 use crate::document::command::views::{LayerChange, TransferCommand, ViewCommand};
 use crate::document::scene::ViewName;
 use crate::math::Camera;
@@ -40,6 +43,8 @@ pub enum Command {
     Project(ProjectCommand),
     /// The volume's density as a whole.
     Volume(VolumeCommand),
+    /// Boxes of a volume with a resolution of their own.
+    SubVolume(SubVolumeCommand),
     /// Colour and opacity.
     Transfer(TransferCommand),
     /// Cameras, slices, looks and layers.
@@ -78,6 +83,7 @@ impl Command {
             Self::Component(command) => command.connected().volume,
             Self::Selection(command) => command.volume(),
             Self::Segment(command) => command.volume(),
+            Self::SubVolume(command) => command.volume(),
             Self::View(_)
             | Self::Project(_)
             | Self::Volume(_)
@@ -278,6 +284,21 @@ pub enum Question {
         /// Which volume, the active one if left out.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         volume: Option<VolumeId>,
+    },
+    /// Sub-volumes: their boxes, their samples and the memory that they may take and do take.
+    SubVolumes {
+        /// Those cut out of this one; all if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        volume: Option<VolumeId>,
+    },
+    /// What a sub-volume would be that `sub_volume.add` makes of the same numbers: its samples, the memory that it may take and what there
+    /// is of it; refused with a reason where that would be.
+    SubVolumeFit {
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        volume: Option<VolumeId>,
+        lo: [u32; 3],
+        hi: [u32; 3],
+        scale: Scale,
     },
     /// The whole scene, and where its parts stand.
     Scene {},

@@ -8,7 +8,9 @@ use crate::document::history::step::{Bare, Refreshed, SceneDelta, Step, remap};
 use crate::document::scene::Scene;
 use crate::document::state::State;
 use crate::io::FileMark;
-use crate::volume::{Brick, BrickIndex, Changes, DensityMap, Field, FieldKey, FieldKind, SourceError, VolumeId};
+use crate::volume::{
+    BandBrick, Brick, BrickIndex, Changes, DensityMap, Field, FieldKey, FieldKind, SourceError, SubBox, VolumeId,
+};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -94,6 +96,24 @@ impl Edit {
     /// Exchanges bricks of a field and records them. A brick that equals the unedited one is no edit; one that equals the
     /// present one is left out.
     pub(crate) fn swap(&mut self, state: &mut State, key: FieldKey, changes: Changes) -> Result<(), SourceError> {
+        let indices: Vec<BrickIndex> = changes.iter().map(|(index, _)| *index).collect();
+        let bands = bands_of(state, key, &indices)?;
+        self.swap_alone(state, key, changes)?;
+        for (id, of, bricks) in bands {
+            let (Some(parent), Some(fine)) = (state.field(key), state.volumes.get(&id)) else { continue };
+            let own = fine.field(key.kind);
+            let followed = bricks.par_iter().map(|brick| brick.followed(&of, own, parent));
+            let followed = followed.collect::<Result<Vec<_>, SourceError>>()?.into_iter().flatten();
+            let followed: Changes = followed.map(|(index, brick)| (index, Some(brick))).collect();
+            // What only follows is nobody's to count.
+            let counts = (self.voxels, self.bricks);
+            self.swap(state, FieldKey::new(id, key.kind), followed)?;
+            (self.voxels, self.bricks) = counts;
+        }
+        Ok(())
+    }
+
+    fn swap_alone(&mut self, state: &mut State, key: FieldKey, changes: Changes) -> Result<(), SourceError> {
         let Some(volume) = state.volumes.get_mut(&key.volume) else { return Ok(()) };
         let field = volume.field_mut(key.kind);
         let judged = changes
@@ -184,6 +204,14 @@ impl Edit {
         self.step.absorb(Step { name: self.step.name.clone(), bricks, volumes, ..Step::default() });
     }
 
+    /// Puts a volume in the place of one, with what is painted on both.
+    pub(crate) fn replace(&mut self, state: &mut State, id: VolumeId, bare: Bare) {
+        self.refreshed.exchanged.insert(id);
+        let before = state.volumes.insert(id, bare.volume).map(|volume| Bare { volume, files: None });
+        let volumes = BTreeMap::from([(id, before)]);
+        self.step.absorb(Step { name: self.step.name.clone(), volumes, ..Step::default() });
+    }
+
     /// Takes a volume away, with what is painted on it.
     pub(crate) fn remove(&mut self, state: &mut State, id: VolumeId) -> Result<(), SourceError> {
         let volumes = BTreeMap::from([(id, None)]);
@@ -214,6 +242,20 @@ impl Edit {
         refreshed.join(self.refreshed);
         Ok(refreshed)
     }
+}
+
+/// The bricks of sub-volumes' bands that follow bricks of a field which are about to change.
+fn bands_of(
+    state: &State,
+    key: FieldKey,
+    indices: &[BrickIndex],
+) -> Result<Vec<(VolumeId, SubBox, Vec<BandBrick>)>, SourceError> {
+    let Some(parent) = state.field(key) else { return Ok(Vec::new()) };
+    let inner = state.scene.volumes.all.iter().filter_map(|(id, settings)| Some((*id, settings.sub_volume?)));
+    let inner = inner.filter(|(_, sub)| sub.parent == key.volume);
+    let bands = inner.map(|(id, sub)| Ok((id, sub.of, BandBrick::of(&sub.of, parent, indices)?)));
+    let bands = bands.collect::<Result<Vec<_>, SourceError>>()?;
+    Ok(bands.into_iter().filter(|(_, _, bricks)| !bricks.is_empty()).collect())
 }
 
 type Judged = Option<(BrickIndex, Option<Brick>, u64)>;

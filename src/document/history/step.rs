@@ -116,7 +116,7 @@ pub(crate) struct Step {
     pub bricks: BTreeMap<(FieldKey, BrickIndex), Option<Brick>>,
     /// With a map, the volume's density bricks above are all of its edits.
     pub maps: BTreeMap<VolumeId, DensityMap>,
-    /// Volumes as a whole: one that comes, its edits above; `None` where one goes.
+    /// Volumes as a whole: one that comes, its edits above; `None` where one goes. One that takes the place of another has its edits.
     pub volumes: BTreeMap<VolumeId, Option<Bare>>,
 }
 
@@ -138,14 +138,15 @@ impl Step {
     /// If the source fails; state and step are then as they were.
     pub(crate) fn exchange(&mut self, state: &mut State) -> Result<Refreshed, SourceError> {
         let mut refreshed = Refreshed::default();
-        let mut came = Vec::new();
+        let (mut came, mut replaced) = (Vec::new(), BTreeMap::new());
         for (&id, bare) in &self.volumes {
             refreshed.exchanged.insert(id);
-            if let Some(bare) = bare
-                && !state.volumes.contains_key(&id)
-            {
+            if let Some(bare) = bare {
+                match detach(state, id) {
+                    Some(there) => drop(replaced.insert(id, there)),
+                    None => came.push(id),
+                }
                 attach(state, id, bare.clone());
-                came.push(id);
             }
         }
         let changes = self.changes(state);
@@ -164,6 +165,9 @@ impl Step {
                     for id in came {
                         detach(state, id);
                     }
+                    for (id, there) in replaced {
+                        attach(state, id, there);
+                    }
                     return Err(error);
                 }
             }
@@ -177,6 +181,8 @@ impl Step {
         for (id, held) in &mut self.volumes {
             if came.contains(id) {
                 *held = None;
+            } else if let Some(there) = replaced.remove(id) {
+                *held = Some(there);
             } else {
                 *held = detach(state, *id);
                 // It goes with the map that it has.
@@ -324,8 +330,7 @@ pub(crate) fn remap(
     map: DensityMap,
     edits: Changes,
 ) -> Result<(DensityMap, Changes), SourceError> {
-    let Some(source) = density.source().cloned() else { return Ok((*density.map(), Vec::new())) };
-    let Some(mut next) = Field::from_source(source, map, &|_| true)? else { return Ok((*density.map(), Vec::new())) };
+    let Some(mut next) = density.unedited(map, &|_| true)? else { return Ok((*density.map(), Vec::new())) };
     next.swap(edits)?;
     let before = density.edits().into_iter().map(|(i, b)| (i, Some(b.clone()))).collect();
     let old = *density.map();

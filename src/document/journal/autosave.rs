@@ -55,6 +55,16 @@ impl Autosave {
     pub fn unsaved(state_dir: &Path, state: &State) -> Result<Self, KeepError> {
         let mut volumes = BTreeMap::new();
         for subject in state.subjects() {
+            let nowhere = DensityPlace::nowhere(state, subject.id, subject.volume);
+            if let Some(nowhere) = nowhere {
+                volumes.insert(subject.id, VolumeRecord::of(subject.volume, nowhere, BTreeMap::new()));
+                if let Some(before) = state.volumes.get(&subject.id.of_before())
+                    && let Some(same) = DensityPlace::nowhere(state, subject.id.of_before(), before)
+                {
+                    volumes.insert(subject.id.of_before(), VolumeRecord::of(before, same, BTreeMap::new()));
+                }
+                continue;
+            }
             let path = &subject.settings.origin.path;
             let link = match state.files.get(&subject.id) {
                 Some(files) => Link::until_next_start(files.files())?,

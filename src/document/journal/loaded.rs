@@ -14,7 +14,7 @@ use crate::document::scene::{Origin, Scene};
 use crate::document::state::State;
 use crate::paint::Sample;
 use crate::volume::{
-    BRICK, BrickIndex, BrickSource, DensityMap, FieldKind, Grid, Histogram, Statistics, Volume, VolumeId,
+    BRICK, BrickIndex, BrickSource, DensityMap, FieldKind, Grid, Histogram, Statistics, SubBox, Volume, VolumeId,
 };
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -90,22 +90,46 @@ impl RestoredVolume {
     /// The volume again; `open` reads the file that its density is linked to.
     fn into_volume(
         self,
+        (id, built): (VolumeId, &BTreeMap<VolumeId, Volume>),
         open: impl FnOnce() -> Result<Arc<dyn BrickSource>, DocumentError>,
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> Result<Volume, DocumentError> {
-        let source: Arc<dyn BrickSource> = match self.density {
-            LoadedDensity::Whole(source) => source,
+        let whole = |source: Arc<dyn BrickSource>| {
+            let (statistics, histogram) = (self.statistics, self.histogram.clone());
+            Volume::new(source, self.map, statistics, histogram, progress)?.ok_or(DocumentError::Stopped)
+        };
+        let unread = |field: &str, found: String| {
+            KeepError::malformed(Path::new(&self.name), field, found, "a volume of the project, as large as it says")
+        };
+        let mut volume = match &self.density {
+            LoadedDensity::Whole(source) => whole(source.clone())?,
             LoadedDensity::Linked(path) => {
                 let source = open()?;
                 if source.grid().dims != self.grid.dims {
                     let (found, expected) = (format!("{:?}", source.grid().dims), format!("{:?}", self.grid.dims));
-                    return Err(KeepError::malformed(&path, "dims", found, expected).into());
+                    return Err(KeepError::malformed(path, "dims", found, expected).into());
                 }
-                source
+                whole(source)?
+            }
+            LoadedDensity::Same(id) => {
+                let of = built.get(id).filter(|of| of.grid().dims == self.grid.dims);
+                of.ok_or_else(|| unread("kept.same", id.to_string()))?.unedited(self.map)
+            }
+            LoadedDensity::Box(of) => {
+                let parent = built.get(&id.of_before());
+                let fits = |parent: &&Volume| {
+                    let dims = parent.grid().dims;
+                    let scales = of.scale.iter().all(|s| (1..=SubBox::FINEST).contains(s));
+                    scales && (0..3).all(|a| of.lo[a] < of.hi[a] && of.hi[a] < dims[a]) && of.dims() == self.grid.dims
+                };
+                let parent = parent.filter(fits).ok_or_else(|| unread("kept.box", format!("{of:?}")))?;
+                let mut volume = Volume::refined(&Arc::new(parent.clone()), *of);
+                if *volume.density.map() != self.map {
+                    volume.density = volume.density.unedited(self.map, &|_| true)?.ok_or(DocumentError::Stopped)?;
+                }
+                volume
             }
         };
-        let volume = Volume::new(source, self.map, self.statistics, self.histogram, progress)?;
-        let mut volume = volume.ok_or(DocumentError::Stopped)?;
         for (kind, edits) in self.edits {
             let changes: Vec<(BrickIndex, _)> = edits.into_iter().map(|(i, brick)| (i, Some(brick))).collect();
             if !changes.is_empty() {
@@ -215,12 +239,21 @@ impl RestoredDocument {
         let Self { mut scene, past, volumes: kept, .. } = self;
         let (mut volumes, mut files) = (BTreeMap::new(), BTreeMap::new());
         let count = kept.len().max(1) as f32;
+        let mut kept: Vec<_> = kept.into_iter().collect();
+        // What a sub-volume is computed from comes right before it, and its parent before that.
+        kept.sort_by_key(|(id, _)| (id.of_sub_volume(), !id.is_of_before()));
         for (done, (id, volume)) in kept.into_iter().enumerate() {
+            if id.is_of_before() {
+                let volume = volume.into_volume((id, &volumes), || Err(DocumentError::NoVolume), progress)?;
+                volumes.insert(id, volume);
+                continue;
+            }
             // A volume that the scene does not know is one all the same.
             let fresh = || VolumeSettings::new(VolumeSettings::called(&volume.name), Origin::nowhere());
             let origin = scene.volumes.all.entry(id).or_insert_with(fresh).origin.clone();
             files.extend(volume.files.clone().map(|files| (id, files)));
-            let volume = volume.into_volume(|| open(&origin), &|x| progress((done as f32 + x) / count))?;
+            let volume =
+                volume.into_volume((id, &volumes), || open(&origin), &|x| progress((done as f32 + x) / count))?;
             volumes.insert(id, volume);
         }
         Ok(State { scene, past, volumes, files })

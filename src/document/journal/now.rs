@@ -9,7 +9,7 @@ use crate::document::project::manifest::{DensityPlace, Manifest, VolumeRecord};
 use crate::document::scene::Scene;
 use crate::document::scene::past::Past;
 use crate::document::state::State;
-use crate::volume::{DensityMap, VolumeId};
+use crate::volume::{DensityMap, SubBox, VolumeId};
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -19,6 +19,8 @@ pub(crate) struct Now {
     /// The scene's fields by name.
     scene: Map<String, Value>,
     maps: BTreeMap<VolumeId, DensityMap>,
+    /// Of sub-volumes.
+    boxes: BTreeMap<VolumeId, SubBox>,
     past: Past,
     /// Volumes whose density the generation holds.
     held: BTreeSet<VolumeId>,
@@ -39,6 +41,8 @@ pub(crate) struct Beginning<'a> {
     pub scene: &'a Scene,
     pub past: &'a Past,
     pub maps: BTreeMap<VolumeId, DensityMap>,
+    /// Of sub-volumes.
+    pub boxes: BTreeMap<VolumeId, SubBox>,
     /// Volumes whose density lies in the generation.
     pub held: BTreeSet<VolumeId>,
 }
@@ -47,16 +51,18 @@ impl<'a> Beginning<'a> {
     /// That of a generation.
     pub(crate) fn of(manifest: &'a Manifest) -> Self {
         let Manifest { generation, scene, past, .. } = manifest;
-        Self { generation: *generation, scene, past, maps: manifest.maps(), held: manifest.holds() }
+        let boxes = manifest.volumes.iter().filter_map(|(id, record)| Some((*id, record.sub_box()?))).collect();
+        Self { generation: *generation, scene, past, maps: manifest.maps(), boxes, held: manifest.holds() }
     }
 }
 
 impl Now {
     pub(crate) fn new(beginning: Beginning<'_>) -> Result<Self, KeepError> {
-        let Beginning { scene, past, maps, held, .. } = beginning;
+        let Beginning { scene, past, maps, boxes, held, .. } = beginning;
         Ok(Self {
             scene: parts(scene)?,
             maps,
+            boxes,
             past: past.clone(),
             held,
             changed: Map::new(),
@@ -89,8 +95,14 @@ impl Now {
         self.changed.extend(head.scene);
         for (id, volume) in head.volumes {
             match &volume {
-                Some(record) => drop(self.maps.insert(id, record.map)),
-                None => drop(self.maps.remove(&id)),
+                Some(record) => {
+                    self.maps.insert(id, record.map);
+                    self.boxes.extend(record.sub_box().map(|of| (id, of)));
+                }
+                None => {
+                    self.maps.remove(&id);
+                    self.boxes.remove(&id);
+                }
             }
             self.new_maps.remove(&id);
             self.volumes.insert(id, volume);
@@ -114,12 +126,17 @@ impl Now {
             volumes.insert(*id, None);
         }
         let mut maps = BTreeMap::new();
+        // A sub-volume whose box is another one is another volume, and so is what it is computed from.
+        let box_of = |id: VolumeId| state.volumes.get(&id)?.sub_box();
+        let is_other = |id: VolumeId| self.boxes.get(&id).is_some_and(|of| Some(*of) != box_of(id));
         for (&id, volume) in &state.volumes {
-            match self.maps.get(&id) {
+            match self.maps.get(&id).filter(|_| !is_other(id.of_sub_volume())) {
                 Some(map) if map == volume.density.map() => {}
                 Some(_) => drop(maps.insert(id, *volume.density.map())),
                 None => {
+                    let nowhere = DensityPlace::nowhere(state, id, volume);
                     let kept = match state.files.get(&id) {
+                        _ if nowhere.is_some() => nowhere.unwrap_or(DensityPlace::Whole),
                         _ if self.held.contains(&id) => DensityPlace::Whole,
                         Some(files) => DensityPlace::Linked(Link::until_next_start(files.files())?),
                         None => return Err(KeepError::NoPath),

@@ -2,7 +2,7 @@
 //!
 //! Colour, selection and labels are arrays of texels in which a brick that nobody painted is missing. Edited density cannot
 //! be told apart that way, since 0 is a code like any other: `density_edits` holds texels of the edited bricks (so that
-//! fractions below the source's type survive), and beside it `edited` holds 1 for each brick that is one. A shard is written
+//! fractions below the source's type survive), and beside it `edited` holds 1 for each brick that is one; so it is of the other fields of a sub-volume. A shard is written
 //! again only if a brick in it changed, which its hash tells; all others are links.
 
 use crate::document::disk::error::KeepError;
@@ -85,8 +85,10 @@ pub(crate) fn array_name(kind: FieldKind) -> &'static str {
 /// The array of a density that is held whole.
 pub(crate) const DENSITY: &str = "density";
 
-/// The map of edited bricks, in `array_name(Density)`.
-pub(crate) const EDITED: &str = "density_edits/edited";
+/// The map of edited bricks of a field over something that is computed, in the field's own folder.
+pub(crate) fn edited_name(kind: FieldKind) -> String {
+    format!("{}/edited", array_name(kind))
+}
 
 fn layout(place: &str, kind: FieldKind, format: TexelFormat, dims: [u32; 3]) -> Layout {
     let (voxel_type, channels) = match format {
@@ -117,7 +119,7 @@ pub(crate) fn write_field(
     let array = layout.open(&writer.dir)?;
     let mut groups: BTreeMap<[u32; 3], Vec<(BrickIndex, &Brick)>> = BTreeMap::new();
     for (index, brick) in field.edits() {
-        if kind == FieldKind::Density || *brick != Brick::Uniform([0; 4]) {
+        if kind == FieldKind::Density || field.is_of_box() || *brick != Brick::Uniform([0; 4]) {
             groups.entry(index.0.map(|b| b / SHARD_BRICKS)).or_default().push((index, brick));
         }
     }
@@ -134,19 +136,20 @@ pub(crate) fn write_field(
         .collect()
 }
 
-/// Writes the map of edited bricks of density.
+/// Writes the map of edited bricks of a field.
 pub(crate) fn write_edited(
     writer: &Writer,
     place: &str,
-    density: &Field,
+    field: &Field,
     grid: &Grid,
     previous: &Shards,
 ) -> Result<Shards, KeepError> {
-    let layout = Layout::per_brick(&format!("{place}{EDITED}"), grid.dims);
-    writer.write_or_link(&format!("{place}{EDITED}/zarr.json"), &layout.array_json()?)?;
+    let edited = edited_name(field.kind());
+    let layout = Layout::per_brick(&format!("{place}{edited}"), grid.dims);
+    writer.write_or_link(&format!("{place}{edited}/zarr.json"), &layout.array_json()?)?;
     let array = layout.open(&writer.dir)?;
     let mut files: BTreeMap<[u32; 3], Vec<u8>> = BTreeMap::new();
-    for index in density.edits().into_keys() {
+    for index in field.edits().into_keys() {
         let file = files.entry(index.0.map(|b| b / BRICK)).or_insert_with(|| vec![0; BRICK_VOXELS]);
         file[in_cube(index.0, BRICK)] = 1;
     }
@@ -160,7 +163,7 @@ pub(crate) fn write_edited(
     Ok(shards)
 }
 
-/// Reads what [`write_field`] wrote; `edited` limits density to the bricks that are edits.
+/// Reads what [`write_field`] wrote; `edited` limits it to the bricks that are edits.
 pub(crate) fn read_field(
     dir: &Path,
     place: &str,
@@ -208,10 +211,11 @@ pub(crate) fn read_field(
 pub(crate) fn read_edited(
     dir: &Path,
     place: &str,
+    kind: FieldKind,
     dims: [u32; 3],
     shards: &Shards,
 ) -> Result<Vec<BrickIndex>, KeepError> {
-    let layout = Layout::per_brick(&format!("{place}{EDITED}"), dims);
+    let layout = Layout::per_brick(&format!("{place}{}", edited_name(kind)), dims);
     let array = layout.open(dir)?;
     let mut edited = Vec::new();
     for (name, known) in shards {

@@ -12,7 +12,9 @@ use crate::document::scene::kept_poses::{SavedPoses, poses_of_before};
 use crate::document::scene::past::Past;
 use crate::document::state::State;
 use crate::math::{DAffine3, DMat3, DVec3};
-use crate::volume::{DensityMap, Grid, Histogram, Number, Statistics, TexelFormat, Volume, VolumeId, VoxelType};
+use crate::volume::{
+    DensityMap, Grid, Histogram, Number, Statistics, SubBox, TexelFormat, Volume, VolumeId, VoxelType,
+};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -88,6 +90,21 @@ pub(crate) struct VolumeRecord {
 pub(crate) enum DensityPlace {
     Whole,
     Linked(Link),
+    /// Nowhere: that of another volume, what a sub-volume of this volume's number less 2³¹ is computed from.
+    Same(VolumeId),
+    /// Nowhere: computed, from the volume of this number and 2³¹ more.
+    Box(SubBox),
+}
+
+impl DensityPlace {
+    /// Of a volume whose density is in no file of its own.
+    pub(crate) fn nowhere(state: &State, id: VolumeId, volume: &Volume) -> Option<Self> {
+        if id.is_of_before() {
+            let sub = state.scene.volumes.all.get(&id.of_sub_volume())?.sub_volume?;
+            return Some(Self::Same(sub.parent));
+        }
+        volume.sub_box().map(Self::Box)
+    }
 }
 
 /// JSON has no NaN: `null` stands for it.
@@ -181,6 +198,14 @@ impl VolumeRecord {
             return bad("map", format!("{map:?}"), "r16_unorm or r32_float, finite, codes_per_unit above 0");
         }
         Ok(())
+    }
+
+    /// The box of a sub-volume.
+    pub(crate) fn sub_box(&self) -> Option<SubBox> {
+        match self.kept {
+            DensityPlace::Box(of) => Some(of),
+            _ => None,
+        }
     }
 
     /// The grid.

@@ -7,10 +7,10 @@ use crate::document::disk::error::KeepError;
 use crate::document::disk::inside;
 use crate::document::disk::source_files::SourceFiles;
 use crate::document::project::MANIFEST;
-use crate::document::project::fields::{DENSITY, EDITED, Edits, array_name, read_edited, read_field};
+use crate::document::project::fields::{DENSITY, Edits, array_name, edited_name, read_edited, read_field};
 use crate::document::project::manifest::{DensityPlace, Manifest, PROJECT, VolumeRecord, read_project};
 use crate::document::project::source::ZarrSource;
-use crate::volume::{FieldKind, VolumeId};
+use crate::volume::{FieldKind, SubBox, VolumeId};
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -35,6 +35,10 @@ pub enum LoadedDensity {
     Whole(Arc<ZarrSource>),
     /// In this file; it has the length that it should have, its hash is being taken.
     Linked(PathBuf),
+    /// That of this volume.
+    Same(VolumeId),
+    /// Computed from its parent as it was.
+    Box(SubBox),
 }
 
 /// A volume as a generation has it on disk.
@@ -180,12 +184,14 @@ fn read_generation(dir: &Path, generation: u64, given: Option<&Path>) -> Result<
             _ => density_of(dir, &at, &manifest, id, record, given)?,
         };
         let place = manifest.place(id);
-        let edited = read_edited(&at, &place, record.dims, record.shards_of(EDITED))?;
         let mut edits = BTreeMap::new();
         for kind in FieldKind::ALL {
             let (shards, format) = (record.shards_of(array_name(kind)), kind.format(record.map.format));
-            let only = (kind == FieldKind::Density).then_some(&edited[..]);
-            edits.insert(kind, read_field(&at, &place, kind, format, record.dims, shards, only)?);
+            let name = edited_name(kind);
+            let has_map = kind == FieldKind::Density || record.shards.contains_key(&name);
+            let only = || read_edited(&at, &place, kind, record.dims, record.shards_of(&name));
+            let only = has_map.then(only).transpose()?;
+            edits.insert(kind, read_field(&at, &place, kind, format, record.dims, shards, only.as_deref())?);
         }
         volumes.insert(id, LoadedVolume { density, edits, files });
     }
@@ -214,6 +220,8 @@ pub(crate) fn density_of(
             let files = link.find(project, given)?;
             Ok((LoadedDensity::Linked(files.path().to_owned()), Some(files)))
         }
+        DensityPlace::Same(id) => Ok((LoadedDensity::Same(*id), None)),
+        DensityPlace::Box(of) => Ok((LoadedDensity::Box(*of), None)),
     }
 }
 

@@ -20,7 +20,7 @@ use crate::document::disk::source_files::SourceFiles;
 use crate::document::project::MANIFEST;
 use crate::document::project::arrays::{SHARD, group_json};
 use crate::document::project::density::{Linked, link_density, write_density};
-use crate::document::project::fields::{DENSITY, EDITED, Shards, array_name, write_edited, write_field};
+use crate::document::project::fields::{DENSITY, Shards, array_name, edited_name, write_edited, write_field};
 use crate::document::project::link::Link;
 use crate::document::project::manifest::{
     DensityPlace, JOURNAL_HEADER, Manifest, PROJECT, VERSION, VolumeRecord, project_json, volume_place,
@@ -102,6 +102,7 @@ impl Store {
             match &volume.density {
                 LoadedDensity::Whole(source) => drop(sources.insert(*id, source.clone())),
                 LoadedDensity::Linked(_) => files.extend(volume.files.clone().map(|files| (*id, files))),
+                LoadedDensity::Same(_) | LoadedDensity::Box(_) => {}
             }
         }
         let (generation, manifest) = (loaded.manifest.generation, Some(loaded.manifest.clone()));
@@ -253,7 +254,9 @@ impl Store {
         });
         let mut shards = BTreeMap::new();
         let mut linked = None;
+        let nowhere = DensityPlace::nowhere(state, id, volume);
         let is_kept = match (keeping, old.filter(|old| old.holds().contains(&id))) {
+            _ if nowhere.is_some() => nowhere.unwrap_or(DensityPlace::Whole),
             (DensityKeeping::Whole, Some(old)) => {
                 shards.insert(DENSITY.to_owned(), link_density(writer, id, source, old)?);
                 DensityPlace::Whole
@@ -278,8 +281,12 @@ impl Store {
             let name = array_name(kind);
             let field = volume.field(kind);
             shards.insert(name.to_owned(), write_field(writer, &place, field, &grid, before(name), tick)?);
+            if kind == FieldKind::Density || field.is_of_box() {
+                let name = edited_name(kind);
+                let edited = write_edited(writer, &place, field, &grid, before(&name))?;
+                shards.insert(name, edited);
+            }
         }
-        shards.insert(EDITED.to_owned(), write_edited(writer, &place, &volume.density, &grid, before(EDITED))?);
         Ok((VolumeRecord::of(volume, is_kept, shards), linked))
     }
 

@@ -7,6 +7,7 @@
 pub(crate) mod looks;
 pub(crate) mod parts;
 pub(crate) mod place;
+pub(crate) mod sub_volumes;
 pub(crate) mod views;
 pub(crate) mod volumes;
 
@@ -67,6 +68,7 @@ impl Scene {
             Command::Explosion(command) => next.apply_explosion(command),
             Command::Volume(command) => next.apply_volume(command),
             Command::Component(command) => Ok(Changed::named(command.step_name())),
+            Command::SubVolume(command) => next.apply_sub_volume(command),
             Command::Selection(SelectionCommand::Set { look, volume }) => next.set_selection_look(look, *volume),
             Command::Selection(command) => Ok(Changed::named(match command {
                 SelectionCommand::Set { .. } => String::new(),

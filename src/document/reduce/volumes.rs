@@ -46,6 +46,10 @@ impl Scene {
             return Err(DocumentError::invalid("look.opacity", "given beside the volume's", "one of the two"));
         }
         settings.opacity = opacity.or(of_look).unwrap_or(settings.opacity);
+        if let (Some(sub), Some(_)) = (settings.sub_volume, pose) {
+            let expected = format!("none: a sub-volume lies where volume {} lies", sub.parent);
+            return Err(DocumentError::invalid("pose", "one of its own", expected));
+        }
         settings.pose = pose.unwrap_or(settings.pose);
         settings.check()?;
         settings.pose.rotation = settings.pose.rotation.normalize();

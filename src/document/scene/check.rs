@@ -205,13 +205,13 @@ impl Scene {
     /// Puts right what was kept and cannot be used; answers what was wrong, in sentences.
     pub(crate) fn mend(&mut self, volumes: &BTreeMap<VolumeId, Volume>, bounds: &Aabb) -> Vec<String> {
         let mut told = Vec::new();
-        let known: BTreeSet<VolumeId> = volumes.keys().copied().collect();
+        let known: BTreeSet<VolumeId> = volumes.keys().copied().filter(|id| !id.is_of_before()).collect();
         self.shown.retain(|id, _| known.contains(id));
         if self.volumes.all.keys().any(|id| !known.contains(id)) {
             told.push("volumes that the project does not hold are gone from the list".to_owned());
             self.volumes.all.retain(|id, _| known.contains(id));
         }
-        for (id, volume) in volumes {
+        for (id, volume) in volumes.iter().filter(|(id, _)| known.contains(id)) {
             let window = Window::from_histogram(&volume.histogram);
             self.shown.entry(*id).or_insert(VolumeLook::new(window));
         }

@@ -102,7 +102,8 @@ impl Scene {
 
     /// The way in which a volume alone shows a field.
     pub(crate) fn own_layer(&self, volume: VolumeId, field: FieldKind) -> Option<Layer> {
-        self.shown.get(&volume)?.layers.iter().find(|l| l.field == field).copied()
+        let own = |volume| self.shown.get(&volume)?.layers.iter().find(|l| l.field == field).copied();
+        own(volume).or_else(|| own(self.root_of(volume)))
     }
 
     /// The scene as JSON says it: a path that is not UTF-8 comes back with marks in it.

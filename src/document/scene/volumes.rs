@@ -7,9 +7,19 @@
 use crate::document::error::DocumentError;
 use crate::document::scene::{Layer, Origin, Scene, ViewLook, Window};
 use crate::math::Pose;
-use crate::volume::{Lighting, Mode, Segments, TransferFunction, VolumeId};
+use crate::volume::{Lighting, Mode, Segments, SubBox, TransferFunction, VolumeId};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+
+/// Where a sub-volume lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct SubVolume {
+    /// The volume that it is cut out of; a sub-volume itself, perhaps.
+    pub parent: VolumeId,
+    /// The box, in voxels of the parent, and how finely they are divided.
+    #[serde(flatten)]
+    pub of: SubBox,
+}
 
 /// What a person decided about a volume.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -31,6 +41,9 @@ pub struct VolumeSettings {
     /// What its labels mean.
     #[serde(default)]
     pub segments: Segments,
+    /// The box of another volume that it is, at its own resolution. It lies where that one lies.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sub_volume: Option<SubVolume>,
     /// Whether it was laid beside others as labels: the colours of its segments show it, not its numbers.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub label_map: bool,
@@ -59,6 +72,7 @@ impl VolumeSettings {
             opacity: 1.0,
             pose: Pose::IDENTITY,
             segments: Segments::default(),
+            sub_volume: None,
             label_map: false,
         }
     }
@@ -129,15 +143,28 @@ impl Scene {
         self.segments_of(self.volumes.active)
     }
 
-    /// What the labels of a volume mean; nothing if there is no such volume.
+    /// The volume that a sub-volume is cut out of, if it is one.
+    pub(crate) fn parent_of(&self, volume: VolumeId) -> Option<VolumeId> {
+        self.volumes.all.get(&volume)?.sub_volume.map(|sub| sub.parent)
+    }
+
+    /// The volume that is no sub-volume and that this one is cut out of, or is.
+    pub(crate) fn root_of(&self, volume: VolumeId) -> VolumeId {
+        // Parents have the smaller numbers, so this ends whatever a file says.
+        let next = |id: &VolumeId| self.parent_of(*id).filter(|parent| parent < id);
+        std::iter::successors(Some(volume), next).last().unwrap_or(volume)
+    }
+
+    /// What the labels of a volume mean; nothing if there is no such volume. Sub-volumes have those of what they are cut out of.
     pub(crate) fn segments_of(&self, volume: VolumeId) -> &Segments {
         static NONE: Segments = Segments(Vec::new());
-        self.volumes.all.get(&volume).map_or(&NONE, |volume| &volume.segments)
+        self.volumes.all.get(&self.root_of(volume)).map_or(&NONE, |volume| &volume.segments)
     }
 
     /// What the labels of a volume mean, to change it; `None` if there is no such volume.
     pub fn segments_mut(&mut self, volume: VolumeId) -> Option<&mut Segments> {
-        self.volumes.all.get_mut(&volume).map(|volume| &mut volume.segments)
+        let root = self.root_of(volume);
+        self.volumes.all.get_mut(&root).map(|volume| &mut volume.segments)
     }
 
     /// The volume that a command means: the one that it names, or the active one.
@@ -256,6 +283,7 @@ impl Scene {
     }
 
     fn own_look(&self, volume: VolumeId) -> Option<&OwnLook> {
-        self.shown.get(&volume)?.own.as_ref()
+        let own = self.shown.get(&volume).and_then(|shown| shown.own.as_ref());
+        own.or_else(|| self.own_look(self.parent_of(volume).filter(|parent| *parent < volume)?))
     }
 }

@@ -10,7 +10,7 @@ use crate::gpu::device::shader::shader;
 use crate::math::{DMat3, DVec3};
 use crate::paint::{Along, Brush, CURVE_POINTS, EDGE, Falloff, Footprint, Operation, Reach, Target, Tip};
 use crate::shared_struct;
-use crate::volume::{Field, FieldKind, Grid, SLOT, SLOT_VOXELS, TexelFormat};
+use crate::volume::{Field, FieldKind, Grid, SLOT, SLOT_VOXELS, SubBox, TexelFormat};
 
 /// Fours of texels in a slot's row: the kernel takes so many at a time.
 pub(crate) const QUADS: u32 = SLOT.div_ceil(4);
@@ -38,6 +38,8 @@ shared_struct! {
         paint: [f32; 4],
         /// Of a drawn falloff: by piece x where it begins, 1 over its width, by how much it rises; in w of the first F at x = 0.
         curve: [[f32; 4]; 11],
+        /// Of a box of a volume: how much of a stroke there is more for every sample from its faces on; in w, what there is on them.
+        band: [f32; 4],
         dims: [i32; 3],
         /// Where numbers begin.
         low: f32,
@@ -207,7 +209,7 @@ pub(crate) fn brush(gpu: &Gpu) -> Kernel<Compute> {
 
 impl BrushStroke {
     /// The constants of a stroke on a field of this format.
-    pub(crate) fn new(brush: &Brush, grid: &Grid, target: &Field, reach: Reach) -> Self {
+    pub(crate) fn new(brush: &Brush, (grid, of): (&Grid, Option<SubBox>), target: &Field, reach: Reach) -> Self {
         let map = target.map();
         let offset = matches!(brush.effective(), Operation::Add | Operation::Subtract);
         let paint = match brush.effective_target() {
@@ -241,6 +243,11 @@ impl BrushStroke {
             normals: columns(&normals),
             paint,
             curve: curve(brush.effective_falloff()),
+            // Strokes fade over half a voxel of the parent, so that nothing steps at the faces.
+            band: of.map_or([0.0, 0.0, 0.0, 1.0], |of| {
+                let [x, y, z] = of.scale.map(|s| 2.0 / s as f32);
+                [x, y, z, 0.0]
+            }),
             dims: grid.dims.map(|d| d as i32),
             low,
             top,

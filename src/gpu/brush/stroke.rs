@@ -69,7 +69,12 @@ impl Stroke {
             brush: *brush,
             volume,
             grid: fields.grid,
-            constants: BrushStroke::new(brush, &fields.grid, fields.get(brush.target.field()), reach),
+            constants: BrushStroke::new(
+                brush,
+                (&fields.grid, fields.density.sub_box()),
+                fields.get(brush.target.field()),
+                reach,
+            ),
             locked: locked_bits(segments),
             dabs: Vec::new(),
             buffers: Vec::new(),

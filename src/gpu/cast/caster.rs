@@ -5,12 +5,13 @@
 
 use crate::gpu::cast::forms::{Begins, Form, Forms, Groups, Share, Work};
 use crate::gpu::cast::higher::Higher;
+use crate::gpu::cast::holes::{Hole, bounds_of, boxed_bodies, lay_through};
 use crate::gpu::cast::look_tables::{LookTables, LookTextures};
 use crate::gpu::cast::looks::{Kind, Looks, MOST_LOOKS};
 use crate::gpu::cast::merging::{MergedBody, resolve, unite};
 use crate::gpu::cast::tiles::{Tiles, Window};
 use crate::gpu::cast::uniforms::{BodyMatter, CastBody, FrameUniforms, View};
-use crate::gpu::device::constants::{LIST_WIDTH, MOST_BODIES, MOST_PLANES};
+use crate::gpu::device::constants::{LIST_WIDTH, MOST_BODIES, MOST_HOLES, MOST_PLANES};
 use crate::gpu::device::error::GpuError;
 use crate::gpu::device::gpu::Gpu;
 use crate::gpu::device::kernel::{Binding, group, group_layout};
@@ -32,6 +33,7 @@ pub struct Caster {
     pub(crate) bodies: wgpu::Buffer,
     pub(crate) planes: wgpu::Buffer,
     matters: wgpu::Buffer,
+    holes: wgpu::Buffer,
     looks: LookTables,
     pub(crate) nothing: Targets,
     forms: Forms,
@@ -63,6 +65,7 @@ impl Caster {
                 bodies: uniform("caster bodies", MOST_BODIES as usize * size_of::<CastBody>()),
                 planes: uniform("caster planes", MOST_PLANES as usize * 16),
                 matters: uniform("caster matters", MOST_BODIES as usize * size_of::<BodyMatter>()),
+                holes: uniform("caster holes", MOST_HOLES as usize * size_of::<Hole>()),
                 looks: LookTables::new(gpu),
                 nothing: Targets::new(gpu, [1; 2]),
                 forms: Forms::new(gpu),
@@ -142,14 +145,39 @@ impl Caster {
         frame: &Frame,
         window: &Window,
     ) -> Result<Image, GpuError> {
-        let drawn = unite(frame, fields, pools, self.shortcuts)?;
+        // What no finer box is met in is drawn as if there were none: those pixels do not change by a bit.
+        let plain = frame.without_boxes();
+        let mut drawn = unite(&plain, fields, pools, self.shortcuts)?;
+        let (mut image, mut codes) = self.picture(gpu, pools, fields, &plain, &drawn, window)?;
+        if !frame.boxes.is_empty() {
+            let inside = Frame { bodies: boxed_bodies(frame), ..frame.clone() };
+            let fine = unite(&inside, fields, pools, self.shortcuts)?;
+            let around = bounds_of(&fine, frame, window);
+            drawn.extend(fine);
+            if let Some((around, at)) = around {
+                let (through, of_through) = self.picture(gpu, pools, fields, frame, &drawn, &around)?;
+                lay_through((&mut image, &mut codes), (&through, &of_through), at);
+            }
+        }
+        resolve(&mut image, &codes, &drawn, frame, window);
+        Ok(image)
+    }
+
+    /// A window of bodies and what each pixel's object is said to be.
+    fn picture(
+        &mut self,
+        gpu: &Gpu,
+        pools: &mut FieldPools,
+        fields: &Fields<'_>,
+        frame: &Frame,
+        drawn: &[MergedBody],
+        window: &Window,
+    ) -> Result<(Image, Vec<u32>), GpuError> {
         gpu.scoped("a picture", || {
             let targets = Targets::new(gpu, window.size);
-            let scene = self.scene(gpu, pools, fields, frame, &drawn, window)?;
-            self.render(gpu, pools, frame, &drawn, scene, &targets)?;
-            let (mut image, codes) = crate::gpu::cast::readback::image(gpu, &targets)?;
-            resolve(&mut image, &codes, &drawn, frame, window);
-            Ok(image)
+            let scene = self.scene(gpu, pools, fields, frame, drawn, window)?;
+            self.render(gpu, pools, frame, drawn, scene, &targets)?;
+            crate::gpu::cast::readback::image(gpu, &targets)
         })
     }
 
@@ -198,7 +226,7 @@ impl Caster {
         let count = scene.passes.len();
         let opaque = layers.as_ref().and_then(|l| l.opaque.as_ref());
         let most = layers.as_ref().map_or(1, |l| l.pieces);
-        let shares = shares(scene.looks.kind, &scene.tiles, most);
+        let shares = shares(scene.looks.kind, &scene.tiles, (most, scene.holes.len()));
         for (i, [k_from, k_to]) in scene.passes.clone().into_iter().enumerate() {
             // Passes take turns between two sets of targets; the last one ends in the caller's.
             let (to, from) = match &other {
@@ -274,7 +302,8 @@ impl Caster {
         let (dvr, iso) = (looks.kind == Kind::Dvr, looks.kind == Kind::Iso);
         let modes = looks.kind == Kind::Modes;
         let dear = lit || tinted || colour || labels || selection;
-        let staged = iso || modes || (dvr && (looks.refines || dear));
+        let holes = !frame.boxes.is_empty();
+        let staged = iso || modes || (dvr && (looks.refines || dear || holes));
         let own = [
             ("DVR", dvr),
             ("ISO", iso),
@@ -291,6 +320,8 @@ impl Caster {
             // for the one sample in which a surface lies. A maximum is asked of every sample.
             ("STAGED", staged),
             ("REFINE", looks.refines),
+            ("HOLES", holes),
+            ("FOUND_AT", holes || looks.refines),
             ("MERGE", capacity > 0),
             ("UP_TO_16", capacity == 16),
             ("UP_TO_64", capacity == 64),
@@ -314,6 +345,7 @@ impl Caster {
         gpu.queue.write_buffer(&self.bodies, 0, bytemuck::cast_slice(&scene.bodies));
         gpu.queue.write_buffer(&self.matters, 0, bytemuck::cast_slice(&scene.matters));
         gpu.queue.write_buffer(&self.planes, 0, bytemuck::cast_slice(&scene.planes));
+        gpu.queue.write_buffer(&self.holes, 0, bytemuck::cast_slice(&scene.holes));
         let heads = data(gpu, "tile heads", scene.tiles.dims, wgpu::TextureFormat::Rg32Uint);
         write(gpu, &heads, bytemuck::cast_slice(&scene.tiles.heads), 8);
         let rows = (scene.tiles.lists.len() as u32).div_ceil(LIST_WIDTH).max(1);
@@ -334,7 +366,11 @@ impl Caster {
         let textures = views.iter().map(wgpu::BindingResource::TextureView);
         let label_looks = view(label_looks);
         let label_looks = wgpu::BindingResource::TextureView(&label_looks);
-        let resources = buffers.into_iter().chain(textures).chain([self.matters.as_entire_binding(), label_looks]);
+        let resources = buffers.into_iter().chain(textures).chain([
+            self.matters.as_entire_binding(),
+            label_looks,
+            self.holes.as_entire_binding(),
+        ]);
         group(gpu, "caster", &self.layout, resources)
     }
 }
@@ -347,16 +383,16 @@ fn layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
     let colours = [Binding::FLOAT_2D; 2];
     let before = [Binding::FLOAT_2D, Binding::FLOAT_2D, Binding::UINT_2D];
     let bindings = [Uniform(0); 3].into_iter().chain(lists).chain(colours).chain(before);
-    let bindings: Vec<_> = bindings.chain([Uniform(0), Binding::FLOAT_2D]).collect();
+    let bindings: Vec<_> = bindings.chain([Uniform(0), Binding::FLOAT_2D, Uniform(0)]).collect();
     group_layout(gpu, "caster", stages, &bindings)
 }
 
 /// Which tiles are drawn by which pipeline: by the intervals that a ray must hold there (0: bodies follow one another). A pixel that
-/// no body can be met in costs nothing. `pieces`: into how many an interval may be cut.
-fn shares(kind: Kind, tiles: &Tiles, pieces: usize) -> Vec<(Share, u32)> {
+/// no body can be met in costs nothing. `pieces`: into how many an interval may be cut; `holes`: how many are cut out of bodies.
+fn shares(kind: Kind, tiles: &Tiles, (pieces, holes): (usize, usize)) -> Vec<(Share, u32)> {
     // Few capacities, so that few pipelines are made.
     let capacity = |longest: usize| {
-        let most = longest * pieces;
+        let most = (longest + holes) * pieces;
         [4, 16, 64].into_iter().find(|&c| c as usize >= most).unwrap_or(MOST_BODIES)
     };
     if kind == Kind::Modes {

@@ -125,12 +125,15 @@ impl Looks {
         let one = looks.windows(2).all(|pair| pair[0] == pair[1]) && tables.is_empty();
         let volumes = frame.volumes();
         let own = !one || volumes.len() > 1 || drawn.iter().any(|d| d.own_colours);
+        let roots = volumes.iter().filter(|id| !frame.is_boxed(**id)).count();
+        let is_family = roots == 1 && !frame.boxes.is_empty();
         let all = |mode: u32| looks.iter().all(|look| number_of(look.mode) == mode);
         let opaque = looks.iter().all(|look| look.opacity >= 1.0);
         let kind = match () {
             () if all(MODE_DVR) => Kind::Dvr,
             () if all(MODE_ISO) && opaque => Kind::Iso,
-            () if all(MODE_MIP) && !own => Kind::Mip,
+            // Boxes of a volume have its values: one maximum of all.
+            () if all(MODE_MIP) && one && (!own || is_family) => Kind::Mip,
             () => Kind::Modes,
         };
         let lit = looks.iter().any(|look| look.lighting.is_some() && look.mode != Mode::Mip);

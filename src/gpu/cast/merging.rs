@@ -87,20 +87,35 @@ impl MergedBody {
 /// A volume as bodies are cut out of it.
 struct Block {
     grid: Grid,
-    /// Its box.
+    /// Its box in index space: with what fills a box of another volume it ends at the centres of its outermost voxels.
+    whole: Aabb,
+    /// The same in the world.
     solid: Polyhedron,
     /// Where anything may be selected.
     selected: Option<Aabb>,
 }
 
 impl Block {
-    fn of(fields: &Fields<'_>, pools: &FieldPools, id: VolumeId) -> Result<Self, GpuError> {
+    fn of(fields: &Fields<'_>, pools: &FieldPools, id: VolumeId, boxed: bool) -> Result<Self, GpuError> {
         let volume = fields.get(id).ok_or(GpuError::NoVolume { id: id.0 })?;
         let running = pools.pinned(FieldKey::new(id, FieldKind::Selection));
+        let grid = volume.grid;
+        if boxed {
+            let whole = grid.centre_bounds();
+            let corners = whole.corners().map(|c| grid.world_from_index.transform_point3(c));
+            let selected = !volume.selection.is_blank() || !running.is_empty();
+            return Ok(Self {
+                grid,
+                whole,
+                solid: Polyhedron::hexahedron(&corners),
+                selected: selected.then_some(whole),
+            });
+        }
         Ok(Self {
-            grid: volume.grid,
-            solid: Polyhedron::hexahedron(&volume.grid.world_corners()),
-            selected: selected_bounds(volume.selection, &volume.grid, &running),
+            grid,
+            whole: grid.index_bounds(),
+            solid: Polyhedron::hexahedron(&grid.world_corners()),
+            selected: selected_bounds(volume.selection, &grid, &running),
         })
     }
 }
@@ -115,14 +130,14 @@ pub(crate) fn unite(
     pools: &FieldPools,
     unite_bodies: bool,
 ) -> Result<Vec<MergedBody>, GpuError> {
-    let blocks = frame.volumes().into_iter().map(|id| Ok((id, Block::of(fields, pools, id)?)));
+    let blocks = frame.volumes().into_iter().map(|id| Ok((id, Block::of(fields, pools, id, frame.is_boxed(id))?)));
     let blocks = blocks.collect::<Result<BTreeMap<_, _>, GpuError>>()?;
     // In the order of their names: sums of what overlaps, and so the picture's last bits, depend on no other order.
     let mut bodies: Vec<&Body> = frame.bodies.iter().collect();
     bodies.sort_by_key(|body| (body.id, body.volume));
     let single = bodies.into_iter().filter_map(|body| {
-        let Block { grid, solid: block, selected } = blocks.get(&body.volume)?;
-        let whole = grid.index_bounds();
+        let Block { grid, whole, solid: block, selected } = blocks.get(&body.volume)?;
+        let whole = *whole;
         // Nothing selected: there is no selected matter, and all of it is background.
         let (mask, bounds) = match (body.mask, *selected) {
             (Mask::Selection, None) => return None,

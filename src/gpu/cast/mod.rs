@@ -6,6 +6,7 @@ pub(crate) mod caster;
 pub(crate) mod counting;
 pub(crate) mod forms;
 pub(crate) mod higher;
+pub mod holes;
 pub(crate) mod look_tables;
 pub(crate) mod looks;
 pub(crate) mod merging;

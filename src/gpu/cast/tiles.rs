@@ -109,7 +109,7 @@ impl Tiles {
 }
 
 /// The tiles that a solid's silhouette meets: per row of tiles the first and the last column.
-fn spans(solid: &Polyhedron, camera: &Camera, window: &Window, dims: [u32; 2]) -> Vec<Option<(u32, u32)>> {
+pub(crate) fn spans(solid: &Polyhedron, camera: &Camera, window: &Window, dims: [u32; 2]) -> Vec<Option<(u32, u32)>> {
     let projected: Option<Vec<DVec2>> =
         solid.corners().iter().map(|&p| camera.project(p, window.picture).map(|(px, _)| px - window.origin)).collect();
     // A corner at or behind the eye: its silhouette has no outline, so it may show anywhere.

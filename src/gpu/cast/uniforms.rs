@@ -3,11 +3,12 @@
 //! Owns the numbers that pass from `Frame` to `shaders/lib/body.wgsl`. World and index positions are taken relative to the
 //! eye in f64 here, before the GPU's f32 sees them.
 
+use crate::gpu::cast::holes::{Hole, Holes, narrow};
 use crate::gpu::cast::looks::{Looks, Meaning, number_of};
 use crate::gpu::cast::merging::MergedBody;
 use crate::gpu::cast::order::{Order, RayOrigin};
 use crate::gpu::cast::tiles::{Tiles, Window};
-use crate::gpu::device::constants::{FAR, MASK_BACKGROUND, MASK_SELECTION, MOST_BODIES, MOST_PLANES};
+use crate::gpu::device::constants::{FAR, MASK_BACKGROUND, MASK_SELECTION, MOST_BODIES, MOST_PLANES, NO_HOLE};
 use crate::gpu::device::error::GpuError;
 use crate::gpu::fields::pools::FieldPools;
 use crate::gpu::fields::volumes::Fields;
@@ -57,8 +58,8 @@ shared_struct! {
         pub width: u32,
         /// Pixels of the window.
         pub height: u32,
-        /// Unused.
-        pub unused_a: u32,
+        /// Boxes of finer volumes.
+        pub hole_count: u32,
         /// First cell of the map of what lies above `from_a`.
         pub above_a: [u32; 3],
         /// A texel; FAR where there is no such map.
@@ -95,16 +96,16 @@ shared_struct! {
         pub code: u32,
         /// Bounds in index space.
         pub lo: [f32; 3],
-        /// Unused.
-        pub unused_a: u32,
+        /// Where boxes of finer volumes are cut out of it.
+        pub first_hole: u32,
         /// Bounds in index space.
         pub hi: [f32; 3],
-        /// Unused.
-        pub unused_b: u32,
+        /// How many.
+        pub hole_count: u32,
         /// Multiplies colour.
         pub tint: [f32; 3],
-        /// Unused.
-        pub unused_c: u32,
+        /// The one that it fills itself, or `NO_HOLE`.
+        pub own_hole: u32,
     }
 }
 
@@ -152,6 +153,7 @@ pub(crate) struct FrameUniforms {
     pub tiles: Tiles,
     /// Bounds `k_from`, `k_to` of each pass, nearest first; at least one.
     pub passes: Vec<[f32; 2]>,
+    pub holes: Vec<Hole>,
 }
 
 impl FrameUniforms {
@@ -177,6 +179,7 @@ impl FrameUniforms {
         }
         let camera = &frame.camera;
         let eye = camera.eye;
+        let holes = Holes::new(frame, fields, pools, drawn)?;
         let mut bodies = Vec::with_capacity(drawn.len());
         let mut planes = Vec::with_capacity(plane_count);
         let mut matters = Vec::with_capacity(drawn.len());
@@ -208,6 +211,7 @@ impl FrameUniforms {
             });
             let index_from_world: DAffine3 = grid.index_from_world() * d.pose.world_from_rest().inverse();
             let m = index_from_world.matrix3;
+            let (of_body, own_hole) = (holes.of(d), holes.filled_by(d));
             bodies.push(CastBody {
                 column_x: narrow(m.x_axis),
                 first_plane: planes.len() as u32,
@@ -222,11 +226,11 @@ impl FrameUniforms {
                 eye: narrow(index_from_world.transform_point3(eye)),
                 code: 2 * (i as u32 + 1),
                 lo: narrow(d.bounds.min),
-                unused_a: 0,
+                first_hole: of_body.start,
                 hi: narrow(d.bounds.max),
-                unused_b: 0,
+                hole_count: of_body.end - of_body.start,
                 tint: d.tint.unwrap_or([1.0; 3]),
-                unused_c: 0,
+                own_hole: own_hole.unwrap_or(NO_HOLE),
             });
             for plane in d.planes.iter().map(|p| d.pose.apply_plane(p)).chain(d.clips.iter().copied()) {
                 let [x, y, z] = narrow(plane.normal);
@@ -236,14 +240,10 @@ impl FrameUniforms {
         let solids: Vec<_> = drawn.iter().map(|d| d.solid.clone()).collect();
         let sight = RayOrigin::of(camera);
         let tiles = Tiles::of(&solids, &Order::of(&solids, sight), camera, window);
-        let passes = passes(drawn, sight, eye, frame.step_mm, &tiles, looks.refines);
-        let view = view(frame, window, drawn.first(), pools);
-        Ok(Self { view, looks, bodies, matters, planes, tiles, passes })
+        let passes = passes(drawn, sight, eye, frame.step_mm, &tiles, (looks.refines, holes.finest));
+        let view = View { hole_count: holes.list.len() as u32, ..view(frame, window, drawn.first(), pools) };
+        Ok(Self { view, looks, bodies, matters, planes, tiles, passes, holes: holes.list })
     }
-}
-
-fn narrow(v: DVec3) -> [f32; 3] {
-    v.as_vec3().to_array()
 }
 
 /// The view, with the look of the first body, which is all bodies' if they have none of their own.
@@ -279,7 +279,7 @@ fn view(frame: &Frame, window: &Window, first: Option<&MergedBody>, pools: &Fiel
         k_to: 0.0,
         width: window.size[0],
         height: window.size[1],
-        unused_a: 0,
+        hole_count: 0,
         above_a: [0; 3],
         from_a: FAR,
         above_b: [0; 3],
@@ -296,7 +296,7 @@ fn passes(
     eye: DVec3,
     step_mm: f64,
     tiles: &Tiles,
-    refine: bool,
+    (refine, finest): (bool, f64),
 ) -> Vec<[f32; 2]> {
     let corners = || drawn.iter().flat_map(|d| d.solid.corners());
     let far = |p: &DVec3| match sight {
@@ -318,7 +318,7 @@ fn passes(
     // A sample costs at most four turns of loops per overlapping body, and five for the run it belongs to. One that refines is met
     // thrice and lit in twelve places.
     let (per_body, own) = if refine { (24.0, 24.0) } else { (4.0, 5.0) };
-    let stride = (ITERATIONS / (per_body * tiles.longest_merged as f64 + own)).floor().max(1.0);
+    let stride = (ITERATIONS / finest / (per_body * tiles.longest_merged as f64 + own)).floor().max(1.0);
     let mut passes = Vec::new();
     let mut from = first;
     while from < last {

@@ -71,7 +71,7 @@ impl Caster {
             let layers = self.draw_layers(gpu, &frame, &scene, &lists, frame.size)?;
             gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&scene.view));
             let group = self.group(gpu, &lists, scene.looks.own, &self.nothing);
-            self.count(gpu, pools, &group, (layers.as_ref(), &scene.looks), frame.size)
+            self.count(gpu, pools, &group, (layers.as_ref(), &scene.looks, !frame.boxes.is_empty()), frame.size)
         })?;
         answer.selected = u64::from(counts[0]);
         answer.visible = u64::from(counts[1]);
@@ -90,12 +90,15 @@ impl Caster {
         gpu: &Gpu,
         pools: &FieldPools,
         group: &wgpu::BindGroup,
-        (layers, looks): (Option<&DrawnLayers>, &Looks),
+        (layers, looks, boxed): (Option<&DrawnLayers>, &Looks, bool),
         size: [u32; 2],
     ) -> Result<Vec<u32>, GpuError> {
         let counter = self.visibility.get_or_insert_with(|| Counter::new(gpu));
         let mut names: Vec<&'static str> = pools.defs(gpu).into_iter().map(|d| d.0).collect();
         names.extend(["SELECTION", "COUNTS"]);
+        if boxed {
+            names.extend(["HOLES", "FOUND_AT"]);
+        }
         names.extend(looks.conditions(pools.has_labels_in_place()));
         names.extend(layers.into_iter().flat_map(DrawnLayers::conditions));
         let after = self.layers.as_ref().filter(|_| layers.is_some()).map(|l| &l.layout);

@@ -21,6 +21,12 @@ shared! {
     MOST_BODIES: u32 = 512;
     /// Cutting planes of all bodies together that fit into one picture.
     MOST_PLANES: u32 = 4096;
+    /// Boxes of finer volumes, as often as their hosts are posed, that fit into one picture.
+    MOST_HOLES: u32 = 128;
+    /// A body that is none of them.
+    NO_HOLE: u32 = u32::MAX;
+    /// Set in the object of a pixel whose ray meets a box of a finer volume.
+    THROUGH_HOLE: u32 = 1 << 30;
     /// Pixels along an edge of a tile.
     TILE: u32 = 8;
     /// Entries in a row of the tiles' lists.

@@ -83,6 +83,14 @@ pub enum GpuError {
         /// Those that fit.
         most: usize,
     },
+    /// More boxes of finer volumes than one picture can show.
+    #[error("{boxes} sub-volumes in one picture, each counted for every part that it lies in, {most} fit; hide some")]
+    TooManyBoxes {
+        /// Boxes.
+        boxes: usize,
+        /// Those that fit.
+        most: usize,
+    },
     /// More volumes than one picture can show.
     #[error("{volumes} volumes in one picture, {most} fit; hide some")]
     TooManyVolumes {

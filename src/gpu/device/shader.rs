@@ -26,6 +26,7 @@ const LIBRARY: &[(&str, &str)] = files![
     "lib/picture.wgsl",
     "lib/layers.wgsl",
     "lib/look.wgsl",
+    "lib/holes.wgsl",
     "lib/light.wgsl",
     "lib/mesh.wgsl",
     "lib/span.wgsl",

@@ -29,8 +29,8 @@ shared_struct! {
         pub floats: u32,
         /// 1 / texels of the pool.
         pub selection_texel: [f32; 3],
-        /// Whether the texels lie in the second density pool, that of floats.
-        pub second_pool: u32,
+        /// The pool of density's texels: 0 codes, 1 floats, 2 and 3 those of boxes.
+        pub pool: u32,
         /// The number of its first page of density.
         pub density_pages: u32,
         /// Of colour.
@@ -39,12 +39,20 @@ shared_struct! {
         pub selection_pages: u32,
         /// Of labels.
         pub label_pages: u32,
+        /// Whether density lies in place.
+        pub density_placed: u32,
+        /// Whether labels do.
+        pub labels_placed: u32,
+        /// Whether labels lie in the pool of boxes.
+        pub fine_labels: u32,
+        /// Unused.
+        pub unused: u32,
     }
 }
 
 /// What group 1 binds besides buffers and sampler: density, density as floats (many volumes), colour, selection, labels, pages,
-/// maps of empty space, density's pairs of voxels.
-pub(crate) type Textures<'a> = [&'a wgpu::Texture; 8];
+/// maps of empty space, density's pairs of voxels; of boxes density, density as floats, labels.
+pub(crate) type Textures<'a> = [&'a wgpu::Texture; 11];
 
 /// A texel of zero as float and as integer, and as float in a layer.
 pub(crate) fn nothing(gpu: &Gpu) -> [wgpu::Texture; 3] {
@@ -108,6 +116,9 @@ pub(crate) fn layout(gpu: &Gpu, first_filters: bool) -> wgpu::BindGroupLayout {
         texture(uint, D3),
         texture(float(true), D2Array),
         wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
+        texture(float(true), D3),
+        texture(float(gpu.filters_float()), D3),
+        texture(uint, D3),
     ];
     let entries: Vec<_> = (0..).zip(types).map(|(binding, ty)| entry(binding, ty)).collect();
     gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("fields"), entries: &entries })
@@ -129,7 +140,8 @@ pub(crate) fn group(
         wgpu::BindGroupEntry { binding: 9, resource: wgpu::BindingResource::Sampler(sampler) },
     ];
     entries.extend(
-        (1..)
+        (1..=8)
+            .chain(10..)
             .zip(&views)
             .map(|(binding, v)| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(v) }),
     );

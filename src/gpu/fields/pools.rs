@@ -30,17 +30,23 @@ pub(crate) mod field_residency;
 pub(crate) mod pairs;
 pub(crate) mod sharing;
 
-/// Pools by what they hold: density as codes, density as floats, colour, selection, labels.
-pub(crate) const POOLS: usize = 5;
+/// Pools by what they hold: density as codes, density as floats, colour, selection, labels; density as codes and as floats and labels
+/// of boxes of a volume, so that what they are cut out of may lie in place.
+pub(crate) const POOLS: usize = 8;
 pub(crate) const CODES: usize = 0;
 pub(crate) const FLOATS: usize = 1;
 pub(crate) const LABELS: usize = 4;
+pub(crate) const FINE_CODES: usize = 5;
+pub(crate) const FINE_FLOATS: usize = 6;
+pub(crate) const FINE_LABELS: usize = 7;
 
 /// A volume on the device.
 #[derive(Debug)]
 pub(crate) struct OnDevice {
     demand: Demand,
     map: DensityMap,
+    /// Whether it is a box of another.
+    fine: bool,
 }
 
 /// Everything of the volumes' fields that is on the device, within a budget of bytes: slots, pages, maps of empty space and the bind
@@ -104,7 +110,8 @@ impl FieldPools {
             let info = bindings::info_buffer(gpu);
             let sampler = bindings::linear_sampler(gpu);
             let [float, uint, layer] = &nothing;
-            let textures = [float, float, float, float, uint, &pages.texture, &skips.texture, layer];
+            let textures =
+                [float, float, float, float, uint, &pages.texture, &skips.texture, layer, float, float, uint];
             let group = bindings::group(gpu, &layout, &info, &sampler, textures);
             Ok(Self {
                 budget: budget_bytes,
@@ -162,14 +169,18 @@ impl FieldPools {
 
     /// The number of the pool that a field of a volume on the device lies in.
     fn pool_of(&self, key: FieldKey) -> Option<usize> {
-        Some(match key.kind {
-            FieldKind::Density => match self.on_device(self.volumes.get(&key.volume)?.map.format) {
-                TexelFormat::R32Float => FLOATS,
-                _ => CODES,
+        let volume = self.volumes.get(&key.volume)?;
+        Some(match (key.kind, volume.fine) {
+            (FieldKind::Density, fine) => match (self.on_device(volume.map.format), fine) {
+                (TexelFormat::R32Float, false) => FLOATS,
+                (TexelFormat::R32Float, true) => FINE_FLOATS,
+                (_, false) => CODES,
+                (_, true) => FINE_CODES,
             },
-            FieldKind::Colour => 2,
-            FieldKind::Selection => 3,
-            FieldKind::Labels => LABELS,
+            (FieldKind::Colour, _) => 2,
+            (FieldKind::Selection, _) => 3,
+            (FieldKind::Labels, false) => LABELS,
+            (FieldKind::Labels, true) => FINE_LABELS,
         })
     }
 
@@ -318,6 +329,11 @@ impl FieldPools {
     /// (bricks held, slots that the budget allows) of the pool that a field lies in.
     pub fn room(&self, key: impl Into<FieldKey>) -> (usize, usize) {
         self.pool(key.into()).map_or((0, 0), |pool| (pool.held_count(), pool.most()))
+    }
+
+    /// Volumes that are no boxes of another.
+    pub(crate) fn whole_volumes(&self) -> usize {
+        self.volumes.values().filter(|volume| !volume.fine).count()
     }
 
     fn key_at(&self, id: VolumeId, brick: usize) -> SlotKey {

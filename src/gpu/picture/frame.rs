@@ -5,7 +5,7 @@
 
 use crate::gpu::picture::layer::Layers;
 use crate::math::{Camera, Plane, Pose};
-use crate::volume::{Lighting, Mode, Segments, TransferFunction, VolumeId};
+use crate::volume::{Lighting, Mode, Segments, SubBox, TransferFunction, VolumeId};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -138,6 +138,19 @@ pub struct Overlay {
     pub segments: Segments,
 }
 
+/// A box of a volume that a finer one fills: where that is drawn, its host is not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FineBox {
+    /// What fills it.
+    pub volume: VolumeId,
+    /// What it is cut out of; another of these, perhaps.
+    pub host: VolumeId,
+    /// Where in the host's index space, and how fine.
+    pub of: SubBox,
+    /// Samples of direct volume rendering in one of its host: how much finer its closest ones lie.
+    pub finer: u32,
+}
+
 /// One picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
@@ -166,6 +179,8 @@ pub struct Frame {
     pub layers: Layers,
     /// The same for volumes that have one of their own.
     pub overlays: BTreeMap<VolumeId, Overlay>,
+    /// Volumes that fill boxes of others; a host stands before what fills it.
+    pub boxes: Vec<FineBox>,
 }
 
 impl Frame {
@@ -185,6 +200,26 @@ impl Frame {
             Some(labels) => labels.rows().into_iter().map(|row| self.look(Some(row))).collect(),
             None => vec![self.look(body.look)],
         }
+    }
+
+    /// Samples of a volume in a step of the lattice.
+    pub fn steps_of(&self, volume: VolumeId) -> f64 {
+        let of = self.boxes.iter().find(|b| b.volume == volume);
+        of.map_or(1.0, |b| f64::from(b.finer) * self.steps_of(b.host))
+    }
+
+    /// Whether a volume fills a box of another.
+    pub fn is_boxed(&self, volume: VolumeId) -> bool {
+        self.boxes.iter().any(|b| b.volume == volume)
+    }
+
+    /// The same picture without them.
+    #[must_use]
+    pub fn without_boxes(&self) -> Self {
+        let mut plain = self.clone();
+        plain.boxes.clear();
+        plain.bodies.retain(|body| !self.is_boxed(body.volume));
+        plain
     }
 
     /// How a volume's painted fields show.

@@ -112,6 +112,8 @@ tools! {
     Brush in brush,
     /// Fills what is drawn around.
     Lasso in lasso,
+    /// Makes boxes of finer voxels and moves their faces.
+    SubVolume in sub_volume,
     /// Keeps alone what is connected to a place, or removes it.
     Isolate in isolate,
     /// Cuts the part that is hit along the sight and a screen axis.

@@ -17,6 +17,7 @@ pub(crate) mod messages;
 pub(crate) mod parts;
 pub(crate) mod segments;
 pub(crate) mod status;
+pub(crate) mod sub_volumes;
 pub(crate) mod transfer;
 pub(crate) mod volumes;
 

@@ -113,7 +113,10 @@ impl App {
                 if icon_button(ui, Face { size: NARROW, ..Face::small(Icon::Trash, &remove, tip) }).clicked() {
                     self.send(Command::Volume(VolumeCommand::Remove { volume: id }));
                 }
-                self.place_menu(ui, (id, called), volume);
+                match volume.sub_volume {
+                    Some(place) => self.box_menu(ui, (id, called), place),
+                    None => self.place_menu(ui, (id, called), volume),
+                }
                 self.look_menu(ui, LookOf::Volume(id), &format!("volume {called}"));
                 ui.spacing_mut().item_spacing.x = gap;
                 ui.add_space(gap);

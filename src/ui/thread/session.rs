@@ -8,6 +8,7 @@ use crate::document::answers_ask::VoxelSaid;
 use crate::document::{Command, Ground, RenderCommand, Scene, ViewName};
 use crate::explode::Poses;
 use crate::gpu::ObjectId;
+use crate::interact::boxes::BoxCorners;
 use crate::math::{Camera, DVec2, DVec3};
 use crate::ui::thread::stop::Stop;
 use crate::volume::{Grid, Histogram, Statistics, VolumeId, VoxelType};
@@ -89,6 +90,8 @@ pub struct OpenDocument {
     pub grid: Grid,
     /// The middle of every volume where its file puts it, world mm.
     pub centres: BTreeMap<VolumeId, DVec3>,
+    /// Corners of the sub-volumes that pictures show, where they lie, world mm.
+    pub boxes: Arc<BoxCorners>,
     /// The source's numeric type.
     pub voxel_type: VoxelType,
     /// Of the source's values.

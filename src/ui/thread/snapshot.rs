@@ -22,6 +22,7 @@ pub(super) fn open_document(document: &Document, known: Option<&Arc<Histogram>>)
         poses: Arc::new(document.poses().clone()),
         grid: *subject.grid(),
         centres: state.subjects().map(|s| (s.id, s.volume.grid().world_bounds().centre())).collect(),
+        boxes: Arc::new(state.box_corners()),
         voxel_type: subject.source.voxel_type(),
         statistics: subject.statistics,
         histogram,

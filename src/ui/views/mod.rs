@@ -1,5 +1,6 @@
 //! The four views: their pictures, what lies over them, and the pointer in them.
 
+pub(crate) mod boxes;
 pub(crate) mod footprint;
 pub(crate) mod outlines;
 pub(crate) mod overlay;

@@ -33,6 +33,7 @@ impl App {
                 self.backdrop.mark(line, colour);
             }
             self.slice_outlines(painter, plane, &to_screen);
+            self.boxes(painter, Some(plane), size, &to_screen);
             letters(painter, body, plane.side_letters());
             scale_bar(painter, body, plane.mm_per_px * f64::from(scale));
         } else {
@@ -45,6 +46,7 @@ impl App {
                 shaded_text(painter, at, Align2::LEFT_TOP, text, font, theme::WARNING);
             }
             self.outlines(painter, body);
+            self.boxes(painter, None, size, &to_screen);
             if let Projection::Orthographic { .. } = views.camera.projection {
                 scale_bar(painter, body, views.camera.mm_per_pixel(1.0, size[1]) * f64::from(scale));
             }

@@ -199,8 +199,13 @@ impl App {
             Action::BrushSize(factor) => {
                 if let (Some(scene), Some(open)) = (&self.scene, self.opened()) {
                     let grid = &open.grid;
-                    let context =
-                        crate::interact::Context { scene, poses: &open.poses, grid, voxel_mm: grid.voxel_mm() };
+                    let context = crate::interact::Context {
+                        scene,
+                        poses: &open.poses,
+                        grid,
+                        boxes: &open.boxes,
+                        voxel_mm: grid.voxel_mm(),
+                    };
                     self.send(Interaction::sized(factor, &context));
                 }
             }

@@ -8,7 +8,7 @@ use crate::gpu::device::gpu::Gpu;
 use crate::gpu::device::shader::Def;
 use crate::gpu::fields::bindings::{self, FieldInfo};
 use crate::gpu::fields::pool::Pool;
-use crate::gpu::fields::pools::{CODES, FLOATS, FieldPools, LABELS};
+use crate::gpu::fields::pools::{CODES, FINE_CODES, FINE_FLOATS, FINE_LABELS, FLOATS, FieldPools, LABELS};
 use crate::gpu::fields::skip_maps::cell_of;
 use crate::volume::{FieldKey, FieldKind, TexelFormat, VolumeId};
 
@@ -18,13 +18,20 @@ impl FieldPools {
         let floats = |id: &VolumeId| self.volumes.get(id).is_some_and(|v| v.map.format == TexelFormat::R32Float);
         let pool = |id: &VolumeId| self.pool_of(FieldKey::new(*id, FieldKind::Density));
         let shown = self.shown();
-        let in_floats = shown.iter().any(|id| pool(id) == Some(FLOATS));
+        let lie_in = |at| shown.iter().any(|id| pool(id) == Some(at));
+        let in_floats = lie_in(FLOATS) || lie_in(FINE_FLOATS);
         let many = shown.len() > 1;
-        let in_place = [CODES, FLOATS].into_iter().any(|at| self.is_in_place(at));
+        let in_place = shown.iter().filter_map(pool).any(|at| self.is_in_place(at));
+        let labels = |id: &VolumeId| self.pool_of(FieldKey::new(*id, FieldKind::Labels));
         [
             ("MANY_VOLUMES", many),
-            ("CODE_POOL", many && shown.iter().any(|id| pool(id) == Some(CODES))),
-            ("FLOAT_POOL", many && in_floats),
+            ("CODE_POOL", many && lie_in(CODES)),
+            ("FLOAT_POOL", many && lie_in(FLOATS)),
+            ("FINE_CODES", many && lie_in(FINE_CODES)),
+            ("FINE_FLOATS", many && lie_in(FINE_FLOATS)),
+            ("PLACED", many && in_place),
+            ("FINE_LABELS", many && shown.iter().any(|id| labels(id) == Some(FINE_LABELS))),
+            ("PLACED_LABELS", many && self.is_in_place(LABELS)),
             ("FLOAT_DENSITY", shown.iter().any(floats)),
             ("MANUAL_FILTER", in_floats && !gpu.filters_float()),
             ("IN_PLACE", !many && in_place),
@@ -95,9 +102,9 @@ impl FieldPools {
         }
         let first = |id: &VolumeId| self.pool_of(FieldKey::new(*id, FieldKind::Density));
         // Of one volume alone density is the first binding, whatever it is.
-        let [one, two] = match volumes {
-            [id] => [first(id), None],
-            _ => [Some(CODES), Some(FLOATS)],
+        let ([one, two], labels) = match volumes {
+            [id] => ([first(id), None], self.pool_of(FieldKey::new(*id, FieldKind::Labels))),
+            _ => ([Some(CODES), Some(FLOATS)], Some(LABELS)),
         };
         let filters = one.and_then(|at| self.pools[at].as_ref());
         let filters = filters.is_none_or(|p| p.format() != TexelFormat::R32Float || gpu.filters_float());
@@ -108,10 +115,13 @@ impl FieldPools {
             of(two).unwrap_or(float),
             of(Some(2)).unwrap_or(float),
             of(Some(3)).unwrap_or(float),
-            of(Some(4)).unwrap_or(uint),
+            of(labels).unwrap_or(uint),
             &self.pages.texture,
             &self.skips.texture,
             self.pairs_of(volumes).unwrap_or(layer),
+            of(Some(FINE_CODES)).unwrap_or(float),
+            of(Some(FINE_FLOATS)).unwrap_or(float),
+            of(Some(FINE_LABELS)).unwrap_or(uint),
         ];
         (self.layout, self.group) = gpu.scoped("the fields' bindings", || {
             let layout = bindings::layout(gpu, filters);
@@ -128,6 +138,7 @@ impl FieldPools {
         let key = |kind| FieldKey::new(id, kind);
         let texel = |kind| self.pool(key(kind)).map_or([1.0; 3], Pool::texel);
         let pages = |kind| self.pages.first(key(kind));
+        let placed = |kind| self.pool(key(kind)).is_some_and(Pool::is_in_place);
         let (lo, span) = self.value_of_texel(id);
         Some(FieldInfo {
             dims: demand.grid().dims,
@@ -139,11 +150,20 @@ impl FieldPools {
             colour_texel: texel(FieldKind::Colour),
             floats: u32::from(self.volumes[&id].map.format == TexelFormat::R32Float),
             selection_texel: texel(FieldKind::Selection),
-            second_pool: u32::from(self.pool_of(key(FieldKind::Density)) == Some(FLOATS)),
+            pool: match self.pool_of(key(FieldKind::Density)) {
+                Some(FLOATS) => 1,
+                Some(FINE_CODES) => 2,
+                Some(FINE_FLOATS) => 3,
+                _ => 0,
+            },
             density_pages: pages(FieldKind::Density),
             colour_pages: pages(FieldKind::Colour),
             selection_pages: pages(FieldKind::Selection),
             label_pages: pages(FieldKind::Labels),
+            density_placed: u32::from(placed(FieldKind::Density)),
+            labels_placed: u32::from(placed(FieldKind::Labels)),
+            fine_labels: u32::from(self.pool_of(key(FieldKind::Labels)) == Some(FINE_LABELS)),
+            unused: 0,
         })
     }
 

@@ -8,10 +8,13 @@ use crate::gpu::device::gpu::Gpu;
 use crate::gpu::fields::demand::Demand;
 use crate::gpu::fields::pool::{self, Pool};
 use crate::gpu::fields::pools::field_residency::FieldResidency;
-use crate::gpu::fields::pools::{CODES, FLOATS, FieldPools, LABELS, OnDevice, POOLS, share};
+use crate::gpu::fields::pools::{CODES, FINE_CODES, FINE_FLOATS, FLOATS, FieldPools, LABELS, OnDevice, POOLS, share};
 use crate::gpu::fields::slot_key::count_of;
 use crate::gpu::fields::volumes::Fields;
 use crate::volume::{Field, FieldKey, FieldKind, Grid, TexelFormat, VolumeId};
+
+/// Pools of density.
+const OF_DENSITY: [usize; 4] = [CODES, FLOATS, FINE_CODES, FINE_FLOATS];
 
 const PAINTED: GpuError = GpuError::Stroke("one is running; end it before another volume is shown");
 
@@ -31,7 +34,8 @@ impl FieldPools {
             self.leave(id);
         }
         let demand = Demand::new(grid, density.brick_dims(0));
-        self.volumes.insert(id, OnDevice { demand, map: *density.map() });
+        let fine = density.is_of_box();
+        self.volumes.insert(id, OnDevice { demand, map: *density.map(), fine });
         self.begin(gpu, FieldKey::new(id, FieldKind::Density))
     }
 
@@ -52,8 +56,8 @@ impl FieldPools {
         self.skips.forget(id);
         self.bound.retain(|of| *of != id);
         self.drop_idle_pools();
-        self.places_labels = false;
-        if self.volumes.len() == 1 && self.places {
+        self.places_labels &= gone.fine;
+        if self.whole_volumes() == 1 && self.places && !gone.fine {
             // What is left may lie in place again.
             for at in [CODES, FLOATS] {
                 if !self.is_painted(at) {
@@ -95,16 +99,17 @@ impl FieldPools {
     /// hold.
     pub(crate) fn budget_of(&self, at: usize, kind: FieldKind) -> u64 {
         let most = share(self.budget, kind);
-        if at > FLOATS {
+        if kind != FieldKind::Density {
             return most;
         }
         let whole = |at: usize| -> u64 {
             let inside =
                 self.volumes.iter().filter(|(id, _)| self.pool_of(FieldKey::new(**id, FieldKind::Density)) == Some(at));
-            let format = if at == CODES { TexelFormat::R16Unorm } else { TexelFormat::R32Float };
+            let format = if [CODES, FINE_CODES].contains(&at) { TexelFormat::R16Unorm } else { TexelFormat::R32Float };
             inside.map(|(_, volume)| count_of(volume.demand.bricks()) as u64 * pool::slot_bytes(format)).sum()
         };
-        let (own, other) = (whole(at), whole(FLOATS - at));
+        let own = whole(at);
+        let other: u64 = OF_DENSITY.into_iter().filter(|of| *of != at).map(whole).sum();
         match most.checked_sub(other) {
             Some(left) if own <= left => left,
             _ => (u128::from(most) * u128::from(own) / u128::from((own + other).max(1))) as u64,
@@ -139,13 +144,18 @@ impl FieldPools {
 
     /// What the fields in a pool hold.
     pub(crate) fn kind_of(at: usize) -> FieldKind {
-        [FieldKind::Density, FieldKind::Density, FieldKind::Colour, FieldKind::Selection, FieldKind::Labels][at]
+        match at {
+            CODES | FLOATS | FINE_CODES | FINE_FLOATS => FieldKind::Density,
+            2 => FieldKind::Colour,
+            3 => FieldKind::Selection,
+            _ => FieldKind::Labels,
+        }
     }
 
     /// Labels are to lie in place, if they are of the only volume, fit, and no stroke holds their slots. They begin anew for that: a
     /// stroke on labels alone, which costs its bricks, does not ask for it.
     pub(crate) fn place_labels(&mut self) {
-        if !self.places_labels && self.places && self.volumes.len() == 1 && !self.is_painted(LABELS) {
+        if !self.places_labels && self.places && self.whole_volumes() == 1 && !self.is_painted(LABELS) {
             self.places_labels = true;
             self.drop_pool(LABELS);
         }
@@ -154,7 +164,7 @@ impl FieldPools {
     /// Begins a field's pages, and its pool if there is none.
     pub(crate) fn begin(&mut self, gpu: &Gpu, key: FieldKey) -> Result<(), GpuError> {
         let (Some(volume), Some(at)) = (self.volumes.get(&key.volume), self.pool_of(key)) else { return Ok(()) };
-        let bricks = volume.demand.bricks();
+        let (bricks, fine) = (volume.demand.bricks(), volume.fine);
         let format = match key.kind {
             FieldKind::Density => self.on_device(volume.map.format),
             kind => kind.format(volume.map.format),
@@ -170,7 +180,7 @@ impl FieldPools {
                 FieldKind::Labels if self.places_labels => budget,
                 _ => 0,
             };
-            let alone = self.places && self.volumes.len() == 1;
+            let alone = self.places && self.whole_volumes() == 1 && !fine;
             let in_place = alone && pool::fits_in_place(gpu, format, bricks, most);
             let in_place = in_place.then_some((key.volume, bricks));
             // A slot for the coarsest brick of each volume.
@@ -189,7 +199,7 @@ impl FieldPools {
     /// Gives the pools of density their parts of the budget, for one more volume. One that has more already begins anew, and so
     /// does what lies in place and is no longer alone.
     pub(crate) fn rebalance(&mut self, gpu: &Gpu) -> Result<(), GpuError> {
-        let (several, least) = (self.volumes.len() > 1, self.volumes.len());
+        let (several, least) = (self.whole_volumes() > 1, self.volumes.len());
         if several && self.pools[LABELS].as_ref().is_some_and(Pool::is_in_place) {
             if self.is_painted(LABELS) {
                 return Err(PAINTED);
@@ -197,7 +207,7 @@ impl FieldPools {
             self.drop_pool(LABELS);
         }
         self.places_labels &= !several;
-        for at in [CODES, FLOATS] {
+        for at in OF_DENSITY {
             let budget = self.budget_of(at, FieldKind::Density);
             let Some(pool) = &mut self.pools[at] else { continue };
             let in_place = pool.is_in_place();

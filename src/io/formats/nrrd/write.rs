@@ -110,10 +110,11 @@ fn segment_keys(text: &mut String, leaving: &Leaving<'_>) {
 type Extents = BTreeMap<u16, [[u32; 3]; 2]>;
 
 fn extents(field: &Field) -> Extents {
-    let edits: Vec<_> = field.edits().into_iter().collect();
-    let of_brick = |(index, brick): (crate::volume::BrickIndex, &crate::volume::Brick)| {
+    let of_brick = |index: crate::volume::BrickIndex| {
         let (origin, valid) = (index.origin(), field.valid(0, index));
-        let texels = brick.to_texels(2);
+        // Labels have no source that could fail but what a sub-volume is computed from; its voxels are read again and told then.
+        let brick = field.brick(crate::volume::BrickKey { level: 0, index });
+        let Ok(texels) = brick.map(|brick| brick.to_texels(2)) else { return Extents::new() };
         let mut extents = Extents::new();
         for z in 0..valid[2] {
             for y in 0..valid[1] {
@@ -127,7 +128,7 @@ fn extents(field: &Field) -> Extents {
         }
         extents
     };
-    edits.into_par_iter().map(of_brick).reduce(Extents::new, |mut all, some| {
+    field.present().into_par_iter().map(of_brick).reduce(Extents::new, |mut all, some| {
         some.into_iter().for_each(|(id, extent)| extend(&mut all, id, extent));
         all
     })

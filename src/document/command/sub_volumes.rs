@@ -1,0 +1,96 @@
+//! The commands on boxes of a volume that have a resolution of their own; see `command`.
+
+#![allow(missing_docs)] // fields: the command's own text says what they are
+
+use crate::volume::{FieldKind, VolumeId};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// See [`Command::SubVolume`](crate::document::Command::SubVolume).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum SubVolumeCommand {
+    /// Divides the voxels of a box: a volume of its own with density, colour, selection and labels, which begin as its parent has them,
+    /// smoothly interpolated. Nothing is stored but what is edited. The answer says its number and the memory that it may take.
+    Add {
+        /// The volume that it is cut out of, the active one if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        volume: Option<VolumeId>,
+        /// The voxel whose centre is the box's first corner, index of the parent.
+        lo: [u32; 3],
+        /// The voxel whose centre is its last corner: above `lo` along every axis.
+        hi: [u32; 3],
+        /// Samples a voxel, 1 to 8: one number, or one along each axis.
+        scale: Scale,
+        /// What it is called.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        name: Option<String>,
+    },
+    /// Moves the faces of a box or divides it otherwise. What was edited stays where it is in the world.
+    Set {
+        /// The sub-volume.
+        volume: VolumeId,
+        /// As of `add`; as it is if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        lo: Option<[u32; 3]>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        hi: Option<[u32; 3]>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        scale: Option<Scale>,
+        /// `true`: edits that lie outside of the new box go. Without it a box that would lose any is refused.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        discard: bool,
+    },
+    /// Takes a sub-volume away with all that was edited in it, and those that are cut out of it.
+    Remove { volume: VolumeId },
+    /// Adds to each voxel of the parent the mean of what was edited in its cell, by volume. The sub-volume stays unless `remove` says
+    /// otherwise.
+    Bake {
+        volume: VolumeId,
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        remove: bool,
+    },
+    /// Writes a field at the sub-volume's resolution, as `volume.export` does.
+    Export {
+        volume: VolumeId,
+        field: FieldKind,
+        path: PathBuf,
+        /// Of a mesh of labels, as of `volume.export`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        label: Option<u16>,
+    },
+}
+
+/// Samples a voxel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Scale {
+    /// Along every axis.
+    All(u32),
+    /// Along i, j, k.
+    Each([u32; 3]),
+}
+
+impl Scale {
+    /// Along i, j, k.
+    pub fn each(self) -> [u32; 3] {
+        match self {
+            Self::All(scale) => [scale; 3],
+            Self::Each(scale) => scale,
+        }
+    }
+}
+
+impl SubVolumeCommand {
+    /// The sub-volume that it names; of one that is made its parent.
+    pub(crate) fn volume(&self) -> Option<VolumeId> {
+        match self {
+            Self::Add { volume, .. } => *volume,
+            Self::Set { volume, .. }
+            | Self::Remove { volume }
+            | Self::Bake { volume, .. }
+            | Self::Export { volume, .. } => Some(*volume),
+        }
+    }
+}

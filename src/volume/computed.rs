@@ -1,0 +1,57 @@
+//! What a field may be computed from where nobody edited it, of any kind and level, and the box of a volume that this is about.
+//!
+//! Knows neither fields nor volumes: a field holds what is computed behind [`Computed`].
+
+use crate::math::{DAffine3, DMat3, DVec3};
+use crate::volume::brick::BrickKey;
+use crate::volume::cells::{BrickSummary, Cells};
+use crate::volume::grid::Grid;
+use crate::volume::source::SourceError;
+use crate::volume::texel::DensityMap;
+use serde::{Deserialize, Serialize};
+
+/// Texels that are computed when they are asked for.
+pub(super) trait Computed: Send + Sync + std::fmt::Debug {
+    /// Texels of a box inside a level, appended to `out`, x fastest; density by this map.
+    fn texels(&self, map: &DensityMap, of: (u8, [u32; 3], [u32; 3]), out: &mut Vec<u8>) -> Result<(), SourceError>;
+
+    /// What is known of a brick without its texels: bounds of them.
+    fn about(&self, map: &DensityMap, key: BrickKey) -> Result<(BrickSummary, Cells), SourceError>;
+
+    /// The box of a volume that they are samples of.
+    fn sub_box(&self) -> SubBox;
+}
+
+/// A box of a volume's voxels and how many samples of its own lie in one along each axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct SubBox {
+    /// The parent's voxel whose centre is the box's first corner.
+    pub lo: [u32; 3],
+    /// The one whose centre is its last corner: above `lo` along every axis.
+    pub hi: [u32; 3],
+    /// Samples a voxel along i, j, k, 1 to 8.
+    pub scale: [u32; 3],
+}
+
+impl SubBox {
+    /// The finest that a voxel is divided.
+    pub const FINEST: u32 = 8;
+
+    /// Samples along i, j, k; the first and the last lie on the box's faces.
+    pub fn dims(&self) -> [u32; 3] {
+        std::array::from_fn(|a| (self.hi[a] - self.lo[a]) * self.scale[a] + 1)
+    }
+
+    /// Where its samples lie: number j along an axis at `lo + j / scale` of the parent's index.
+    pub fn grid(&self, parent: &Grid) -> Grid {
+        let step = DVec3::from_array(self.scale.map(|s| 1.0 / f64::from(s)));
+        let shift =
+            DAffine3 { matrix3: DMat3::from_diagonal(step), translation: DVec3::from_array(self.lo.map(f64::from)) };
+        Grid { dims: self.dims(), world_from_index: parent.world_from_index * shift }
+    }
+
+    /// Whether no place lies inside both boxes; they may share a face.
+    pub fn is_apart(&self, other: &Self) -> bool {
+        (0..3).any(|a| self.hi[a] <= other.lo[a] || other.hi[a] <= self.lo[a])
+    }
+}
