@@ -14,6 +14,7 @@ use burin::volume::{
     BRICK, Brick, BrickKey, DensityMap, FieldKind, Grid, Histogram, MemorySource, Statistics, SubBox, Voxels,
 };
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Voxels of the parent along an edge: one more than the largest box has, and what a box's edge asks for beyond it.
@@ -78,19 +79,18 @@ fn brush(n: u32) -> Result<Time, Failure> {
 pub fn boxes(report: &mut Report) -> Result<(), Failure> {
     let parent = parent()?;
     let bandwidth = memory()?;
-    // As many voxels as the largest box that one click takes; larger ones by the voxel.
+    // Clicks on as many voxels; beyond what one takes at once by the voxel.
     let largest = 4 * BRICK;
-    let clicks = [32, 64, largest].map(|n| brush(n).map(|time| (n, time.wall)));
-    let clicks = clicks.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let of_brush = |count: f64| {
-        let (n, wall) = clicks.iter().find(|(n, _)| f64::from(n.pow(3)) >= count).unwrap_or(&clicks[clicks.len() - 1]);
-        wall * count / f64::from(n.pow(3))
+    let mut clicks: BTreeMap<u32, f64> = BTreeMap::new();
+    let mut of_brush = |count: f64| -> Result<f64, Failure> {
+        let n = (count.cbrt().round() as u32).min(largest);
+        if let std::collections::btree_map::Entry::Vacant(place) = clicks.entry(n) {
+            place.insert(brush(n)?.wall);
+        }
+        Ok(clicks[&n] * count / f64::from(n.pow(3)))
     };
-    report.note(&format!(
-        "memory takes {:.1} GB/s; a click on {largest}³ voxels {:.1} ms",
-        bandwidth / 1e6,
-        of_brush(f64::from(largest.pow(3)))
-    ));
+    let whole = of_brush(f64::from(largest.pow(3)))?;
+    report.note(&format!("memory takes {:.1} GB/s; a click on {largest}³ voxels {:.1} ms", bandwidth / 1e6, whole));
     for scale in [2, 4, 8] {
         for n in [3, 11, 19, 32, 64] {
             let of = SubBox { lo: [2; 3], hi: [2 + n; 3], scale: [scale; 3] };
@@ -107,7 +107,7 @@ pub fn boxes(report: &mut Report) -> Result<(), Failure> {
                     "{:.2} ns a voxel, {:.1} × memory, {:.2} × brush",
                     time.wall * 1e6 / count,
                     time.wall / (bytes as f64 / bandwidth),
-                    time.wall / of_brush(count),
+                    time.wall / of_brush(count)?,
                 );
                 report.row(&format!("{n}³ at {scale}×, {name}"), time, &beside);
             }

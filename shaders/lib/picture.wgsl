@@ -2,6 +2,9 @@
 // A pixel of the picture: what a pass writes, and what the passes before it wrote.
 
 #import burin::constants::FAR
+#ifdef HOLES
+#import burin::constants::THROUGH_HOLE
+#endif
 #import burin::body::bodies
 #import burin::field::{brick_of, selection_page, selection_at, label_at}
 
@@ -21,11 +24,14 @@ struct Picture {
 fn before_at(px: vec2<f32>) -> Picture {
 #ifdef RESUME
     let texel = vec2<i32>(px);
-    return Picture(
-        textureLoad(before_colour, texel, 0),
-        textureLoad(before_depth, texel, 0).r,
-        textureLoad(before_object, texel, 0).r,
-    );
+    var object = textureLoad(before_object, texel, 0).r;
+#ifdef HOLES
+#ifndef CONTINUES
+    // The mark says where the ray goes, not that anything was met.
+    object &= ~THROUGH_HOLE;
+#endif
+#endif
+    return Picture(textureLoad(before_colour, texel, 0), textureLoad(before_depth, texel, 0).r, object);
 #else
     return Picture(vec4<f32>(0.0), FAR, 0u);
 #endif

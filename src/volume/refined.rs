@@ -12,13 +12,22 @@ use crate::volume::computed::{Computed, SubBox};
 use crate::volume::field::{Field, FieldKind};
 use crate::volume::grid::{Grid, level_dims};
 use crate::volume::pyramid::texel_value;
-use crate::volume::resample::{Axis, Block, quasi_interpolate};
+use crate::volume::resample::{Axis, Block, interpolate, quasi_interpolate};
 use crate::volume::source::{BrickSource, SourceError, check_box};
 use crate::volume::texel::DensityMap;
 use crate::volume::volume::Volume;
 use crate::volume::voxel_type::VoxelType;
 use std::collections::HashMap;
 use std::sync::{Arc, RwLock};
+
+/// How a field goes between the parent's voxels.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Between {
+    /// By quadratic splines, an axis at 1× as it is.
+    Splines,
+    /// Straight.
+    Linear,
+}
 
 /// The samples of a [`SubBox`] as its parent has them.
 #[derive(Debug)]
@@ -49,14 +58,15 @@ impl RefinedBox {
     }
 
     /// The samples `lo` and on of a level, seen from the parent.
-    fn axes(&self, level: u8, lo: [u32; 3], size: [u32; 3]) -> [Axis; 3] {
+    fn axes(&self, level: u8, lo: [u32; 3], size: [u32; 3], between: Between) -> [Axis; 3] {
         let dims = self.parent.grid().dims;
         let fine = f64::from(1_u32 << level);
         std::array::from_fn(|a| {
             let scale = f64::from(self.of.scale[a]);
             let (first, last) = (f64::from(self.of.lo[a]), f64::from(self.of.hi[a]));
             let of = |i: u32| ((fine * (f64::from(lo[a] + i) + 0.5) - 0.5) / scale + first).min(last);
-            Axis::new((0..size[a]).map(of), [first, last], dims[a], self.of.scale[a] > 1)
+            let splines = between == Between::Splines && self.of.scale[a] > 1;
+            Axis::new((0..size[a]).map(of), [first, last], dims[a], splines)
         })
     }
 
@@ -78,7 +88,7 @@ impl RefinedBox {
 
     /// Density at a box of samples of a level.
     fn density(&self, level: u8, lo: [u32; 3], size: [u32; 3]) -> Result<Vec<f64>, SourceError> {
-        let axes = self.axes(level, lo, size);
+        let axes = self.axes(level, lo, size, Between::Splines);
         Ok(quasi_interpolate(&self.block(FieldKind::Density, &axes)?, &axes))
     }
 
@@ -97,25 +107,24 @@ impl RefinedBox {
                 map.encode_voxels(&values, (1.0, 0.0), out);
             }
             FieldKind::Selection => {
-                let axes = self.axes(level, lo, size);
+                let axes = self.axes(level, lo, size, Between::Splines);
                 let values = quasi_interpolate(&self.block(kind, &axes)?, &axes);
                 out.extend(values.into_iter().map(|v| (v + 0.5) as u8));
             }
             FieldKind::Colour => {
-                let axes = self.axes(level, lo, size);
-                let block = self.parent_texels(kind, &axes)?;
-                for_each(size, |at| {
-                    let taps: [[(usize, f64); 2]; 3] = std::array::from_fn(|a| axes[a].linear(at[a]));
-                    let mut sum = [0.0; 4];
-                    for (weight, place) in corners(&taps, &axes) {
-                        let texel = &block[place * 4..place * 4 + 4];
-                        sum.iter_mut().zip(texel).for_each(|(sum, &c)| *sum += weight * f64::from(c));
-                    }
-                    out.extend(sum.map(|c| (c + 0.5) as u8));
-                });
+                let axes = self.axes(level, lo, size, Between::Linear);
+                let texels = self.parent_texels(kind, &axes)?;
+                let of_block = axes.each_ref().map(Axis::count);
+                let channel = |c: usize| {
+                    let values = texels.iter().skip(c).step_by(4).map(|&v| f64::from(v)).collect();
+                    interpolate(&Block { size: of_block, values }, &axes)
+                };
+                let [r, g, b, a] = [0, 1, 2, 3].map(channel);
+                let pixels = r.iter().zip(&g).zip(b.iter().zip(&a));
+                out.extend(pixels.flat_map(|((r, g), (b, a))| [r, g, b, a].map(|c| (c + 0.5) as u8)));
             }
             FieldKind::Labels => {
-                let axes = self.axes(level, lo, size);
+                let axes = self.axes(level, lo, size, Between::Splines);
                 let block = self.parent_texels(kind, &axes)?;
                 for_each(size, |at| {
                     let [x, y, z] = std::array::from_fn(|a| axes[a].nearest(at[a]));
@@ -140,7 +149,7 @@ impl RefinedBox {
         // A brick and what lies around it.
         let lo: [u32; 3] = origin.map(|o| o.saturating_sub(1));
         let size: [u32; 3] = std::array::from_fn(|a| last(a, BRICK) - lo[a] + 1);
-        let axes = self.axes(key.level, lo, size);
+        let axes = self.axes(key.level, lo, size, Between::Splines);
         let format = kind.format(self.parent.density.format());
         let block: Vec<f32> = match kind {
             FieldKind::Density => self.block(kind, &axes)?.values.into_iter().map(|v| v as f32).collect(),
@@ -281,17 +290,6 @@ fn for_each(size: [u32; 3], mut visit: impl FnMut([usize; 3])) {
             }
         }
     }
-}
-
-/// (weight, place in the block) of the voxels about a sample whose weight is not 0.
-fn corners(taps: &[[(usize, f64); 2]; 3], axes: &[Axis; 3]) -> impl Iterator<Item = (f64, usize)> {
-    let [nx, ny] = [axes[0].count() as usize, axes[1].count() as usize];
-    let taps = *taps;
-    (0..8).filter_map(move |corner| {
-        let [x, y, z] = [taps[0][corner & 1], taps[1][corner >> 1 & 1], taps[2][corner >> 2]];
-        let weight = x.1 * y.1 * z.1;
-        (weight != 0.0).then_some((weight, x.0 + nx * (y.0 + ny * z.0)))
-    })
 }
 
 /// Least and greatest number of the block over each cell's reach, by separate axes; min > max where there is no number.

@@ -32,8 +32,8 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// Samples at places in voxels of a parent of `dims` along the axis, in order; the box goes from face to face. `finer`: else the
-    /// places are voxels and copied.
+    /// Samples at places in voxels of a parent of `dims` along the axis, in order; the box goes from face to face. `finer`: by splines; else
+    /// linear, which copies voxels.
     pub(super) fn new(places: impl Iterator<Item = f64>, faces: [f64; 2], dims: u32, finer: bool) -> Self {
         let places: Vec<f64> = places.collect();
         let most = f64::from(dims - 1);
@@ -48,7 +48,6 @@ impl Axis {
             let inside = ((x - faces[0]).min(faces[1] - x) / BAND).clamp(0.0, 1.0);
             let linear = [(at(below), 1.0 - share), (at(below + 1.0), share)];
             if !finer {
-                // Coarser levels of such an axis lie between voxels.
                 let [a, b] = linear;
                 return Tap { spline: [a.0, a.0, b.0], weights: [0.0, a.1, b.1], linear, inside };
             }
@@ -73,11 +72,6 @@ impl Axis {
     /// How many.
     pub(super) fn count(&self) -> u32 {
         self.count
-    }
-
-    /// (place in the block, weight) of the two voxels about a sample.
-    pub(super) fn linear(&self, sample: usize) -> [(usize, f64); 2] {
-        self.taps[sample].linear
     }
 
     /// The place in the block of the voxel that a sample lies in.
@@ -109,8 +103,15 @@ fn weigh(weights: [f64; 3], from: [&[f64]; 3], out: &mut Vec<f64>) {
     }
 }
 
-/// The samples of three axes, x fastest.
+/// The samples of three axes, x fastest, blended with linear ones near the faces.
 pub(super) fn quasi_interpolate(block: &Block, axes: &[Axis; 3]) -> Vec<f64> {
+    let mut out = interpolate(block, axes);
+    blend_at_faces(block, axes, &mut out);
+    out
+}
+
+/// The samples of three axes, x fastest.
+pub(super) fn interpolate(block: &Block, axes: &[Axis; 3]) -> Vec<f64> {
     let [nx, ny, nz] = block.size.map(|s| s as usize);
     let [sx, sy, sz] = axes.each_ref().map(|a| a.taps.len());
     // Along x first, where there are few rows; what follows goes row by row, many numbers in one instruction.
@@ -132,7 +133,6 @@ pub(super) fn quasi_interpolate(block: &Block, axes: &[Axis; 3]) -> Vec<f64> {
     for tap in &axes[2].taps {
         weigh(tap.weights, tap.spline.map(|i| &along_y[i * plane..(i + 1) * plane]), &mut out);
     }
-    blend_at_faces(block, axes, &mut out);
     out
 }
 

@@ -76,6 +76,33 @@ fn a_dab_over_a_face_paints_both_sides_each_voxel_once_and_fades_at_the_face() {
 }
 
 #[test]
+fn a_stroke_in_the_3d_view_meets_the_box_that_is_seen_there() {
+    for scale in [1, 8] {
+        let Some(mut document) = boxed(scale) else { return };
+        // The surface at 31.25 lies in the box.
+        for command in [
+            json!({"view": {"look": {"mode": {"iso": 150}}}}),
+            json!({"view": {"size": {"view": "3d", "size": [200, 200]}}}),
+            json!({"view": {"frame": {"from": [0, 0, 1]}}}),
+        ] {
+            does(&mut document, command);
+        }
+        does(&mut document, json!({"sub_volume": {"set": {"volume": 1, "hi": [36, 30, 36]}}}));
+        brush(&mut document, json!({"target": {"colour": [1, 0, 0, 1]}, "falloff": "hard", "radius_mm": 0.8}));
+        let camera = document.state().unwrap().scene.views.camera;
+        let px = |x: f64| {
+            let (px, _) = camera.project(DVec3::new(x, 22.0, 31.25), [200, 200]).unwrap();
+            json!({"at": {"pixel": {"view": "3d", "px": [px.x, px.y]}}})
+        };
+        let stroke = json!({"stroke": {"paint": {"points": [px(24.0), px(32.0)]}}});
+        let said = does(&mut document, stroke);
+        assert_eq!(said["missed"], json!(0), "{said}");
+        let painted = |x: u32| value(&document, 1, FieldKind::Colour, [(x - 20) * scale, 8 * scale, 21 * scale]);
+        assert!((24..=32).all(|x| painted(x) > 0.0), "{scale}: {:?}", (24..=32).map(painted).collect::<Vec<_>>());
+    }
+}
+
+#[test]
 fn baking_adds_the_mean_of_what_was_edited_over_each_cell_and_leaves_the_rest_to_the_bit() {
     for scale in [2, 3, 4] {
         let Some(mut document) = boxed(scale) else { return };

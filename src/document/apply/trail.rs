@@ -66,7 +66,9 @@ impl State {
     /// of these volumes is.
     pub(crate) fn looking(&self, volumes: &[VolumeId], poses: &Poses, camera: &Camera, size: [u32; 2]) -> Frame {
         let frame = self.frame(poses, camera, size);
-        let step_mm = frame.step_mm.min(STEP_VOXELS * self.finest_mm(volumes));
+        // What fills a box is sampled the more densely by itself.
+        let whole: Vec<_> = volumes.iter().copied().filter(|id| !frame.is_boxed(*id)).collect();
+        let step_mm = frame.step_mm.min(STEP_VOXELS * self.finest_mm(&whole));
         Frame { step_mm, refine: false, ..frame }
     }
 

@@ -106,8 +106,8 @@ impl App {
     fn tool_part(&mut self, ui: &mut Ui) {
         let open = self.opened().is_some();
         let now = self.interaction.tool();
-        // Names stand beside the icons wherever there is room for all of them.
-        let with_text = ui.available_width() > 720.0;
+        // Names stand beside the icons wherever there is room for all of them and for what is at the right.
+        let with_text = ui.available_width() > 1120.0;
         ui.add_enabled_ui(open, |ui| {
             for tool in Tool::ALL {
                 let tip = format!("{} ({})\n{}", tool.name(), tool.key(), tool.hint());
