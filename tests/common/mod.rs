@@ -1,5 +1,6 @@
 //! What the tests share: data makers and pictures, no formula under test.
 
+pub mod falloffs;
 pub mod gpu;
 pub mod one;
 pub mod oracle;

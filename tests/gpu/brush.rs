@@ -8,6 +8,7 @@ mod several;
 mod slots;
 mod strokes;
 
+use crate::common::falloffs::*;
 use crate::common::gpu::gpu;
 use crate::common::one::of_one;
 use crate::common::volumes::*;
@@ -194,26 +195,4 @@ fn dab_at(grid: &Grid, index: DVec3, radius_mm: f64) -> Dab {
     let m = grid.world_from_index;
     let normal = m.matrix3.x_axis.cross(m.matrix3.y_axis).normalize();
     Dab { centre: m.transform_point3(index), radius_mm, pressure: 1.0, normal }
-}
-
-/// Every falloff, one of them drawn.
-fn falloffs() -> [Falloff; 5] {
-    let curve = FalloffCurve::new(&DRAWN).unwrap();
-    [Falloff::Hard, Falloff::Linear, Falloff::Smooth, Falloff::Gaussian, Falloff::Curve(curve)]
-}
-
-/// A falloff that rises and falls: x and F.
-const DRAWN: [[f32; 2]; 4] = [[0.0, 0.4], [0.3, 1.0], [0.55, 0.2], [1.0, 0.7]];
-
-/// F of it, between its points.
-fn drawn(x: f64) -> f64 {
-    let [a, b, c, d] = DRAWN.map(|p| p.map(f64::from));
-    let along = |p: [f64; 2], q: [f64; 2]| p[1] + (x - p[0]) / (q[0] - p[0]) * (q[1] - p[1]);
-    if x < b[0] {
-        along(a, b)
-    } else if x < c[0] {
-        along(b, c)
-    } else {
-        along(c, d)
-    }
 }

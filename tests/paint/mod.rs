@@ -9,6 +9,7 @@ mod path;
 mod room;
 mod surface;
 
+use crate::common::falloffs::*;
 use burin::math::{DAffine3, DMat3, DVec3};
 use burin::paint::*;
 use burin::volume::Grid;
@@ -49,26 +50,4 @@ fn voxels(dims: [u32; 3]) -> impl Iterator<Item = [u32; 3]> {
 
 fn centre_of(grid: &Grid, v: [u32; 3]) -> DVec3 {
     grid.world_from_index.transform_point3(DVec3::new(f64::from(v[0]), f64::from(v[1]), f64::from(v[2])))
-}
-
-/// Every falloff, one of them drawn.
-fn falloffs() -> [Falloff; 5] {
-    let curve = FalloffCurve::new(&DRAWN).unwrap();
-    [Falloff::Hard, Falloff::Linear, Falloff::Smooth, Falloff::Gaussian, Falloff::Curve(curve)]
-}
-
-/// A falloff that rises and falls: x and F.
-const DRAWN: [[f32; 2]; 4] = [[0.0, 0.4], [0.3, 1.0], [0.55, 0.2], [1.0, 0.7]];
-
-/// F of it, between its points.
-fn drawn(x: f64) -> f64 {
-    let [a, b, c, d] = DRAWN.map(|p| p.map(f64::from));
-    let along = |p: [f64; 2], q: [f64; 2]| p[1] + (x - p[0]) / (q[0] - p[0]) * (q[1] - p[1]);
-    if x < b[0] {
-        along(a, b)
-    } else if x < c[0] {
-        along(b, c)
-    } else {
-        along(c, d)
-    }
 }
