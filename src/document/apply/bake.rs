@@ -211,7 +211,7 @@ fn make_room(state: &mut State, parent: VolumeId, cells: &Cells, edit: &mut Edit
         span = Some([lo.min(value), hi.max(value)]);
     }
     let Some([lo, hi]) = span.filter(|s| s.iter().all(|v| v.is_finite())) else { return Ok(()) };
-    let fits = map == (DensityMap { ..DensityMap::FLOAT }) || (map.lo <= lo && hi <= map.hi());
+    let fits = map == DensityMap::FLOAT || (map.lo <= lo && hi <= map.hi());
     if !fits && map.format != DensityMap::FLOAT.format {
         edit.remap(state, parent, DensityMap::FLOAT)?;
     }
