@@ -3,6 +3,7 @@
 
 use super::maker::run;
 use super::maker_gpu::{block, labelled, made};
+use crate::common::one::One;
 use burin::document::{Document, ViewName};
 use burin::math::{DVec2, DVec3};
 use burin::volume::Voxels;
@@ -145,4 +146,29 @@ fn strokes_that_keep_to_the_visible_go_by_the_looks_of_segments_and_of_the_selec
     click(&mut document, centre, 6.0);
     let painted: BTreeSet<_> = labelled(&document, 2).into_iter().collect();
     assert_eq!(layer(centre, 6.0).difference(&painted).count(), 0);
+}
+
+#[test]
+fn a_surface_takes_the_whole_of_the_colour_that_is_painted_on_what_shows() {
+    let Some(mut document) = plate(96) else { return };
+    let say = |document: &mut Document, line: Value| run(document, &line.to_string()).unwrap();
+    // Seen at an angle, so that the surface lies between other voxels from pixel to pixel.
+    say(&mut document, json!({"view":{"frame":{"from":[0.5,1,0.3]}}}));
+    say(&mut document, json!({"view":{"look":{"mode":{"iso":110},"shaded":false}}}));
+    let brush = json!({"target":{"colour":[0.1,0.9,0.3,1]},"radius_mm":12,"visible_only":true});
+    say(&mut document, json!({"brush":{"set":brush}}));
+    say(&mut document, json!({"stroke":{"paint":{"points":[{"at":{"mm":[31.5,53.4,31.5]}}]}}}));
+    let camera = document.state().unwrap().scene.views.camera;
+    let image = document.picture(ViewName::ThreeD, [96, 96], None).unwrap();
+    for at in [[31.5, 53.4, 31.5], [27.0, 53.4, 35.0], [36.0, 53.4, 30.0]] {
+        let px = camera.project(DVec3::from_array(at), [96, 96]).unwrap().0.floor();
+        let shown = image.colour[px.x as usize + 96 * px.y as usize];
+        for (shown, painted) in shown.iter().zip([0.1, 0.9, 0.3]) {
+            assert!((shown - painted).abs() < 2.5 / 255.0, "{at:?}: {shown} instead of {painted}");
+        }
+    }
+    // Nothing lies behind the first surface: of the layers that are not mixed into it none is painted.
+    let colour = &document.state().unwrap().one().colour;
+    let painted = |y: u32| (20..44).any(|x| colour.texel([x, y, 31]).unwrap()[3] != 0);
+    assert!(painted(53) && painted(54) && !painted(52) && !painted(55));
 }

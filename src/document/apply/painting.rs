@@ -18,7 +18,7 @@ use crate::document::subject::Subject;
 use crate::gpu::PaintedBricks;
 use crate::math::Camera;
 use crate::paint::{
-    Brush, BuildUpBound, Confines, Contour, Dab, Limit, Mirror, PaintError, Reach, Sample, StrokePath, VoxelSet,
+    Brush, BuildUpBound, Confines, Contour, Dab, Limit, Mirror, PaintError, Reach, Sample, StrokePath, Target, VoxelSet,
 };
 use crate::paint::{image, with_images};
 use crate::volume::{DensityMap, FieldKind, SourceError, Volume, VolumeId};
@@ -353,7 +353,9 @@ impl Document {
             if brush.keeps_to_surface() {
                 let of_it = |running: &mut Running| std::mem::take(&mut running.on[i].seen);
                 let Some(mut seen) = self.running.as_mut().map(of_it) else { return Ok(()) };
-                let found = self.see(*id, dabs, brush.within_mm.unwrap_or(0.0), &mut seen);
+                // What lies within a depth is counted from what shows alone.
+                let all_mixed = brush.visible_only && matches!(brush.target, Target::Colour(_));
+                let found = self.see(*id, dabs, brush.within_mm.unwrap_or(0.0), all_mixed, &mut seen);
                 self.graphics.open(*id, &seen);
                 if let Some(running) = &mut self.running {
                     running.on[i].seen = seen;

@@ -2,7 +2,7 @@
 //!
 //! The picture is looked at under the dabs, more finely than in voxels, and every ray tells where it meets something first. The
 //! eight voxels whose values are mixed there are the surface, but for those that the look itself hides: nothing behind it is one of
-//! them, and a surface seen at a grazing angle has no holes. Each body is looked at where it stands, so that parts that were
+//! them, and a surface seen at a grazing angle has no holes. Colour goes to all eight, since the colour that shows is mixed of theirs. Each body is looked at where it stands, so that parts that were
 //! moved show what they show. The cost follows the dabs.
 
 use crate::document::Document;
@@ -22,7 +22,8 @@ const MOST_RAYS: f64 = 262_144.0;
 const TOGETHER: f64 = 4.0;
 
 impl Document {
-    /// Adds the voxels of the visible surface that lie under dabs, or so near to them, mm.
+    /// Adds the voxels of the visible surface that lie under dabs, or so near to them, mm; with `all_mixed` those too that the look
+    /// hides, whose values are mixed into what shows.
     ///
     /// # Errors
     /// If the device or the source fails.
@@ -31,6 +32,7 @@ impl Document {
         volume: VolumeId,
         dabs: &[Dab],
         near_mm: f64,
+        all_mixed: bool,
         seen: &mut VoxelSet,
     ) -> Result<(), DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
@@ -62,7 +64,7 @@ impl Document {
         }
         let mut hidden = VoxelSet::default();
         for area in areas {
-            self.see_area(volume, &frame, area, seen, &mut hidden)?;
+            self.see_area(volume, &frame, area, all_mixed, seen, &mut hidden)?;
         }
         Ok(())
     }
@@ -72,6 +74,7 @@ impl Document {
         volume: VolumeId,
         frame: &Frame,
         area: Area,
+        all_mixed: bool,
         seen: &mut VoxelSet,
         hidden: &mut VoxelSet,
     ) -> Result<(), DocumentError> {
@@ -108,7 +111,7 @@ impl Document {
                 if seen.contains(voxel) || hidden.contains(voxel) {
                     continue;
                 }
-                match shows(&subject, voxel)? {
+                match all_mixed || shows(&subject, voxel)? {
                     true => seen.insert(voxel),
                     false => hidden.insert(voxel),
                 };
