@@ -1,9 +1,10 @@
 //! Scripts: lines in, lines out.
 
 use super::maker::labelled;
-use burin::document::Document;
+use burin::document::{Command, Document, RenderCommand};
 use burin::script::{Outcome, run, schema};
 use serde_json::Value;
+use std::path::Path;
 
 fn answers(document: &mut Document, script: &str, keep_going: bool) -> (Outcome, Vec<Value>) {
     let mut out = Vec::new();
@@ -109,4 +110,33 @@ fn the_schema_knows_every_noun() {
         assert!(verbs.iter().all(|verb| verb["required"].as_array().unwrap().len() == 1), "{noun}: {verbs:?}");
         assert_eq!((&line["additionalProperties"], verbs.is_empty()), (&Value::Bool(false), false), "{noun}");
     }
+}
+
+/// What is shipped is read by nobody until it is run, and running it takes a graphics device and minutes.
+#[test]
+fn scripts_that_are_shipped_are_commands_and_make_the_pictures_that_the_readme_shows() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let readme = std::fs::read_to_string(root.join("README.md")).unwrap();
+    let mut scripts = 0;
+    for entry in std::fs::read_dir(root.join("assets")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|extension| extension != "jsonl") {
+            continue;
+        }
+        scripts += 1;
+        for (i, line) in std::fs::read_to_string(&path).unwrap().lines().enumerate() {
+            if line.starts_with('#') {
+                continue;
+            }
+            let command = serde_json::from_str::<Command>(line);
+            let command = command.unwrap_or_else(|e| panic!("{}, line {}: {e}", path.display(), i + 1));
+            if let Command::Render(RenderCommand::Image { path: picture, .. }) = command
+                && picture.starts_with("assets")
+            {
+                let told = readme.contains(&*picture.to_string_lossy());
+                assert!(told && root.join(&picture).is_file(), "{}: {}", path.display(), picture.display());
+            }
+        }
+    }
+    assert!(scripts >= 7);
 }
