@@ -26,15 +26,25 @@ pub const SELECTION_COLOUR: [f32; 3] = [1.0, 0.6, 0.15];
 const ALL_BLACK: (f64, f64) = (2e38, 2e38);
 
 impl State {
-    /// The volumes that pictures show, in order.
+    /// The volumes that pictures show, in order; a sub-volume after all that it is cut out of.
     pub(crate) fn visible(&self) -> impl Iterator<Item = Subject<'_>> {
-        self.subjects().filter(|subject| self.is_visible(subject.id))
+        let mut visible: Vec<_> = self.subjects().filter(|subject| self.is_visible(subject.id)).collect();
+        visible.sort_by_key(|subject| self.layer_at(subject.id));
+        visible.into_iter()
+    }
+
+    /// What lies over what: volumes by their numbers, each below its sub-volumes, inner ones over outer ones.
+    fn layer_at(&self, id: VolumeId) -> (VolumeId, usize, VolumeId) {
+        (self.scene.root_of(id), self.scene.depth_of(id), id)
     }
 
     /// Whether pictures show a volume; a sub-volume only with what it is cut out of.
     fn is_visible(&self, id: VolumeId) -> bool {
         let settings = self.scene.volumes.all.get(&id).filter(|v| v.visible && v.opacity > 0.0);
-        settings.is_some_and(|v| v.sub_volume.is_none_or(|sub| sub.parent < id && self.is_visible(sub.parent)))
+        settings.is_some_and(|v| match self.scene.lies_in(id) {
+            Some(sub) => self.is_visible(sub.parent),
+            None => v.sub_volume.is_none(),
+        })
     }
 
     /// The sub-volumes that pictures show, parents first.
@@ -71,10 +81,9 @@ impl State {
 
     /// The voxels of a volume that sub-volumes stand for which are painted too: from one on and before another, along each axis.
     pub(super) fn finer_boxes(&self, id: VolumeId, painted: &[VolumeId]) -> Vec<[[u32; 3]; 2]> {
-        let inner = self.scene.volumes.all.iter().filter(|(inner, _)| painted.contains(inner));
-        let of_it = inner.filter_map(|(_, settings)| settings.sub_volume.filter(|sub| sub.parent == id));
+        let inner = self.scene.boxes_of(id).filter(|(inner, _)| painted.contains(inner));
         // Voxels on its faces are seen from outside.
-        of_it.map(|SubVolume { of, .. }| [of.lo.map(|v| v + 1), of.hi]).collect()
+        inner.map(|(_, SubVolume { of, .. })| [of.lo.map(|v| v + 1), of.hi]).collect()
     }
 
     /// Whether anything is selected in a volume, in one that it is cut out of or that is cut out of that one.
@@ -156,13 +165,14 @@ impl State {
         frame.own.volume = active.id;
         frame.own.opacity = if active.settings.visible { active.settings.opacity } else { 0.0 };
         for subject in self.visible().filter(|subject| subject.id != active.id) {
-            let lowest = frame.under.is_empty() && subject.id < active.id;
+            let is_under = self.layer_at(subject.id) < self.layer_at(active.id);
+            let lowest = frame.under.is_empty() && is_under;
             // A label map over something else shows its labels, not their numbers.
             let grey = grey(&subject).filter(|_| !subject.is_label_map());
             let grey = if lowest { grey.or(Some(ALL_BLACK)) } else { grey };
             let (of, overlay) = ((subject.id, subject.grid()), self.overlay(&subject, Layer::in_slices));
             let layer = SliceLayer::new(of, size, world, grey, subject.settings.opacity, overlay);
-            if subject.id < active.id { frame.under.push(layer) } else { frame.over.push(layer) }
+            if is_under { frame.under.push(layer) } else { frame.over.push(layer) }
         }
         if !frame.under.is_empty() && (grey(&active).is_none() || active.is_label_map()) {
             frame.own.window = None;

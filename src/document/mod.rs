@@ -247,7 +247,7 @@ impl Document {
             // What the simulation finds was decided by nobody: frames of an animation are worth nothing, where it ends is noted
             // for whoever comes after a crash.
             Noted::Never => stand_anew = !answer.said.is_moving(),
-            _ => answer.trouble.extend(self.note(command, &refreshed.bricks, synced)),
+            _ => answer.trouble.extend(self.note(command, &refreshed, synced)),
         }
         if stand_anew {
             self.note_poses();

@@ -38,7 +38,7 @@ impl State {
     pub fn subject(&self, id: VolumeId) -> Option<Subject<'_>> {
         let (volume, settings) = (self.volumes.get(&id)?, self.scene.volumes.all.get(&id)?);
         let own = volume.grid();
-        let grid = match settings.sub_volume.filter(|sub| sub.parent < id) {
+        let grid = match self.scene.lies_in(id) {
             // It lies in its parent, wherever that is put.
             Some(sub) => Grid { dims: own.dims, ..sub.of.grid(self.subject(sub.parent)?.grid()) },
             None => Grid { world_from_index: placed(settings, own.world_from_index), ..*own },

@@ -54,4 +54,59 @@ impl SubBox {
     pub fn is_apart(&self, other: &Self) -> bool {
         (0..3).any(|a| self.hi[a] <= other.lo[a] || other.hi[a] <= self.lo[a])
     }
+
+    /// Whether it holds all of another one.
+    pub fn holds(&self, other: &Self) -> bool {
+        (0..3).all(|a| self.lo[a] <= other.lo[a] && other.hi[a] <= self.hi[a])
+    }
+
+    /// All voxels of a volume as they are.
+    pub fn whole(dims: [u32; 3]) -> Self {
+        Self { lo: [0; 3], hi: dims.map(|d| d.saturating_sub(1)), scale: [1; 3] }
+    }
+
+    /// How a box that is cut out of this one, in its samples, lies to another box of the same volume.
+    pub fn inner_lies(&self, inner: &Self, other: &Self) -> Lies {
+        let end = |of_inner: u32, a: usize| u64::from(self.lo[a]) * u64::from(self.scale[a]) + u64::from(of_inner);
+        let of_other = |v: u32, a: usize| u64::from(v) * u64::from(self.scale[a]);
+        let all = |test: &dyn Fn(usize) -> bool| (0..3).all(test);
+        if all(&|a| of_other(other.lo[a], a) <= end(inner.lo[a], a) && end(inner.hi[a], a) <= of_other(other.hi[a], a))
+        {
+            return Lies::Inside;
+        }
+        let meets =
+            |a: usize| end(inner.lo[a], a) < of_other(other.hi[a], a) && of_other(other.lo[a], a) < end(inner.hi[a], a);
+        if all(&meets) { Lies::InPart } else { Lies::Apart }
+    }
+
+    /// A box that is cut out of this one, in its samples, as the same box with the same samples in those of another box of the same
+    /// volume; `None` if it is none of whole samples there, or not 1 to 8 times as fine.
+    pub fn inner_in(&self, inner: &Self, other: &Self) -> Option<Self> {
+        let mut of = Self { lo: [0; 3], hi: [0; 3], scale: [0; 3] };
+        for a in 0..3 {
+            let (own, its) = (u64::from(self.scale[a]), u64::from(other.scale[a]));
+            let place = |v: u32| {
+                let place = (u64::from(self.lo[a]) * own + u64::from(v)) * its;
+                let place = place.checked_sub(u64::from(other.lo[a]) * its * own)?;
+                let whole = place.is_multiple_of(own).then(|| u32::try_from(place / own).ok());
+                whole.flatten().filter(|place| *place < other.dims()[a])
+            };
+            let scale = u64::from(inner.scale[a]) * own;
+            let finer = scale.is_multiple_of(its).then(|| u32::try_from(scale / its).ok()).flatten();
+            (of.lo[a], of.hi[a]) = (place(inner.lo[a])?, place(inner.hi[a])?);
+            of.scale[a] = finer.filter(|scale| (1..=Self::FINEST).contains(scale))?;
+        }
+        Some(of)
+    }
+}
+
+/// How one box lies to another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lies {
+    /// All of it in the other.
+    Inside,
+    /// They share a face at most.
+    Apart,
+    /// Some of it in the other.
+    InPart,
 }

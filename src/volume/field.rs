@@ -356,11 +356,6 @@ impl Field {
         self.read_box(0, index.origin().map(|o| i64::from(o) - 1), [SLOT; 3], false)
     }
 
-    /// A brick of level 0 with its edits.
-    pub(super) fn brick_at(&self, index: BrickIndex) -> Result<Brick, SourceError> {
-        self.brick(BrickKey { level: 0, index })
-    }
-
     /// A box inside the volume as it is without edits.
     pub(super) fn read_unedited(&self, lo: [u32; 3], size: [u32; 3]) -> Result<Vec<u8>, SourceError> {
         self.read_box(0, lo.map(i64::from), size, false)

@@ -3,6 +3,7 @@
 mod answers;
 mod around;
 mod before_many_volumes;
+mod boxes;
 mod brushes;
 mod colours;
 mod connected;
@@ -41,6 +42,7 @@ mod memory;
 mod mirrored;
 mod motion;
 mod moved_surface;
+mod nested;
 mod no_volume;
 mod nouns;
 mod opening;

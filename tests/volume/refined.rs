@@ -207,18 +207,21 @@ fn edits_go_along_where_faces_move_and_samples_are_divided_otherwise() {
     old.labels.swap(labels).unwrap();
     let larger = SubBox { lo: [3, 4, 5], hi: [20, 19, 18], scale: [4; 3] };
     let mut grown = Volume::refined(&parent, larger);
-    assert_eq!(grown.take_edits(&old).unwrap(), 0);
+    let carry = |from, to| Carry { from, before: &parent, parent: parent.clone(), to };
+    assert_eq!(carry(&old, larger).into(&mut grown).unwrap(), 0);
     for at in each(of.dims(), |s| s) {
         let there = std::array::from_fn(|a| at[a] + (of.lo[a] - larger.lo[a]) * 4);
         let (was, is) = (old.density.value(at).unwrap(), grown.density.value(there).unwrap());
         assert!((was - is).abs() < 1e-4, "{at:?}: {was} {is}");
         assert_eq!(old.labels.texel(at).unwrap(), grown.labels.texel(there).unwrap());
     }
-    let mut finer = Volume::refined(&parent, SubBox { scale: [8, 8, 4], ..larger });
-    assert_eq!(finer.take_edits(&old).unwrap(), 0);
+    let of_finer = SubBox { scale: [8, 8, 4], ..larger };
+    let mut finer = Volume::refined(&parent, of_finer);
+    assert_eq!(carry(&old, of_finer).into(&mut finer).unwrap(), 0);
     let at = [8 * 8, 7 * 8, 6 * 4];
     assert!((finer.density.value(at).unwrap() - (6.0 * 11.0 + 100.0)).abs() < 1e-4, "the ball's middle");
     assert_eq!(finer.labels.value(at).unwrap(), 9.0);
-    let mut cut = Volume::refined(&parent, SubBox { hi: [11, 16, 16], ..of });
-    assert!(cut.take_edits(&old).unwrap() > 100, "half of the ball lies outside");
+    let of_cut = SubBox { hi: [11, 16, 16], ..of };
+    let mut cut = Volume::refined(&parent, of_cut);
+    assert!(carry(&old, of_cut).into(&mut cut).unwrap() > 100, "half of the ball lies outside");
 }

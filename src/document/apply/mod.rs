@@ -15,6 +15,7 @@ pub(crate) mod export;
 pub(crate) mod labels;
 mod lasso;
 pub(crate) mod matter;
+mod nesting;
 pub(crate) mod open;
 pub(crate) mod overlap;
 pub(crate) mod painting;

@@ -129,7 +129,7 @@ impl Running {
     /// If a source fails; what was taken in by then is in the edit.
     pub(super) fn take_in(&mut self, state: &mut State, mut painted: PaintedBricks) -> Result<(), SourceError> {
         // Sub-volumes first: then their bands follow what was painted on what they are cut out of.
-        painted.sort_by_key(|(key, _)| std::cmp::Reverse(key.volume));
+        painted.sort_by_key(|(key, _)| std::cmp::Reverse((state.scene.depth_of(key.volume), key.volume)));
         for (key, bricks) in painted {
             let before = self.edit.counts();
             self.edit.swap(state, key, bricks.into_iter().map(|(index, brick)| (index, Some(brick))).collect())?;

@@ -11,12 +11,12 @@ use crate::document::command::answers::{Answer, ForgottenSaid, LostSaid, Said, S
 use crate::document::command::files::DensityKeeping;
 use crate::document::command::files::ProjectCommand;
 use crate::document::error::DocumentError;
+use crate::document::history::step::Refreshed;
 use crate::document::journal::autosave::Autosave;
 use crate::document::journal::recovery;
 use crate::document::paths::check_target;
 use crate::document::project::read::Wanted;
 use crate::document::project::store::ToKeep;
-use crate::volume::{BrickIndex, FieldKey};
 use std::path::{Path, PathBuf};
 
 impl Document {
@@ -155,14 +155,10 @@ impl Document {
     }
 
     /// Notes a command that is done; answers a warning if it could not be. A `synced` one survives a power cut.
-    pub(crate) fn note(
-        &mut self,
-        command: &Command,
-        touched: &[(FieldKey, BrickIndex)],
-        synced: bool,
-    ) -> Option<String> {
+    pub(crate) fn note(&mut self, command: &Command, refreshed: &Refreshed, synced: bool) -> Option<String> {
         let (autosave, state) = (self.autosave.as_mut()?, self.state.as_ref()?);
-        let noted = autosave.record(command, state, touched, synced);
+        let changed = (&refreshed.bricks[..], &refreshed.exchanged);
+        let noted = autosave.record_exchange(command, state, changed, synced);
         noted.err().map(|e| format!("this step is done but not safe from a crash yet: {e}"))
     }
 

@@ -103,7 +103,7 @@ impl Document {
             self.unsaved = true;
             trouble.extend(self.history.push(step)?);
         }
-        trouble.extend(self.note(&done, &refreshed.bricks, true));
+        trouble.extend(self.note(&done, &refreshed, true));
         self.revision += 1;
         Ok(Answer { trouble, ..Answer::from(Said::from(said)) })
     }

@@ -5,6 +5,7 @@
 
 use crate::document::Document;
 use crate::document::apply::bake::bake;
+use crate::document::apply::nesting::{self, Placed, as_it_is, carry, carry_all, let_out};
 use crate::document::command::Command;
 use crate::document::command::answers::{Answer, Said};
 use crate::document::command::answers_sub_volumes::{BakedSaid, FitSaid, SubVolumeSaid, SubVolumesSaid};
@@ -16,7 +17,6 @@ use crate::document::history::step::Bare;
 use crate::document::scene::volumes::{SubVolume, VolumeLook, VolumeSettings};
 use crate::document::state::State;
 use crate::volume::{FieldKind, SubBox, Volume, VolumeId};
-use std::sync::Arc;
 
 impl Document {
     pub(crate) fn sub_volume(&mut self, command: &SubVolumeCommand) -> Result<Answer, DocumentError> {
@@ -32,19 +32,22 @@ impl Document {
             let state = document.open_mut()?;
             match command {
                 SubVolumeCommand::Add { volume, lo, hi, scale, name } => {
-                    let place = placed(state, volume, SubBox { lo, hi, scale: scale.each() }, None)?;
-                    add(state, place, name, edit)
+                    let placed = placed(state, volume, SubBox { lo, hi, scale: scale.each() }, None)?;
+                    add(state, placed, name, edit)
                 }
                 SubVolumeCommand::Set { volume, lo, hi, scale, discard } => {
                     let SubVolume { parent, of } = state.scene.sub_volume(volume)?;
                     let scale = scale.map_or(of.scale, |scale| scale.each());
                     let of = SubBox { lo: lo.unwrap_or(of.lo), hi: hi.unwrap_or(of.hi), scale };
-                    let place = placed(state, Some(parent), of, Some(volume))?;
-                    change(state, volume, place, discard, edit)
+                    let placed = placed(state, Some(parent), of, Some(volume))?;
+                    change(state, volume, placed, discard, edit)
                 }
-                SubVolumeCommand::Remove { volume } => {
+                SubVolumeCommand::Remove { volume, inner } => {
                     state.scene.sub_volume(volume)?;
-                    remove(state, volume, edit)?;
+                    match inner {
+                        true => remove_with_inner(state, volume, edit)?,
+                        false => remove(state, volume, edit)?,
+                    }
                     Ok(Said::Nothing)
                 }
                 SubVolumeCommand::Bake { volume, remove: removes } => {
@@ -78,10 +81,12 @@ pub(crate) fn list(state: &State, of: Option<VolumeId>) -> Result<SubVolumesSaid
 
 /// What `ask.sub_volume_fit` answers.
 pub(crate) fn fit(state: &State, volume: Option<VolumeId>, of: SubBox) -> Result<FitSaid, DocumentError> {
-    let place = placed(state, volume, of, None)?;
+    let placed = placed(state, volume, of, None)?;
+    let place = placed.place;
     let parent = state.at(Some(place.parent))?;
     Ok(FitSaid {
         place,
+        around: placed.around(state, VolumeId(state.scene.volumes.next)),
         dims: place.of.dims(),
         spacing_mm: place.of.grid(parent.grid()).spacing().to_array(),
         most_bytes: most_bytes(place.of, parent.volume),
@@ -101,6 +106,7 @@ fn said(state: &State, id: VolumeId) -> Result<SubVolumeSaid, DocumentError> {
         spacing_mm: subject.grid().spacing().to_array(),
         most_bytes: most_bytes(place.of, subject.volume),
         held_bytes: held as u64,
+        around: Vec::new(),
     })
 }
 
@@ -117,79 +123,30 @@ fn available_bytes() -> Option<u64> {
     Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
 }
 
-/// The box where it can lie: in the volume that is named, or in a sub-volume of it that holds all of it. `but`: one that moves.
+/// The box where it can lie; see [`nesting::placed`].
 ///
 /// # Errors
-/// If it is no box of the volume, meets another in part, or is more than memory can hold.
-fn placed(
-    state: &State,
-    volume: Option<VolumeId>,
-    of: SubBox,
-    but: Option<VolumeId>,
-) -> Result<SubVolume, DocumentError> {
-    let parent = state.at(volume)?;
-    let dims = parent.grid().dims;
-    for a in 0..3 {
-        let axis = ["i", "j", "k"][a];
-        if of.hi[a] >= dims[a] {
-            let expected = format!("at most {} along {axis}, the last voxel of {}", dims[a] - 1, parent.settings.name);
-            return Err(DocumentError::invalid("hi", format!("{:?}", of.hi), expected));
-        }
-        if of.lo[a] >= of.hi[a] {
-            let expected = format!("below hi ({:?}) along every axis", of.hi);
-            return Err(DocumentError::invalid("lo", format!("{:?}", of.lo), expected));
-        }
-        if !(1..=SubBox::FINEST).contains(&of.scale[a]) {
-            return Err(DocumentError::invalid("scale", format!("{:?}", of.scale), "1 to 8 samples a voxel"));
-        }
-    }
-    for (&id, other) in &state.scene.volumes.all {
-        let Some(sub) = other.sub_volume.filter(|sub| sub.parent == parent.id && Some(id) != but) else { continue };
-        if of.is_apart(&sub.of) {
-            continue;
-        }
-        let holds = |a: &SubBox, b: &SubBox| (0..3).all(|i| a.lo[i] <= b.lo[i] && b.hi[i] <= a.hi[i]);
-        let nests = (0..3).all(|a| of.scale[a].is_multiple_of(sub.of.scale[a]));
-        if holds(&sub.of, &of) && nests && but.is_none() && of.lo != sub.of.lo {
-            // The same box as its samples count it.
-            let within = |v: [u32; 3]| std::array::from_fn(|a| (v[a] - sub.of.lo[a]) * sub.of.scale[a]);
-            let scale = std::array::from_fn(|a| of.scale[a] / sub.of.scale[a]);
-            return placed(state, Some(id), SubBox { lo: within(of.lo), hi: within(of.hi), scale }, None);
-        }
-        let (lo, hi) = (sub.of.lo, sub.of.hi);
-        let expected = format!(
-            "a box apart from sub-volume {id} ({}), {lo:?} to {hi:?}; one inside it is made with \"volume\": {id} or a scale that is a \
-             multiple of its {:?}",
-            other.name, sub.of.scale
-        );
-        return Err(DocumentError::invalid("lo, hi", format!("{:?} to {:?}", of.lo, of.hi), expected));
-    }
-    let bytes = most_bytes(of, parent.volume);
-    let dims = of.dims();
+/// As there, and if it is more than memory can hold.
+fn placed(state: &State, volume: Option<VolumeId>, of: SubBox, but: Option<VolumeId>) -> Result<Placed, DocumentError> {
+    let placed = nesting::placed(state, volume, of, but)?;
+    let of = placed.place.of;
+    let bytes = most_bytes(of, state.at(Some(placed.place.parent))?.volume);
     if let Some(available) = available_bytes().filter(|available| bytes > *available) {
-        let found = format!("{dims:?} samples, up to {} MB", bytes >> 20);
+        let found = format!("{:?} samples, up to {} MB", of.dims(), bytes >> 20);
         let expected =
             format!("what the {} MB of memory that are free can hold; a smaller box or scale", available >> 20);
         return Err(DocumentError::invalid("lo, hi, scale", found, expected));
     }
-    Ok(SubVolume { parent: parent.id, of })
+    Ok(placed)
 }
 
-/// The parent as it is, with as much of what is painted on it as a box needs.
-fn as_it_is(state: &State, place: SubVolume) -> Result<Arc<Volume>, DocumentError> {
+fn add(state: &mut State, placed: Placed, name: Option<String>, edit: &mut Edit) -> Result<Said, DocumentError> {
+    let place = placed.place;
     let parent = state.at(Some(place.parent))?;
-    let reach = |v: u32, by: u32| (v.saturating_sub(by) / crate::volume::BRICK, (v + by) / crate::volume::BRICK);
-    let of = place.of;
-    let needed = |index: crate::volume::BrickIndex| {
-        (0..3).all(|a| (reach(of.lo[a], 2).0..=reach(of.hi[a], 2).1).contains(&index.0[a]))
-    };
-    Ok(Arc::new(parent.volume.as_it_is(needed)))
-}
-
-fn add(state: &mut State, place: SubVolume, name: Option<String>, edit: &mut Edit) -> Result<Said, DocumentError> {
-    let before = as_it_is(state, place)?;
-    let parent = state.at(Some(place.parent))?;
+    let outer = parent.volume.clone();
+    let before = as_it_is(&outer, place.of);
     let id = VolumeId(state.scene.volumes.next);
+    let around = placed.around(state, id);
     let origin = parent.settings.origin.clone();
     let [x, y, z] = place.of.scale;
     let finer = if x == y && y == z { format!("{x}×") } else { format!("{x}×{y}×{z}") };
@@ -202,12 +159,22 @@ fn add(state: &mut State, place: SubVolume, name: Option<String>, edit: &mut Edi
     state.scene.volumes.next = id.0.saturating_add(1);
     state.scene.volumes.all.insert(id, settings);
     state.scene.shown.insert(id, VolumeLook { window, own: None, layers: Vec::new() });
-    Ok(said(state, id)?.into())
+    carry_all(state, &placed.others, &outer, edit)?;
+    Ok(SubVolumeSaid { around, ..said(state, id)? }.into())
 }
 
+/// Takes a sub-volume away; the boxes in it then lie in what it was cut out of.
 pub(crate) fn remove(state: &mut State, id: VolumeId, edit: &mut Edit) -> Result<(), DocumentError> {
+    let others = let_out(state, id)?;
+    let own = state.at(Some(id))?.volume.clone();
+    carry_all(state, &others, &own, edit)?;
+    remove_with_inner(state, id, edit)
+}
+
+/// Takes a sub-volume away with all boxes in it.
+pub(crate) fn remove_with_inner(state: &mut State, id: VolumeId, edit: &mut Edit) -> Result<(), DocumentError> {
     let parent = state.scene.parent_of(id);
-    for gone in state.scene.cut_out_of(id).into_iter().chain([id]) {
+    for gone in state.scene.cut_out_of(id).into_iter().rev().chain([id]) {
         edit.remove(state, gone)?;
         if state.volumes.contains_key(&gone.of_before()) {
             edit.remove(state, gone.of_before())?;
@@ -225,30 +192,25 @@ pub(crate) fn remove(state: &mut State, id: VolumeId, edit: &mut Edit) -> Result
 fn change(
     state: &mut State,
     id: VolumeId,
-    place: SubVolume,
+    placed: Placed,
     discard: bool,
     edit: &mut Edit,
 ) -> Result<Said, DocumentError> {
-    let old = state.at(Some(id))?.volume.clone();
-    let was = state.scene.sub_volume(id)?.of;
-    if place.of == was {
+    let place = placed.place;
+    if place == state.scene.sub_volume(id)? {
         return Ok(said(state, id)?.into());
     }
-    if let Some(inner) = state.scene.cut_out_of(id).first() {
-        let name = &state.at(Some(*inner))?.settings.name;
-        return Err(DocumentError::NotNow(format!("{name} is cut out of it: remove that first, or bake it")));
-    }
-    let before = as_it_is(state, place)?;
-    let mut volume = Volume::refined(&before, place.of);
-    let lost = volume.take_edits(&old)?;
+    let around = placed.around(state, id);
+    let own = state.at(Some(id))?.volume.clone();
+    let outer = state.at(Some(place.parent))?.volume.clone();
+    let lost = carry(state, (id, place), (&outer, place.of), edit)?;
     if lost > 0 && !discard {
         let expected = "a box that holds all that is edited, or \"discard\": true";
         return Err(DocumentError::invalid("lo, hi", format!("{lost} edited samples outside of it"), expected));
     }
-    edit.replace(state, id.of_before(), Bare { volume: (*before).clone(), files: None });
-    edit.replace(state, id, Bare { volume, files: None });
-    if let Some(settings) = state.scene.volumes.all.get_mut(&id) {
-        settings.sub_volume = Some(place);
-    }
-    Ok(said(state, id)?.into())
+    let (inner, beside): (Vec<_>, Vec<_>) =
+        placed.others.into_iter().partition(|(other, _)| state.scene.parent_of(*other) == Some(id));
+    carry_all(state, &inner, &own, edit)?;
+    carry_all(state, &beside, &outer, edit)?;
+    Ok(SubVolumeSaid { around, ..said(state, id)? }.into())
 }

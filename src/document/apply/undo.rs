@@ -94,7 +94,7 @@ impl Document {
     fn travelled(&mut self, said: HistoryCommand, refreshed: &Refreshed, warnings: &mut Vec<String>) {
         self.unsaved = true;
         self.mirror(refreshed);
-        warnings.extend(self.note(&Command::History(said), &refreshed.bricks, true));
+        warnings.extend(self.note(&Command::History(said), refreshed, true));
         self.note_poses();
     }
 }

@@ -56,15 +56,13 @@ impl Document {
             VolumeCommand::Remove { volume } => {
                 let state = self.open_mut()?;
                 edit.name(format!("Remove volume {}", state.at(Some(volume))?.settings.name));
-                // What is cut out of it goes with it.
-                for inner in state.scene.cut_out_of(volume).into_iter().rev() {
-                    if state.scene.volumes.all.contains_key(&inner) {
-                        sub_volume::remove(state, inner, edit)?;
-                    }
-                }
                 if state.scene.sub_volume(volume).is_ok() {
                     sub_volume::remove(state, volume, edit)?;
                     return Ok(VolumeRemovedSaid { removed: volume, active: Some(state.scene.volumes.active) }.into());
+                }
+                // What is cut out of it goes with it.
+                for inner in state.scene.cut_out_of(volume).into_iter().rev() {
+                    sub_volume::remove_with_inner(state, inner, edit)?;
                 }
                 edit.remove(state, volume)?;
                 let volumes = &mut state.scene.volumes;

@@ -22,6 +22,9 @@ pub struct SubVolumeSaid {
     pub most_bytes: u64,
     /// What is edited now.
     pub held_bytes: u64,
+    /// The sub-volumes that came to lie in it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub around: Vec<VolumeId>,
 }
 
 /// `ask.sub_volumes`.
@@ -35,6 +38,9 @@ pub struct SubVolumesSaid {
 pub struct FitSaid {
     #[serde(flatten)]
     pub place: SubVolume,
+    /// The sub-volumes that would come to lie in it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub around: Vec<VolumeId>,
     pub dims: [u32; 3],
     pub spacing_mm: [f64; 3],
     pub most_bytes: u64,

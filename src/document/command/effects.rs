@@ -189,9 +189,9 @@ impl SubVolumeCommand {
     fn effects(&self) -> Effects {
         let undone = |name| Effects { past: Remembered::Nothing, ..Effects::change(name) };
         match self {
-            Self::Add { .. } => undone("sub_volume.add"),
+            Self::Add { .. } => undone("sub_volume.add").lasting(Lasts::AWhile("Making a sub-volume")),
             Self::Set { .. } => undone("sub_volume.set").lasting(Lasts::AWhile("Changing a sub-volume")),
-            Self::Remove { .. } => undone("sub_volume.remove"),
+            Self::Remove { .. } => undone("sub_volume.remove").lasting(Lasts::AWhile("Removing a sub-volume")),
             Self::Bake { .. } => undone("sub_volume.bake").lasting(Lasts::AWhile("Baking a sub-volume")),
             Self::Export { .. } => Effects::of_files("sub_volume.export").lasting(Lasts::AWhileWith("Exporting")),
         }

@@ -12,7 +12,9 @@ use std::path::PathBuf;
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum SubVolumeCommand {
     /// Divides the voxels of a box: a volume of its own with density, colour, selection and labels, which begin as its parent has them,
-    /// smoothly interpolated. Nothing is stored but what is edited. The answer says its number and the memory that it may take.
+    /// smoothly interpolated. Nothing is stored but what is edited. The answer says its number and the memory that it may take. A box
+    /// may lie inside another one or around others, which keep all that is edited in them; its scale is then a multiple of the outer
+    /// one's.
     Add {
         /// The volume that it is cut out of, the active one if left out.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -27,7 +29,8 @@ pub enum SubVolumeCommand {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         name: Option<String>,
     },
-    /// Moves the faces of a box or divides it otherwise. What was edited stays where it is in the world.
+    /// Moves the faces of a box or divides it otherwise. What was edited stays where it is in the world; boxes in it stay as they are, and
+    /// are in it no longer where its faces leave them outside.
     Set {
         /// The sub-volume.
         volume: VolumeId,
@@ -42,8 +45,14 @@ pub enum SubVolumeCommand {
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]
         discard: bool,
     },
-    /// Takes a sub-volume away with all that was edited in it, and those that are cut out of it.
-    Remove { volume: VolumeId },
+    /// Takes a sub-volume away with all that was edited in it. Boxes in it keep what is edited in them and then lie in what it was cut
+    /// out of; where they cannot, since they do not lie on its voxels or are more than 8 times as fine, it is refused.
+    Remove {
+        volume: VolumeId,
+        /// `true`: the boxes in it go too.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        inner: bool,
+    },
     /// Adds to each voxel of the parent the mean of what was edited in its cell, by volume. The sub-volume stays unless `remove` says
     /// otherwise.
     Bake {
@@ -88,7 +97,7 @@ impl SubVolumeCommand {
         match self {
             Self::Add { volume, .. } => *volume,
             Self::Set { volume, .. }
-            | Self::Remove { volume }
+            | Self::Remove { volume, .. }
             | Self::Bake { volume, .. }
             | Self::Export { volume, .. } => Some(*volume),
         }

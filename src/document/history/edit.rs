@@ -9,7 +9,8 @@ use crate::document::scene::Scene;
 use crate::document::state::State;
 use crate::io::FileMark;
 use crate::volume::{
-    BandBrick, Brick, BrickIndex, Changes, DensityMap, Field, FieldKey, FieldKind, SourceError, SubBox, VolumeId,
+    BandBrick, Brick, BrickIndex, Changes, DensityMap, Field, FieldKey, FieldKind, SourceError, SubBox, Volume,
+    VolumeId,
 };
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -205,11 +206,12 @@ impl Edit {
     }
 
     /// Puts a volume in the place of one, with what is painted on both.
-    pub(crate) fn replace(&mut self, state: &mut State, id: VolumeId, bare: Bare) {
+    pub(crate) fn replace(&mut self, state: &mut State, id: VolumeId, volume: Volume) {
         self.refreshed.exchanged.insert(id);
-        let before = state.volumes.insert(id, bare.volume).map(|volume| Bare { volume, files: None });
-        let volumes = BTreeMap::from([(id, before)]);
-        self.step.absorb(Step { name: self.step.name.clone(), volumes, ..Step::default() });
+        let Some(before) = state.volumes.insert(id, volume) else { return };
+        let (bare, bricks) = Bare { volume: before, files: None }.apart(id);
+        let volumes = BTreeMap::from([(id, Some(bare))]);
+        self.step.absorb(Step { name: self.step.name.clone(), bricks, volumes, ..Step::default() });
     }
 
     /// Takes a volume away, with what is painted on it.
@@ -251,9 +253,8 @@ fn bands_of(
     indices: &[BrickIndex],
 ) -> Result<Vec<(VolumeId, SubBox, Vec<BandBrick>)>, SourceError> {
     let Some(parent) = state.field(key) else { return Ok(Vec::new()) };
-    let inner = state.scene.volumes.all.iter().filter_map(|(id, settings)| Some((*id, settings.sub_volume?)));
-    let inner = inner.filter(|(_, sub)| sub.parent == key.volume);
-    let bands = inner.map(|(id, sub)| Ok((id, sub.of, BandBrick::of(&sub.of, parent, indices)?)));
+    let bands =
+        state.scene.boxes_of(key.volume).map(|(id, sub)| Ok((id, sub.of, BandBrick::of(&sub.of, parent, indices)?)));
     let bands = bands.collect::<Result<Vec<_>, SourceError>>()?;
     Ok(bands.into_iter().filter(|(_, _, bricks)| !bricks.is_empty()).collect())
 }

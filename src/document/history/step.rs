@@ -103,6 +103,22 @@ pub(crate) struct Bare {
     pub files: Option<Arc<SourceFiles>>,
 }
 
+/// Bricks of level 0 by field; `None` is an unedited one.
+type Bricks = BTreeMap<(FieldKey, BrickIndex), Option<Brick>>;
+
+impl Bare {
+    /// A volume of that name with all that is painted on it, as what it is without and that.
+    pub(crate) fn apart(self, id: VolumeId) -> (Self, Bricks) {
+        let volume = self.volume.unedited(*self.volume.density.map());
+        let edits = FieldKind::ALL.into_iter().flat_map(|kind| {
+            let key = FieldKey::new(id, kind);
+            self.volume.field(kind).edits().into_iter().map(move |(index, brick)| ((key, index), Some(brick.clone())))
+        });
+        let bricks = edits.collect();
+        (Self { volume, files: self.files }, bricks)
+    }
+}
+
 /// What one step holds: parts of the scene, bricks of level 0 by field, maps of density, the commands that made it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Step {
@@ -113,10 +129,10 @@ pub(crate) struct Step {
     /// Scene.
     pub scene: SceneDelta,
     /// Bricks of level 0; `None` is an unedited one.
-    pub bricks: BTreeMap<(FieldKey, BrickIndex), Option<Brick>>,
+    pub bricks: Bricks,
     /// With a map, the volume's density bricks above are all of its edits.
     pub maps: BTreeMap<VolumeId, DensityMap>,
-    /// Volumes as a whole: one that comes, its edits above; `None` where one goes. One that takes the place of another has its edits.
+    /// Volumes as a whole: one that comes, or takes the place of another of its name, its edits above; `None` where one goes.
     pub volumes: BTreeMap<VolumeId, Option<Bare>>,
 }
 
@@ -178,16 +194,23 @@ impl Step {
                 refreshed.remapped.insert(id);
             }
         }
-        for (id, held) in &mut self.volumes {
+        // Of what was put in a volume's place is held what was there, all of it.
+        held.retain(|(key, _), _| !replaced.contains_key(&key.volume));
+        for (id, volume) in &mut self.volumes {
             if came.contains(id) {
-                *held = None;
-            } else if let Some(there) = replaced.remove(id) {
-                *held = Some(there);
-            } else {
-                *held = detach(state, *id);
-                // It goes with the map that it has.
-                self.maps.remove(id);
+                *volume = None;
+                continue;
             }
+            // It goes with the map that it has.
+            self.maps.remove(id);
+            *volume = match replaced.remove(id) {
+                Some(there) => {
+                    let (bare, bricks) = there.apart(*id);
+                    held.extend(bricks);
+                    Some(bare)
+                }
+                None => detach(state, *id),
+            };
         }
         refreshed.bricks = held.keys().copied().collect();
         self.bricks = held;
@@ -249,13 +272,17 @@ impl Step {
         self.scene.absorb(later.scene);
         let density = |key: &FieldKey| key.kind == FieldKind::Density;
         let whole: BTreeSet<VolumeId> = self.maps.keys().copied().collect();
+        // A volume that comes back comes with all that it had; what was done later to another of its name is nothing to it, and
+        // nothing to one that was not there.
+        let as_a_whole: BTreeSet<VolumeId> = self.volumes.keys().copied().collect();
         for (key, brick) in later.bricks {
-            if !(density(&key.0) && whole.contains(&key.0.volume)) {
+            let volume = key.0.volume;
+            if !(as_a_whole.contains(&volume) || density(&key.0) && whole.contains(&volume)) {
                 self.bricks.entry(key).or_insert(brick);
             }
         }
         for (id, map) in later.maps {
-            if whole.contains(&id) {
+            if whole.contains(&id) || as_a_whole.contains(&id) {
                 continue;
             }
             // The later list is all edits; ours say what some of those were still earlier.
@@ -263,22 +290,20 @@ impl Step {
             self.bricks.retain(|(key, _), brick| !(density(key) && key.volume == id) || brick.is_some());
         }
         for (id, bare) in later.volumes {
-            match self.volumes.get(&id) {
-                // What came and went again was never there.
-                Some(None) if bare.is_some() => {
-                    self.volumes.remove(&id);
-                    self.bricks.retain(|(key, _), _| key.volume != id);
-                    self.maps.remove(&id);
-                }
-                Some(_) => {}
-                None => drop(self.volumes.insert(id, bare)),
-            }
+            self.volumes.entry(id).or_insert(bare);
         }
     }
 
     /// Forgets what the state holds anyway.
     pub(crate) fn prune(&mut self, state: &State) {
         self.scene.prune(&state.scene);
+        // What came and went again was never there.
+        let never: BTreeSet<VolumeId> =
+            self.volumes.iter().filter(|(_, bare)| bare.is_none()).map(|(id, _)| *id).collect();
+        let never = |id: &VolumeId| never.contains(id) && !state.volumes.contains_key(id);
+        self.volumes.retain(|id, _| !never(id));
+        self.maps.retain(|id, _| !never(id));
+        self.bricks.retain(|(key, _), _| !never(&key.volume));
         let (maps, volumes) = (&self.maps, &self.volumes);
         self.bricks.retain(|&(key, index), brick| {
             let whole = maps.contains_key(&key.volume) && key.kind == FieldKind::Density;

@@ -27,7 +27,7 @@ use crate::explode::Poses;
 use crate::io::FileMark;
 use crate::paint::Sample;
 use crate::volume::{BrickIndex, FieldKey, VolumeId};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Keeps one open document: its place on disk, the lock on it, and its journal.
@@ -223,7 +223,18 @@ impl Autosave {
         touched: &[(FieldKey, BrickIndex)],
         synced: bool,
     ) -> Result<(), KeepError> {
-        self.journal.step(command, state, touched, synced)
+        self.record_exchange(command, state, (touched, &BTreeSet::new()), synced)
+    }
+
+    /// The same of a command that exchanged volumes for others of their names.
+    pub(crate) fn record_exchange(
+        &mut self,
+        command: &Command,
+        state: &State,
+        changed: (&[(FieldKey, BrickIndex)], &BTreeSet<VolumeId>),
+        synced: bool,
+    ) -> Result<(), KeepError> {
+        self.journal.step(command, state, changed, synced)
     }
 
     /// Where it was told that parts stand.

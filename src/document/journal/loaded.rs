@@ -239,9 +239,16 @@ impl RestoredDocument {
         let Self { mut scene, past, volumes: kept, .. } = self;
         let (mut volumes, mut files) = (BTreeMap::new(), BTreeMap::new());
         let count = kept.len().max(1) as f32;
+        let parent_of = |id: &VolumeId| match kept.get(&id.of_before())?.density {
+            LoadedDensity::Same(of) => Some(of),
+            _ => None,
+        };
+        let depth = |id: VolumeId| std::iter::successors(parent_of(&id), parent_of).take(kept.len()).count();
+        let place = |id: &VolumeId| (depth(id.of_sub_volume()), id.of_sub_volume(), !id.is_of_before());
+        let places: BTreeMap<VolumeId, _> = kept.keys().map(|id| (*id, place(id))).collect();
         let mut kept: Vec<_> = kept.into_iter().collect();
         // What a sub-volume is computed from comes right before it, and its parent before that.
-        kept.sort_by_key(|(id, _)| (id.of_sub_volume(), !id.is_of_before()));
+        kept.sort_by_key(|(id, _)| places.get(id).copied());
         for (done, (id, volume)) in kept.into_iter().enumerate() {
             if id.is_of_before() {
                 let volume = volume.into_volume((id, &volumes), || Err(DocumentError::NoVolume), progress)?;

@@ -67,6 +67,8 @@ pub(crate) struct Journal {
     gather_above: u64,
     /// Its length when it was opened; `None` once what was found then is gathered with what came later.
     pub(crate) found: Option<u64>,
+    /// Volumes that were exchanged for others of their names and are not in it yet.
+    exchanged: BTreeSet<VolumeId>,
 }
 
 impl Journal {
@@ -94,18 +96,20 @@ impl Journal {
             pending: VecDeque::new(),
             gather_above: GATHER_ABOVE,
             found: Some(JOURNAL_HEADER),
+            exchanged: BTreeSet::new(),
         }
     }
 
     /// Writes a step: the command, what it changed in the scene, and what the bricks that it touched hold now. After a change
-    /// of map all edited density is written, since texels of another map mean nothing.
+    /// of map all edited density is written, since texels of another map mean nothing; so is all of a volume that was `exchanged`.
     pub(crate) fn step(
         &mut self,
         command: &Command,
         state: &State,
-        touched: &[(FieldKey, BrickIndex)],
+        (touched, exchanged): (&[(FieldKey, BrickIndex)], &BTreeSet<VolumeId>),
         synced: bool,
     ) -> Result<(), KeepError> {
+        self.exchanged.extend(exchanged);
         let scene = parts(&state.scene)?;
         let known = self.now.scene();
         let changed: Map<String, Value> =
@@ -115,7 +119,7 @@ impl Journal {
             let back: Result<Scene, _> = serde_json::from_value(Value::Object(scene));
             back.map_err(|e| KeepError::Scene { reason: e.to_string() })?;
         }
-        let (volumes, maps) = self.now.difference(state)?;
+        let (volumes, maps) = self.now.difference(state, &self.exchanged)?;
         let noted = command.effects().journal;
         let ends_stroke = noted == Noted::Stroke;
         // Looking about is no step of work. In what was opened and never saved it is nothing to lose: the first step takes it along.
@@ -131,7 +135,9 @@ impl Journal {
         let past = PastDelta::between(self.now.past(), &state.past);
         let head = StepHead { command, steps: u64::from(!looks_about && !opens), scene: changed, maps, volumes, past };
         let bytes = head_bytes(&head)?;
-        let mut places: BTreeSet<(FieldKey, BrickIndex)> = touched.iter().copied().collect();
+        // Of a volume that came all is written; what was touched may have been of another one of its name.
+        let touched = touched.iter().filter(|(key, _)| !head.volumes.contains_key(&key.volume));
+        let mut places: BTreeSet<(FieldKey, BrickIndex)> = touched.copied().collect();
         for (&id, volume) in &state.volumes {
             let came = head.volumes.contains_key(&id);
             for kind in FieldKind::ALL {
@@ -142,10 +148,10 @@ impl Journal {
             }
         }
         self.take(head);
+        self.exchanged.clear();
         if ends_stroke {
             self.stroke_runs = false;
         }
-        // Of a volume that went nothing is left to say.
         let places: Vec<_> = places.into_iter().filter(|(key, _)| state.volumes.contains_key(&key.volume)).collect();
         let encode = |&(key, index)| encode_brick(key, index, state.field(key).and_then(|field| field.edit(index)));
         let bricks: Vec<Vec<u8>> = places.par_iter().map(encode).collect();

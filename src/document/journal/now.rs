@@ -9,7 +9,7 @@ use crate::document::project::manifest::{DensityPlace, Manifest, VolumeRecord};
 use crate::document::scene::Scene;
 use crate::document::scene::past::Past;
 use crate::document::state::State;
-use crate::volume::{DensityMap, SubBox, VolumeId};
+use crate::volume::{DensityMap, VolumeId};
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -19,8 +19,6 @@ pub(crate) struct Now {
     /// The scene's fields by name.
     scene: Map<String, Value>,
     maps: BTreeMap<VolumeId, DensityMap>,
-    /// Of sub-volumes.
-    boxes: BTreeMap<VolumeId, SubBox>,
     past: Past,
     /// Volumes whose density the generation holds.
     held: BTreeSet<VolumeId>,
@@ -41,8 +39,6 @@ pub(crate) struct Beginning<'a> {
     pub scene: &'a Scene,
     pub past: &'a Past,
     pub maps: BTreeMap<VolumeId, DensityMap>,
-    /// Of sub-volumes.
-    pub boxes: BTreeMap<VolumeId, SubBox>,
     /// Volumes whose density lies in the generation.
     pub held: BTreeSet<VolumeId>,
 }
@@ -51,18 +47,16 @@ impl<'a> Beginning<'a> {
     /// That of a generation.
     pub(crate) fn of(manifest: &'a Manifest) -> Self {
         let Manifest { generation, scene, past, .. } = manifest;
-        let boxes = manifest.volumes.iter().filter_map(|(id, record)| Some((*id, record.sub_box()?))).collect();
-        Self { generation: *generation, scene, past, maps: manifest.maps(), boxes, held: manifest.holds() }
+        Self { generation: *generation, scene, past, maps: manifest.maps(), held: manifest.holds() }
     }
 }
 
 impl Now {
     pub(crate) fn new(beginning: Beginning<'_>) -> Result<Self, KeepError> {
-        let Beginning { scene, past, maps, boxes, held, .. } = beginning;
+        let Beginning { scene, past, maps, held, .. } = beginning;
         Ok(Self {
             scene: parts(scene)?,
             maps,
-            boxes,
             past: past.clone(),
             held,
             changed: Map::new(),
@@ -95,14 +89,8 @@ impl Now {
         self.changed.extend(head.scene);
         for (id, volume) in head.volumes {
             match &volume {
-                Some(record) => {
-                    self.maps.insert(id, record.map);
-                    self.boxes.extend(record.sub_box().map(|of| (id, of)));
-                }
-                None => {
-                    self.maps.remove(&id);
-                    self.boxes.remove(&id);
-                }
+                Some(record) => drop(self.maps.insert(id, record.map)),
+                None => drop(self.maps.remove(&id)),
             }
             self.new_maps.remove(&id);
             self.volumes.insert(id, volume);
@@ -119,22 +107,26 @@ impl Now {
         }
     }
 
-    /// What is to be written of volumes that came or went, and of maps that are other ones.
-    pub(super) fn difference(&self, state: &State) -> Result<(Arrivals, BTreeMap<VolumeId, DensityMap>), KeepError> {
+    /// What is to be written of volumes that came or went, and of maps that are other ones. `exchanged` are volumes that are perhaps
+    /// not what they were though there was one of their name before.
+    pub(super) fn difference(
+        &self,
+        state: &State,
+        exchanged: &BTreeSet<VolumeId>,
+    ) -> Result<(Arrivals, BTreeMap<VolumeId, DensityMap>), KeepError> {
         let mut volumes = Arrivals::new();
         for id in self.maps.keys().filter(|id| !state.volumes.contains_key(id)) {
             volumes.insert(*id, None);
         }
         let mut maps = BTreeMap::new();
-        // A sub-volume whose box is another one is another volume, and so is what it is computed from.
-        let box_of = |id: VolumeId| state.volumes.get(&id)?.sub_box();
-        let is_other = |id: VolumeId| self.boxes.get(&id).is_some_and(|of| Some(*of) != box_of(id));
         for (&id, volume) in &state.volumes {
-            match self.maps.get(&id).filter(|_| !is_other(id.of_sub_volume())) {
+            let nowhere = DensityPlace::nowhere(state, id, volume);
+            // Sub-volumes, and what they are computed from, are exchanged for others of their names.
+            let is_other = nowhere.is_some() && exchanged.contains(&id);
+            match self.maps.get(&id).filter(|_| !is_other) {
                 Some(map) if map == volume.density.map() => {}
                 Some(_) => drop(maps.insert(id, *volume.density.map())),
                 None => {
-                    let nowhere = DensityPlace::nowhere(state, id, volume);
                     let kept = match state.files.get(&id) {
                         _ if nowhere.is_some() => nowhere.unwrap_or(DensityPlace::Whole),
                         _ if self.held.contains(&id) => DensityPlace::Whole,

@@ -200,14 +200,6 @@ impl VolumeRecord {
         Ok(())
     }
 
-    /// The box of a sub-volume.
-    pub(crate) fn sub_box(&self) -> Option<SubBox> {
-        match self.kept {
-            DensityPlace::Box(of) => Some(of),
-            _ => None,
-        }
-    }
-
     /// The grid.
     pub(crate) fn grid(&self) -> Grid {
         let w = self.world_from_index;

@@ -15,7 +15,7 @@ impl Scene {
         Ok(match command {
             SubVolumeCommand::Add { .. } => Changed::named("Add sub-volume"),
             SubVolumeCommand::Set { volume, .. } => Changed::named(format!("Change {}", name(volume))),
-            SubVolumeCommand::Remove { volume } => Changed::named(format!("Remove {}", name(volume))),
+            SubVolumeCommand::Remove { volume, .. } => Changed::named(format!("Remove {}", name(volume))),
             SubVolumeCommand::Bake { volume, .. } => Changed::named(format!("Bake {}", name(volume))),
             SubVolumeCommand::Export { .. } => Changed::default(),
         })
@@ -38,14 +38,23 @@ impl Scene {
         })
     }
 
-    /// The sub-volumes that are cut out of a volume, or out of one of these.
+    /// The sub-volumes that are cut out of a volume and out of no other.
+    pub(crate) fn boxes_of(&self, id: VolumeId) -> impl Iterator<Item = (VolumeId, SubVolume)> {
+        let subs = self.volumes.all.iter().filter_map(|(id, volume)| Some((*id, volume.sub_volume?)));
+        subs.filter(move |(_, sub)| sub.parent == id)
+    }
+
+    /// The sub-volumes that are cut out of a volume, or out of one of these; parents first.
     pub(crate) fn cut_out_of(&self, id: VolumeId) -> Vec<VolumeId> {
         let mut all = vec![id];
-        // Children have the greater numbers.
-        for (&child, volume) in &self.volumes.all {
-            if volume.sub_volume.is_some_and(|sub| all.contains(&sub.parent)) {
-                all.push(child);
+        let mut at = 0;
+        while let Some(&parent) = all.get(at) {
+            for (child, _) in self.boxes_of(parent) {
+                if !all.contains(&child) {
+                    all.push(child);
+                }
             }
+            at += 1;
         }
         all.split_off(1)
     }

@@ -148,11 +148,27 @@ impl Scene {
         self.volumes.all.get(&volume)?.sub_volume.map(|sub| sub.parent)
     }
 
+    /// What a sub-volume is cut out of, what that is cut out of, and so on.
+    fn ancestors(&self, volume: VolumeId) -> impl Iterator<Item = VolumeId> {
+        // No more than there are, whatever a file says.
+        std::iter::successors(self.parent_of(volume), |id| self.parent_of(*id)).take(self.volumes.all.len())
+    }
+
+    /// Where a sub-volume lies, if in the end it lies in a volume that is none.
+    pub(crate) fn lies_in(&self, volume: VolumeId) -> Option<SubVolume> {
+        let sub = self.volumes.all.get(&volume)?.sub_volume?;
+        let root = self.volumes.all.get(&self.root_of(volume))?;
+        root.sub_volume.is_none().then_some(sub)
+    }
+
     /// The volume that is no sub-volume and that this one is cut out of, or is.
     pub(crate) fn root_of(&self, volume: VolumeId) -> VolumeId {
-        // Parents have the smaller numbers, so this ends whatever a file says.
-        let next = |id: &VolumeId| self.parent_of(*id).filter(|parent| parent < id);
-        std::iter::successors(Some(volume), next).last().unwrap_or(volume)
+        self.ancestors(volume).last().unwrap_or(volume)
+    }
+
+    /// How many sub-volumes lie about one, itself counted; 0 of a volume that is none.
+    pub(crate) fn depth_of(&self, volume: VolumeId) -> usize {
+        self.ancestors(volume).count()
     }
 
     /// What the labels of a volume mean; nothing if there is no such volume. Sub-volumes have those of what they are cut out of.
@@ -284,6 +300,6 @@ impl Scene {
 
     fn own_look(&self, volume: VolumeId) -> Option<&OwnLook> {
         let own = self.shown.get(&volume).and_then(|shown| shown.own.as_ref());
-        own.or_else(|| self.own_look(self.parent_of(volume).filter(|parent| *parent < volume)?))
+        own.or_else(|| self.own_look(self.lies_in(volume)?.parent))
     }
 }
