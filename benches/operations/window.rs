@@ -93,6 +93,7 @@ fn snapshot(document: &Document) -> Result<Snapshot, Failure> {
         grid: *volume.grid(),
         centres: [(volume.id, volume.volume.grid().world_bounds().centre())].into(),
         boxes: Default::default(),
+        sample_bytes: Default::default(),
         voxel_type: volume.source.voxel_type(),
         statistics: volume.statistics,
         histogram: Arc::new(volume.histogram.clone()),

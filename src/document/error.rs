@@ -57,6 +57,11 @@ pub enum DocumentError {
         /// Where the volume lies.
         expected: String,
     },
+    /// A box that would no longer hold all that was edited in it: how many samples.
+    #[error(
+        "lo, hi: {0} edited samples outside of it found, a box that holds all that is edited expected, or \"discard\": true"
+    )]
+    WouldLose(u64),
     /// The command does not fit what is going on.
     #[error("{0}")]
     NotNow(String),

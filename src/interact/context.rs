@@ -3,7 +3,8 @@
 use crate::document::Scene;
 use crate::explode::Poses;
 use crate::interact::boxes::BoxCorners;
-use crate::volume::Grid;
+use crate::volume::{Grid, VolumeId};
+use std::collections::BTreeMap;
 
 /// What a tool may look at.
 #[derive(Clone, Copy, Debug)]
@@ -16,6 +17,8 @@ pub struct Context<'a> {
     pub grid: &'a Grid,
     /// Sub-volumes that are shown.
     pub boxes: &'a BoxCorners,
+    /// Bytes that an edited sample takes in each volume.
+    pub sample_bytes: &'a BTreeMap<VolumeId, u64>,
     /// The smallest spacing in mm: the smallest brush that one can still grow is half of it.
     pub voxel_mm: f64,
 }

@@ -27,7 +27,7 @@ pub enum Ink {
 }
 
 /// Something drawn over a view's picture; places and lengths are pixels of the view.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Mark {
     /// A straight line.
     Line {
@@ -55,6 +55,13 @@ pub enum Mark {
         at: DVec2,
         /// Colour.
         ink: Ink,
+    },
+    /// Words beside the hand, as large on every screen.
+    Note {
+        /// The hand.
+        at: DVec2,
+        /// What is said.
+        text: String,
     },
     /// The sign of taking away, as small on every screen.
     Minus {

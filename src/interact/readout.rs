@@ -2,7 +2,7 @@
 
 use crate::document::answers::{RecoveredSaid, StrokeFate};
 use crate::math::DVec3;
-use crate::volume::{Number, VoxelType};
+use crate::volume::{Number, SubBox, VoxelType};
 
 /// The largest 1, 2 or 5 × 10ⁿ that is not longer.
 pub fn round_length(mm: f64) -> f64 {
@@ -100,6 +100,26 @@ pub fn fixed(value: f64, decimals: usize, chars: usize) -> String {
         (Some((plain, _)), _) => plain,
         (None, powers) => powers.unwrap_or_else(|| format!("{value:.0e}")),
     }
+}
+
+/// Bytes as a person says them.
+pub fn bytes(count: u64) -> String {
+    const UNITS: [&str; 4] = ["kB", "MB", "GB", "TB"];
+    if count < 1000 {
+        return format!("{count} B");
+    }
+    let (mut value, mut unit) = (count as f64 / 1000.0, 0);
+    while value >= 999.5 && unit + 1 < UNITS.len() {
+        value /= 1000.0;
+        unit += 1;
+    }
+    if value < 9.95 { format!("{value:.1} {}", UNITS[unit]) } else { format!("{value:.0} {}", UNITS[unit]) }
+}
+
+/// How large a sub-volume is, and the memory that it may take at so many bytes a sample.
+pub fn box_size(of: &SubBox, sample_bytes: u64) -> String {
+    let [x, y, z] = of.dims();
+    format!("{x} × {y} × {z} samples, at most {}", bytes(of.samples() * sample_bytes))
 }
 
 /// From one value to another that is not smaller, as far as numbers go.

@@ -42,6 +42,11 @@ impl SubBox {
         std::array::from_fn(|a| (self.hi[a] - self.lo[a]) * self.scale[a] + 1)
     }
 
+    /// How many samples that are.
+    pub fn samples(&self) -> u64 {
+        self.dims().iter().map(|&d| u64::from(d)).product()
+    }
+
     /// Where its samples lie: number j along an axis at `lo + j / scale` of the parent's index.
     pub fn grid(&self, parent: &Grid) -> Grid {
         let step = DVec3::from_array(self.scale.map(|s| 1.0 / f64::from(s)));

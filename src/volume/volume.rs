@@ -152,6 +152,11 @@ impl Volume {
         self.source.grid()
     }
 
+    /// Bytes that a sample of all four fields takes where it is stored.
+    pub fn sample_bytes(&self) -> u64 {
+        FieldKind::ALL.iter().map(|kind| kind.format(self.density.format()).bytes() as u64).sum()
+    }
+
     /// A field by its kind.
     pub fn field(&self, kind: FieldKind) -> &Field {
         match kind {

@@ -1,6 +1,7 @@
 //! The file browser without its window: folders, typed paths, what is asked before something is written over.
 
-use burin::ui::browse::{Asks, Browser, By, Kind, Order, Purpose, Reading, date, places, resolve, shown, size};
+use burin::interact::readout::bytes;
+use burin::ui::browse::{Asks, Browser, By, Kind, Order, Purpose, Reading, date, places, resolve, shown};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -317,7 +318,7 @@ fn places_are_each_named_once() {
 
 #[test]
 fn sizes_and_dates_are_read_in_passing() {
-    let said: Vec<String> = [0, 999, 1000, 9_949, 9_951, 999_499, 999_500, 7_109_137, u64::MAX].map(size).into();
+    let said: Vec<String> = [0, 999, 1000, 9_949, 9_951, 999_499, 999_500, 7_109_137, u64::MAX].map(bytes).into();
     assert_eq!(said, ["0 B", "999 B", "1.0 kB", "9.9 kB", "10 kB", "999 kB", "1.0 MB", "7.1 MB", "18446744 TB"]);
     let at = |days: u64| UNIX_EPOCH + Duration::from_secs(days * 86_400);
     // Days since 1970 of known dates, leap days among them.

@@ -6,27 +6,31 @@ use burin::document::{
     ViewName,
 };
 use burin::explode::{Axis, Part, PartId, Poses};
+use burin::interact::boxes::BoxCorners;
 use burin::interact::{
     Action, Button, Context, Event, Hit, Interaction, Key, Modifiers, PointerEvent, SHORTCUTS, Tool, Wheel, action_of,
 };
 use burin::math::{DVec2, DVec3, Plane};
 use burin::paint::BrushChange;
-use burin::volume::Grid;
+use burin::volume::{Grid, VolumeId};
+use std::collections::BTreeMap;
 
-const SIZE: [u32; 2] = [400, 300];
+pub const SIZE: [u32; 2] = [400, 300];
 
-struct Hand {
-    grid: Grid,
-    scene: Scene,
+pub struct Hand {
+    pub grid: Grid,
+    pub scene: Scene,
     poses: Poses,
-    interaction: Interaction,
+    pub boxes: BoxCorners,
+    pub sample_bytes: BTreeMap<VolumeId, u64>,
+    pub interaction: Interaction,
     view: ViewName,
     modifiers: Modifiers,
     hit: Option<Hit>,
 }
 
 impl Hand {
-    fn new(tool: Tool, view: ViewName) -> Self {
+    pub fn new(tool: Tool, view: ViewName) -> Self {
         let mut interaction = Interaction::default();
         assert_eq!(interaction.choose(tool), []);
         let hit = (view == ViewName::ThreeD).then_some(Hit {
@@ -35,7 +39,17 @@ impl Hand {
             depth_mm: 200.0,
         });
         let (grid, scene) = scene();
-        Self { grid, scene, poses: Poses::default(), interaction, view, modifiers: Modifiers::default(), hit }
+        Self {
+            grid,
+            scene,
+            poses: Poses::default(),
+            boxes: BoxCorners::new(),
+            sample_bytes: BTreeMap::new(),
+            interaction,
+            view,
+            modifiers: Modifiers::default(),
+            hit,
+        }
     }
 
     fn at(&self, x: f64, y: f64) -> PointerEvent {
@@ -57,23 +71,24 @@ impl Hand {
                 scene: &self.scene,
                 poses: &self.poses,
                 grid: &self.grid,
-                boxes: &Default::default(),
+                boxes: &self.boxes,
+                sample_bytes: &self.sample_bytes,
                 voxel_mm: 1.0,
             },
         )
     }
 
-    fn press(&mut self, button: Button, x: f64, y: f64) -> Vec<Command> {
+    pub fn press(&mut self, button: Button, x: f64, y: f64) -> Vec<Command> {
         let e = self.at(x, y);
         self.send(Event::Press(button, e))
     }
 
-    fn drag(&mut self, x: f64, y: f64) -> Vec<Command> {
+    pub fn drag(&mut self, x: f64, y: f64) -> Vec<Command> {
         let e = self.at(x, y);
         self.send(Event::Move(e))
     }
 
-    fn release(&mut self, button: Button, x: f64, y: f64) -> Vec<Command> {
+    pub fn release(&mut self, button: Button, x: f64, y: f64) -> Vec<Command> {
         let e = self.at(x, y);
         self.send(Event::Release(button, e))
     }
@@ -320,7 +335,14 @@ fn a_brush_never_shrinks_below_half_a_voxel_and_can_grow_from_nothing() {
     let (grid, mut scene) = scene();
     let radius = |scene: &Scene, factor| match Interaction::sized(
         factor,
-        &Context { scene, poses: &Poses::default(), grid: &grid, boxes: &Default::default(), voxel_mm: 2.0 },
+        &Context {
+            scene,
+            poses: &Poses::default(),
+            grid: &grid,
+            boxes: &Default::default(),
+            sample_bytes: &Default::default(),
+            voxel_mm: 2.0,
+        },
     ) {
         Command::Brush(BrushCommand::Set(BrushChange { radius_mm: Some(r), .. })) => r,
         other => panic!("{other:?}"),
@@ -346,6 +368,7 @@ fn a_brush_for_voxels_of_metres_and_of_nanometres_grows_and_shrinks() {
                         poses: &Poses::default(),
                         grid: &grid,
                         boxes: &Default::default(),
+                        sample_bytes: &Default::default(),
                         voxel_mm,
                     },
                 ) else {

@@ -29,6 +29,7 @@ mod rescue;
 mod saving;
 mod shown;
 mod slices;
+mod sub_volumes;
 mod surface;
 mod swatches;
 mod tooltips;

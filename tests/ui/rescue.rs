@@ -176,6 +176,34 @@ fn a_save_that_cannot_link_offers_to_embed_and_a_missing_volume_is_asked_for() {
 }
 
 #[test]
+fn a_box_that_would_lose_edits_asks_and_becomes_smaller_when_told_to() {
+    let dir = tempfile::tempdir().unwrap();
+    let volume = dir.path().join("v.nrrd");
+    write_nrrd(&volume, &Grid::aligned([12; 3], DVec3::ONE, DVec3::ZERO), |v| v[0] as f32);
+    let Some(_gpu) = crate::common::gpu::gpu() else { return };
+    let mut document = Document::new();
+    for line in [
+        json!({"volume":{"open":{"path":volume}}}),
+        json!({"sub_volume":{"add":{"lo":[2,2,2],"hi":[9,9,9],"scale":2}}}),
+        json!({"brush":{"set":{"target":{"label":3},"radius_mm":1}}}),
+        json!({"stroke":{"paint":{"volume":1,"points":[{"at":{"mm":[8,5,5]}}]}}}),
+    ] {
+        run(&mut document, &line.to_string()).unwrap();
+    }
+    let (mut desk, thread) = Desk::new(document);
+    desk.until("it is shown", |d| d.now.open.is_some());
+    let box_of = |d: &Desk| d.now.open.as_ref().unwrap().scene.volumes.all[&VolumeId(1)].sub_volume.unwrap().of;
+    desk.line(&json!({"sub_volume":{"set":{"volume":1,"hi":[6,9,9]}}}));
+    desk.until("it asks", |d| !d.offers.is_empty());
+    assert_eq!(box_of(&desk).hi, [9; 3], "nothing is done before the answer");
+    let Then::Do(_, command) = desk.offers.pop().unwrap().then else { panic!("a command") };
+    desk.apply(command);
+    desk.until("it is smaller", |d| box_of(d).hi == [6, 9, 9]);
+    desk.session.send(Request::Quit);
+    thread.join().unwrap();
+}
+
+#[test]
 fn the_window_says_that_a_linked_volume_is_another_one_as_soon_as_that_is_known() {
     let dir = tempfile::tempdir().unwrap();
     let (volume, project) = (dir.path().join("v.nrrd"), dir.path().join("p"));

@@ -112,8 +112,7 @@ fn said(state: &State, id: VolumeId) -> Result<SubVolumeSaid, DocumentError> {
 
 /// Bytes of all four fields once all of a box is edited.
 fn most_bytes(of: SubBox, like: &Volume) -> u64 {
-    let texel: usize = FieldKind::ALL.iter().map(|kind| kind.format(like.density.format()).bytes()).sum();
-    of.dims().iter().map(|&d| u64::from(d)).product::<u64>() * texel as u64
+    of.samples() * like.sample_bytes()
 }
 
 /// Memory that the system can give, where it says so.
@@ -205,8 +204,7 @@ fn change(
     let outer = state.at(Some(place.parent))?.volume.clone();
     let lost = carry(state, (id, place), (&outer, place.of), edit)?;
     if lost > 0 && !discard {
-        let expected = "a box that holds all that is edited, or \"discard\": true";
-        return Err(DocumentError::invalid("lo, hi", format!("{lost} edited samples outside of it"), expected));
+        return Err(DocumentError::WouldLose(lost));
     }
     let (inner, beside): (Vec<_>, Vec<_>) =
         placed.others.into_iter().partition(|(other, _)| state.scene.parent_of(*other) == Some(id));

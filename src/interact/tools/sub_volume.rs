@@ -4,14 +4,15 @@
 //! drag is long.
 
 use crate::document::{Command, Scene, Scale, SubVolumeCommand, ViewName};
-use crate::interact::boxes::{Handle, crosses, handles, taken};
+use crate::interact::boxes::{Handle, crosses, edges, handles, taken};
 use crate::interact::context::Context;
 use crate::interact::event::PointerEvent;
 use crate::interact::gesture::{CLICK_PX, Gesture};
 use crate::interact::mark::{Ink, Mark, Pen};
+use crate::interact::readout;
 use crate::interact::slices::CutSlice;
 use crate::interact::tools::{About, Does, Press};
-use crate::math::{DVec2, DVec3};
+use crate::math::{Aabb, Camera, DVec2, DVec3};
 use crate::volume::{Grid, SubBox};
 
 pub(super) const ABOUT: About = About {
@@ -50,7 +51,10 @@ impl Does for SubVolume {
             None => handles(context.scene, context.boxes, &|world| Some(camera.project(world, e.size)?.0)),
         };
         if let Some(handle) = taken(&handles, e.px) {
-            return Press::begins(Face { view: e.view, handle, from: e.px, to: e.px });
+            let of = context.scene.volumes.all.get(&handle.volume).and_then(|v| v.sub_volume).map(|sub| sub.of);
+            let Some(of) = of else { return Press::Looks };
+            let sample_bytes = context.sample_bytes.get(&handle.volume).copied().unwrap_or_default();
+            return Press::begins(Face { view: e.view, handle, of, sample_bytes, from: e.px, to: e.px });
         }
         let about = match (&slice, e.hit) {
             (Some(slice), _) => slice.plane.world(e.px),
@@ -64,8 +68,22 @@ impl Does for SubVolume {
             (Some(slice), _) => slice.plane.mm_per_px,
             (None, hit) => camera.mm_per_pixel(hit.map_or(1.0, |hit| hit.depth_mm), e.size[1]),
         };
-        let (grid, from) = (*context.grid, e.px);
-        Press::begins(New { view: e.view, grid, slice, about, mm_per_px, from, to: from })
+        let scene = context.scene;
+        let active = scene.volumes.active;
+        let there = scene.volumes.all.values().filter_map(|v| v.sub_volume);
+        Press::begins(New {
+            view: e.view,
+            grid: *context.grid,
+            slice,
+            camera: *camera,
+            size: e.size,
+            there: there.filter(|sub| sub.parent == active).map(|sub| sub.of).collect(),
+            sample_bytes: context.sample_bytes.get(&active).copied().unwrap_or_default(),
+            about,
+            mm_per_px,
+            from: e.px,
+            to: e.px,
+        })
     }
 }
 
@@ -76,6 +94,12 @@ struct New {
     /// Of the volume that it is cut out of.
     grid: Grid,
     slice: Option<CutSlice>,
+    camera: Camera,
+    /// Of the view, pixels.
+    size: [u32; 2],
+    /// Boxes that are there already.
+    there: Vec<SubBox>,
+    sample_bytes: u64,
     /// Where the button went down, world mm.
     about: DVec3,
     mm_per_px: f64,
@@ -112,7 +136,10 @@ impl New {
             let from = (middle - half).round().clamp(0.0, (last[a] - 1.0).max(0.0));
             (first[a], end[a]) = (from as u32, (middle + half).round().clamp(from + 1.0, last[a].max(1.0)) as u32);
         }
-        SubBox { lo: first, hi: end, scale: [SCALE; 3] }
+        // Inside of one that is there it is finer than that.
+        let holds = |of: &&SubBox| (0..3).all(|a| of.lo[a] <= first[a] && end[a] <= of.hi[a]);
+        let scale = self.there.iter().find(holds).map_or([SCALE; 3], |of| of.scale.map(|s| (2 * s).min(SubBox::FINEST)));
+        SubBox { lo: first, hi: end, scale }
     }
 }
 
@@ -130,8 +157,8 @@ impl Gesture for New {
         if self.from.distance(self.to) <= CLICK_PX {
             return Vec::new();
         }
-        let SubBox { lo, hi, .. } = self.sub_box();
-        let add = SubVolumeCommand::Add { volume: None, lo, hi, scale: Scale::All(SCALE), name: None };
+        let SubBox { lo, hi, scale } = self.sub_box();
+        let add = SubVolumeCommand::Add { volume: None, lo, hi, scale: Scale::Each(scale), name: None };
         vec![Command::SubVolume(add)]
     }
 
@@ -143,15 +170,16 @@ impl Gesture for New {
         if view != self.view {
             return Vec::new();
         }
-        let ink = Ink::Accent;
-        let (a, b) = (self.from, self.to);
-        match self.slice {
-            Some(_) => {
-                let corners = [a, DVec2::new(b.x, a.y), b, DVec2::new(a.x, b.y)];
-                (0..4).map(|i| Mark::Line { from: corners[i], to: corners[(i + 1) % 4], ink }).collect()
-            }
-            None => vec![Mark::Ring { at: a, radius_px: a.distance(b), ink, faint: false }],
-        }
+        let of = self.sub_box();
+        let centres = Aabb { min: DVec3::from_array(of.lo.map(f64::from)), max: DVec3::from_array(of.hi.map(f64::from)) };
+        let corners = centres.corners().map(|corner| self.grid.world_from_index.transform_point3(corner));
+        let drawn = |world| match &self.slice {
+            Some(slice) => Some(slice.plane.pixel(world)),
+            None => Some(self.camera.project(world, self.size)?.0),
+        };
+        let lines = edges(&corners, &drawn).into_iter().map(|[from, to]| Mark::Line { from, to, ink: Ink::Accent });
+        let text = readout::box_size(&of, self.sample_bytes);
+        lines.chain([Mark::Note { at: self.to, text }]).collect()
     }
 }
 
@@ -160,6 +188,9 @@ impl Gesture for New {
 struct Face {
     view: ViewName,
     handle: Handle,
+    /// The box as it was.
+    of: SubBox,
+    sample_bytes: u64,
     from: DVec2,
     to: DVec2,
 }
@@ -169,6 +200,18 @@ impl Face {
     fn voxels(&self) -> i64 {
         let along = self.handle.voxel_px;
         ((self.to - self.from).dot(along) / along.length_squared()).round() as i64
+    }
+
+    /// The box as the hand has it now.
+    fn sub_box(&self) -> SubBox {
+        let (Handle { axis, last, .. }, mut of) = (self.handle, self.of);
+        let shifted = |v: u32| (i64::from(v) + self.voxels()).clamp(0, i64::from(u32::MAX)) as u32;
+        if last {
+            of.hi[axis] = shifted(of.hi[axis]).max(of.lo[axis] + 1);
+        } else {
+            of.lo[axis] = shifted(of.lo[axis]).min(of.hi[axis] - 1);
+        }
+        of
     }
 }
 
@@ -182,19 +225,12 @@ impl Gesture for Face {
         Vec::new()
     }
 
-    fn commit(self: Box<Self>, _e: &PointerEvent, scene: &Scene) -> Vec<Command> {
-        let Handle { volume, axis, last, .. } = self.handle;
-        let moved = self.voxels();
-        let place = scene.volumes.all.get(&volume).and_then(|v| v.sub_volume);
-        let Some(of) = place.map(|place| place.of).filter(|_| moved != 0) else { return Vec::new() };
-        let (mut lo, mut hi) = (of.lo, of.hi);
-        let shifted = |v: u32| (i64::from(v) + moved).clamp(0, i64::from(u32::MAX)) as u32;
-        if last {
-            hi[axis] = shifted(hi[axis]).max(lo[axis] + 1);
-        } else {
-            lo[axis] = shifted(lo[axis]).min(hi[axis] - 1);
+    fn commit(self: Box<Self>, _e: &PointerEvent, _scene: &Scene) -> Vec<Command> {
+        let of = self.sub_box();
+        if of == self.of {
+            return Vec::new();
         }
-        let (lo, hi) = (Some(lo), Some(hi));
+        let (volume, lo, hi) = (self.handle.volume, Some(of.lo), Some(of.hi));
         vec![Command::SubVolume(SubVolumeCommand::Set { volume, lo, hi, scale: None, discard: false })]
     }
 
@@ -208,6 +244,7 @@ impl Gesture for Face {
         }
         let to = self.handle.at + self.handle.voxel_px * self.voxels() as f64;
         let ring = Mark::Ring { at: to, radius_px: 5.0, ink: Ink::Accent, faint: false };
-        vec![Mark::Line { from: self.handle.at, to, ink: Ink::Accent }, ring]
+        let note = Mark::Note { at: self.to, text: readout::box_size(&self.sub_box(), self.sample_bytes) };
+        vec![Mark::Line { from: self.handle.at, to, ink: Ink::Accent }, ring, note]
     }
 }

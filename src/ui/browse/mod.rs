@@ -11,7 +11,7 @@ pub(crate) mod places;
 pub(crate) mod taking;
 
 pub use listing::{By, Entry, Kind, Listing, Order, Reading};
-pub use names::{date, ends_with, resolve, shown, size, with_ending};
+pub use names::{date, ends_with, resolve, shown, with_ending};
 pub use places::{Place, places};
 
 use crate::io::in_words;

@@ -130,20 +130,6 @@ pub(super) fn in_order(name: &OsStr) -> String {
     key
 }
 
-/// Bytes as a person says them.
-pub fn size(bytes: u64) -> String {
-    const UNITS: [&str; 4] = ["kB", "MB", "GB", "TB"];
-    if bytes < 1000 {
-        return format!("{bytes} B");
-    }
-    let (mut value, mut unit) = (bytes as f64 / 1000.0, 0);
-    while value >= 999.5 && unit + 1 < UNITS.len() {
-        value /= 1000.0;
-        unit += 1;
-    }
-    if value < 9.95 { format!("{value:.1} {}", UNITS[unit]) } else { format!("{value:.0} {}", UNITS[unit]) }
-}
-
 /// When something was: how long ago within a day, else the date.
 pub fn date(at: SystemTime, now: SystemTime) -> String {
     const DAY: Duration = Duration::from_secs(86_400);

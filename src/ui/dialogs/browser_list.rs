@@ -1,7 +1,8 @@
 //! The browser's list as it is drawn: what a folder holds, with size and date, sorted by a click on a column.
 
+use crate::interact::readout::bytes;
 use crate::ui::browse::listing::{By, Entry, Kind, Order, Reading};
-use crate::ui::browse::names::{date, shown, size};
+use crate::ui::browse::names::{date, shown};
 use crate::ui::browse::{Asks, Browser};
 use crate::ui::style::icons;
 use crate::ui::style::icons::Icon;
@@ -115,7 +116,7 @@ fn one_entry(ui: &mut Ui, entry: &Entry, on: bool, now: SystemTime) -> Response 
     let right = rect.right() - 12.0;
     if entry.kind == Kind::File {
         let at = egui::pos2(right - COLUMNS[1] - 10.0, rect.center().y);
-        ui.painter().text(at, Align2::RIGHT_CENTER, size(entry.bytes), font.clone(), theme::TEXT_WEAK);
+        ui.painter().text(at, Align2::RIGHT_CENTER, bytes(entry.bytes), font.clone(), theme::TEXT_WEAK);
     }
     if let Some(changed) = entry.changed {
         let at = egui::pos2(right - COLUMNS[1] + 4.0, rect.center().y);

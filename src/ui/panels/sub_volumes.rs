@@ -24,9 +24,8 @@ impl App {
             let width = ui.available_width();
             line(ui, &format!("Box of {called}"), width, theme::TEXT);
             self.box_fields(ui, id, place);
-            let bytes = place.of.dims().iter().map(|&d| f64::from(d)).product::<f64>() * 9.0;
-            let all = format!("At most {} MB once all of it is edited", readout::fixed(bytes / 1e6, 1, 8));
-            line(ui, &all, width, theme::TEXT_WEAK);
+            let sample_bytes = self.opened().and_then(|open| open.sample_bytes.get(&id).copied()).unwrap_or_default();
+            line(ui, &readout::box_size(&place.of, sample_bytes), width, theme::TEXT_WEAK);
             let parent = self.scene.as_ref().and_then(|scene| volume_name(&scene.volumes, place.parent));
             let bake = format!("Bake into {}", parent.unwrap_or_default());
             let tip = "Adds what was edited here to the coarser voxels and takes the box away; one step of undo";

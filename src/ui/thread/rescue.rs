@@ -3,12 +3,25 @@
 //!
 //! Knows why commands are refused; the question itself is `dialogs`'.
 
-use crate::document::{Command, DensityKeeping, Document, DocumentError, KeepError, ProjectCommand};
+use crate::document::{Command, DensityKeeping, Document, DocumentError, KeepError, ProjectCommand, SubVolumeCommand};
 use crate::ui::thread::session::{Offer, Then};
 use std::any::Any;
 
 /// A way out of a refusal, if there is one beside trying again.
 pub(crate) fn way_out(command: &Command, error: &DocumentError) -> Option<Offer> {
+    if let (Command::SubVolume(SubVolumeCommand::Set { volume, lo, hi, scale, .. }), DocumentError::WouldLose(lost)) =
+        (command, error)
+    {
+        let (volume, lo, hi, scale) = (*volume, *lo, *hi, *scale);
+        let set = SubVolumeCommand::Set { volume, lo, hi, scale, discard: true };
+        return Some(Offer {
+            title: "What was painted outside the smaller box will be lost".into(),
+            text: format!(
+                "{lost} samples of the sub-volume that were edited lie outside of it. Undo brings them back."
+            ),
+            then: Then::Do("Make it smaller".into(), Command::SubVolume(set)),
+        });
+    }
     let DocumentError::Keep(error) = error else { return None };
     match (command, error) {
         (

@@ -92,6 +92,8 @@ pub struct OpenDocument {
     pub centres: BTreeMap<VolumeId, DVec3>,
     /// Corners of the sub-volumes that pictures show, where they lie, world mm.
     pub boxes: Arc<BoxCorners>,
+    /// Bytes that an edited sample takes in each volume.
+    pub sample_bytes: BTreeMap<VolumeId, u64>,
     /// The source's numeric type.
     pub voxel_type: VoxelType,
     /// Of the source's values.

@@ -23,6 +23,7 @@ pub(super) fn open_document(document: &Document, known: Option<&Arc<Histogram>>)
         grid: *subject.grid(),
         centres: state.subjects().map(|s| (s.id, s.volume.grid().world_bounds().centre())).collect(),
         boxes: Arc::new(state.box_corners()),
+        sample_bytes: state.subjects().map(|s| (s.id, s.volume.sample_bytes())).collect(),
         voxel_type: subject.source.voxel_type(),
         statistics: subject.statistics,
         histogram,

@@ -80,7 +80,7 @@ impl App {
     /// Marks in pixels of a view, drawn with a shade where bone and air must both let them be seen.
     fn draw_marks(&self, painter: &Painter, marks: &[Mark], to_screen: &dyn Fn(DVec2) -> Pos2, scale: f32) {
         for mark in marks {
-            match *mark {
+            match mark.clone() {
                 Mark::Line { from, to, ink } => {
                     let line = [to_screen(from), to_screen(to)];
                     painter.line_segment(line, Stroke::new(3.0, Color32::from_black_alpha(160)));
@@ -97,6 +97,14 @@ impl App {
                 }
                 Mark::Dot { at, ink } => {
                     painter.circle_filled(to_screen(at), 1.2, self.ink(ink));
+                }
+                Mark::Note { at, text } => {
+                    let (beside, font) = (to_screen(at) + vec2(14.0, 14.0), FontId::proportional(13.0));
+                    // Never over the picture's right edge or under its lower one.
+                    let size = painter.layout_no_wrap(text.clone(), font.clone(), theme::TEXT).size();
+                    let room = painter.clip_rect().shrink(6.0);
+                    let at = beside.min(room.max - size).max(room.min);
+                    shaded_text(painter, at, Align2::LEFT_TOP, text, font, theme::TEXT);
                 }
                 Mark::Minus { at, ink } => {
                     let (at, half) = (to_screen(at), vec2(4.0, 0.0));

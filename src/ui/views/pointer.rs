@@ -204,6 +204,7 @@ impl App {
                         poses: &open.poses,
                         grid,
                         boxes: &open.boxes,
+                        sample_bytes: &open.sample_bytes,
                         voxel_mm: grid.voxel_mm(),
                     };
                     self.send(Interaction::sized(factor, &context));

@@ -221,7 +221,14 @@ impl App {
         let (Some(scene), Some(open)) = (&self.scene, &self.snapshot.open) else { return };
         let was = self.interaction.gesture().is_some();
         let grid = open.grid;
-        let context = Context { scene, poses: &open.poses, grid: &grid, boxes: &open.boxes, voxel_mm: grid.voxel_mm() };
+        let context = Context {
+            scene,
+            poses: &open.poses,
+            grid: &grid,
+            boxes: &open.boxes,
+            sample_bytes: &open.sample_bytes,
+            voxel_mm: grid.voxel_mm(),
+        };
         let commands = self.interaction.handle(event, &context);
         let is = self.interaction.gesture().is_some();
         if is && !was {
