@@ -156,6 +156,7 @@ pub fn frame(camera: Camera, mode: Mode, shaded: bool, bodies: Vec<Body>) -> Fra
         looks: Vec::new(),
         overlays: Default::default(),
         boxes: Vec::new(),
+        focus: None,
     }
 }
 

@@ -34,6 +34,12 @@ struct View {
     from_b: f32,
     above_c: vec3<u32>,
     from_c: f32,
+    ball_centre: vec3<f32>,     // of a ball that divides rays, world mm as seen from the eye
+    ball_radius: f32,           // mm
+    ball_keeps: u32,            // what of a ray is drawn: KEEPS_BEFORE, KEEPS_INSIDE or KEEPS_BEHIND it
+    unused_a: u32,
+    unused_b: u32,
+    unused_c: u32,
 }
 
 struct CastBody {

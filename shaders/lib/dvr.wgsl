@@ -15,6 +15,9 @@
 #import burin::look::{Matter, integrals_at, shows_between, matter_between, colour_of_entry}
 #endif
 #import burin::light::{gradient_here, slope_of, lit, lit_evenly, facing}
+#ifdef CONTOUR
+#import burin::light::{line_here, line_of_matter}
+#endif
 #import burin::picture::{Picture, object_at}
 #ifdef HOLES
 #import burin::holes::{goes_on, reaches_over, sample_before, texel_before}
@@ -28,10 +31,17 @@ var<private> rgb: vec3<f32>;
 var<private> clear: f32;
 var<private> half_at: f32;
 var<private> half_body: u32;
+#ifdef CONTOUR
+// Opacity of what is drawn, which is less than what matter hides. Where a picture takes several passes lines hide no more than they are.
+var<private> drawn: f32;
+#endif
 
 fn begin(before: Picture) -> bool {
     rgb = before.colour.rgb;
     clear = 1.0 - before.colour.a;
+#ifdef CONTOUR
+    drawn = before.colour.a;
+#endif
     half_at = 0.0;
     half_body = 0u;
     return true;
@@ -224,6 +234,9 @@ fn evaluate(r: BodyRay, run: Run, k: f32, texel: f32, c: vec4<f32>) -> vec4<f32>
     out.a = opacity_of_share(out.a, sample_after(k) - k);
 #endif
     var colour = painted(c.rgb, p, s) * r.tint;
+#ifdef CONTOUR
+    line_of_matter(r, gradient_here(r, run.page, p), texel);
+#endif
 #ifdef LIT
     colour = lit(colour, facing(r, gradient_here(r, run.page, p), texel));
 #endif
@@ -234,7 +247,13 @@ fn evaluate(r: BodyRay, run: Run, k: f32, texel: f32, c: vec4<f32>) -> vec4<f32>
 // Lays colour and opacity behind what is there.
 fn compose(c: vec4<f32>, k: f32) {
     half_at = select(half_at, k, clear > 0.5);
+#ifdef CONTOUR
+    let laid = clear * c.a * line_here();
+    drawn += laid;
+    rgb += laid * c.rgb;
+#else
     rgb += clear * c.a * c.rgb;
+#endif
     clear *= 1.0 - c.a;
 }
 
@@ -250,6 +269,9 @@ fn over(merge: bool) -> bool {
 
 fn end(before: Picture, ray: Ray) -> Picture {
     var picture = Picture(vec4<f32>(rgb, 1.0 - clear), before.depth, before.object);
+#ifdef CONTOUR
+    picture.colour.a = drawn;
+#endif
     if (1.0 - before.colour.a > 0.5 && clear <= 0.5) {
         let r = body_ray(half_body, ray);
         picture.depth = half_at * view.step_mm;

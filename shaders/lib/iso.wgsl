@@ -12,8 +12,14 @@
 #ifdef CUTS
 #import burin::layers::cut_cosine
 #endif
+#ifdef BALL
+#import burin::layers::ball_cosine
+#endif
 #import burin::look::{reaches, may_reach, surface_colour, surface_opacity, painted, look_at}
 #import burin::light::{gradient, selection_gradient, lit, facing}
+#ifdef CONTOUR
+#import burin::light::{line_here, line_of_surface}
+#endif
 #import burin::picture::{Picture, object_at}
 #import burin::span::Run
 
@@ -170,6 +176,12 @@ fn entry_cosine(r: BodyRay, ray: Ray, entry: f32) -> f32 {
         return cut;
     }
 #endif
+#ifdef BALL
+    let ball = ball_cosine(ray, entry);
+    if (ball >= 0.0) {
+        return ball;
+    }
+#endif
     let a = (bodies[r.body].lo - r.o) / r.d;
     let b = (bodies[r.body].hi - r.o) / r.d;
     let near = min(a, b);
@@ -219,15 +231,20 @@ fn surface(r: BodyRay, ray: Ray) -> vec4<f32> {
     // The colour of the surface's value, for caps too.
     var colour = painted(surface_colour(), p, selected(p)) * bodies[r.body].tint;
 #ifdef LIT
-    var cosine = 1.0;
-    if (nearest_caps) {
-        cosine = entry_cosine(r, ray, nearest);
-    } else {
-        cosine = surface_cosine(r, nearest);
-    }
-    colour = lit(colour, cosine);
+    colour = lit(colour, nearest_cosine(r, ray));
+#endif
+#ifdef CONTOUR
+    line_of_surface(nearest_cosine(r, ray));
 #endif
     return vec4<f32>(colour, surface_opacity());
+}
+
+// Cosine between the ray and the normal of the nearest hit.
+fn nearest_cosine(r: BodyRay, ray: Ray) -> f32 {
+    if (nearest_caps) {
+        return entry_cosine(r, ray, nearest);
+    }
+    return surface_cosine(r, nearest);
 }
 
 fn end(before: Picture, ray: Ray) -> Picture {
@@ -235,6 +252,9 @@ fn end(before: Picture, ray: Ray) -> Picture {
     if (nearest < FAR) {
         let r = body_ray(nearest_body, ray);
         picture.colour = vec4<f32>(surface(r, ray).rgb, 1.0);
+#ifdef CONTOUR
+        picture.colour *= line_here();
+#endif
         picture.depth = nearest * view.step_mm;
         picture.object = object_at(nearest_body, r.o + r.d * nearest);
     }

@@ -1,10 +1,15 @@
 #define_import_path burin::layers
 // What was drawn before the rays: opaque meshes end them, closed meshes that cut take spans of them away.
 //
-// Compiled in where a picture has any (OPAQUE, CUTS); without, its functions leave everything as it is.
+// Compiled in where a picture has any (OPAQUE, CUTS); without, its functions leave everything as it is. BALL: of every ray the piece
+// before a ball, inside it or behind it is drawn alone.
 
 #import burin::body::view
 #import burin::picture::Picture
+#ifdef BALL
+#import burin::constants::{FAR, KEEPS_BEFORE, KEEPS_INSIDE}
+#import burin::body::{Ray, ray_through}
+#endif
 
 #ifdef OPAQUE
 @group(3) @binding(0) var opaque_colour: texture_2d<f32>;
@@ -19,6 +24,37 @@
 var<private> pixel: vec2<i32>;
 // Steps to something opaque.
 var<private> far_end: f32;
+#ifdef BALL
+// The piece of the ray that is drawn, in steps.
+var<private> kept: vec2<f32>;
+
+// Where a ray is inside the ball, in steps; x ≥ y where it is not.
+fn ball_span(ray: Ray) -> vec2<f32> {
+    let o = ray.start - view.ball_centre;
+    let nearest = -dot(o, ray.dir);
+    // From the ball's middle straight to the ray: squares of long ways would lose what a short one says.
+    let off = o + ray.dir * nearest;
+    let square = view.ball_radius * view.ball_radius - dot(off, off);
+    let half = sqrt(max(square, 0.0));
+    let span = max(vec2<f32>(nearest - half, nearest + half), vec2<f32>(0.0)) / view.step_mm;
+    return select(vec2<f32>(0.0), span, square > 0.0);
+}
+
+fn keep_piece(ray: Ray) {
+    let ball = ball_span(ray);
+    let met = ball.x < ball.y;
+    let before = vec2<f32>(0.0, select(FAR, ball.x, met));
+    let behind = select(vec2<f32>(0.0), vec2<f32>(ball.y, FAR), met);
+    kept = select(behind, ball, view.ball_keeps == KEEPS_INSIDE);
+    kept = select(kept, before, view.ball_keeps == KEEPS_BEFORE);
+}
+
+// Cosine between the ray and the ball's normal where the piece begins that is drawn; −1 elsewhere.
+fn ball_cosine(ray: Ray, at: f32) -> f32 {
+    let p = ray.start + ray.dir * (at * view.step_mm) - view.ball_centre;
+    return select(-1.0, abs(dot(p, ray.dir)) / view.ball_radius, at == kept.x && at > 0.0);
+}
+#endif
 
 // A pixel begins.
 fn look_at(px: vec2<f32>) {
@@ -30,14 +66,22 @@ fn look_at(px: vec2<f32>) {
     pixel = vec2<i32>(px);
 #endif
 #endif
+#ifdef BALL
+    keep_piece(ray_through(px));
+#endif
 }
 
-// What of an interval lies before everything opaque.
+// What of an interval is drawn: it lies before everything opaque.
 fn in_front(within: vec2<f32>) -> vec2<f32> {
-#ifdef OPAQUE
-    return vec2<f32>(within.x, min(within.y, far_end));
+#ifdef BALL
+    let drawn = vec2<f32>(max(within.x, kept.x), min(within.y, kept.y));
 #else
-    return within;
+    let drawn = within;
+#endif
+#ifdef OPAQUE
+    return vec2<f32>(drawn.x, min(drawn.y, far_end));
+#else
+    return drawn;
 #endif
 }
 
@@ -88,7 +132,10 @@ fn backed(picture: Picture) -> Picture {
     var out = picture;
 #ifdef OPAQUE
 #ifndef CONTINUES
-    let object = textureLoad(opaque_object, pixel, 0).r;
+    var object = textureLoad(opaque_object, pixel, 0).r;
+#ifdef BALL
+    object = select(0u, object, far_end >= kept.x && far_end < kept.y);
+#endif
     if (object != 0u) {
         let clear = 1.0 - picture.colour.a;
         out.colour = vec4<f32>(picture.colour.rgb + clear * textureLoad(opaque_colour, pixel, 0).rgb, 1.0);

@@ -13,6 +13,10 @@
 #import burin::field::{info, enter_volume, brick_of, density_page}
 #endif
 #import burin::look::look_light
+#ifdef CONTOUR
+#import burin::constants::TABLE_LAST
+#import burin::body::table_place
+#endif
 
 fn difference(a: f32, b: f32) -> f32 {
 #ifdef FLOAT_DENSITY
@@ -158,3 +162,35 @@ fn facing(r: BodyRay, g: vec3<f32>, texel: f32) -> f32 {
     // World normal = transpose(index_from_world) · gradient; r.d is index_from_world · ray · step.
     return dot(n, r.d) / (length(n * r.world) * view.step_mm);
 }
+
+#ifdef CONTOUR
+// What is drawn of matter where only its contours are: places that turn away from the eye, (1 − |n·v|)ⁿ, and of them those where
+// density changes, by a window of the gradient's magnitude (after Csébfalvi, Mroz, Hauser, König and Gröller 2001).
+const TURNS: f32 = 3.0;
+// So much of the table in a voxel is a border and no noise.
+const SHARP: f32 = 1.0 / 16.0;
+
+// The share of the place that was met last.
+var<private> line: f32;
+
+fn set_line(share: f32) {
+    line = share;
+}
+
+fn line_here() -> f32 {
+    return line;
+}
+
+// Where a surface is that has this cosine between normal and ray.
+fn line_of_surface(cosine: f32) {
+    line = pow(1.0 - min(abs(cosine), 1.0), TURNS);
+}
+
+// The same inside matter with this gradient, in texels per voxel.
+fn line_of_matter(r: BodyRay, g: vec3<f32>, texel: f32) {
+    let change = abs(table_place(length(g)) - table_place(0.0)) / TABLE_LAST;
+    let window = min(change / SHARP, 1.0);
+    line_of_surface(facing(r, g, texel));
+    line *= window * window;
+}
+#endif

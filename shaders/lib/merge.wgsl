@@ -14,6 +14,9 @@
 #ifdef REFINE
 #import burin::dvr::inside
 #endif
+#ifdef CONTOUR
+#import burin::light::{line_here, set_line}
+#endif
 #import burin::span::{next_sample, run_from}
 #import burin::march::{march, seek, place_found, further, begin_run}
 #ifdef MODES
@@ -47,9 +50,16 @@ const ALONE: f32 = 8.0;
 // Extinction-weighted colour and extinction of a run of samples in which several bodies overlap, and its strongest body.
 var<private> matter: array<vec4<f32>, SHARED_RUN>;
 var<private> strongest: array<vec2<f32>, SHARED_RUN>;
+#ifdef CONTOUR
+// Extinction-weighted share of it that is drawn.
+var<private> lines: array<f32, SHARED_RUN>;
+#endif
 
 fn mix_in(c: vec4<f32>, i: u32, body: u32) {
     let extinction = select(-log(1.0 - c.a), OPAQUE, c.a >= 0.999999);
+#ifdef CONTOUR
+    lines[i] += line_here() * extinction;
+#endif
     matter[i] += vec4<f32>(c.rgb * extinction, extinction);
     if (extinction > strongest[i].x) {
         strongest[i] = vec2<f32>(extinction, f32(body));
@@ -103,6 +113,17 @@ struct Event {
     at: f32,                    // where it lies among the samples of others, in steps; FAR if there is none
     shown_at: f32,              // what depth it tells
     colour: vec4<f32>,
+#ifdef CONTOUR
+    line: f32,                  // how much of it is drawn
+#endif
+}
+
+fn event(at: f32, shown_at: f32, colour: vec4<f32>) -> Event {
+#ifdef CONTOUR
+    return Event(at, shown_at, colour, line_here());
+#else
+    return Event(at, shown_at, colour);
+#endif
 }
 
 // Events that lie no farther apart come in the order of their bodies.
@@ -177,12 +198,13 @@ fn event_of(r: BodyRay, ray: Ray, within: vec2<f32>) -> Event {
     search_pieces(r, ray, within);
 #endif
     if (iso::nearest < FAR) {
-        return Event(iso::nearest, iso::nearest, iso::surface(r, ray));
+        let colour = iso::surface(r, ray);
+        return event(iso::nearest, iso::nearest, colour);
     }
     if (mip::largest > -FAR) {
-        return Event(within.y, mip::largest_at, mip::maximum(r));
+        return event(within.y, mip::largest_at, mip::maximum(r));
     }
-    return Event(FAR, FAR, vec4<f32>(0.0));
+    return event(FAR, FAR, vec4<f32>(0.0));
 }
 #endif
 
@@ -299,6 +321,9 @@ fn march_merged(listed: Listed, ray: Ray) {
         }
         if (first == FAR && next_at < FAR) {
             turn_to(event_body[next]);
+#ifdef CONTOUR
+            set_line(events[next].line);
+#endif
             compose(events[next].colour, events[next].shown_at);
             events[next].at = FAR;
 #ifdef REFINE
@@ -355,6 +380,9 @@ fn march_merged(listed: Listed, ray: Ray) {
             for (var i = 0u; i < SHARED_RUN; i += 1u) {
                 matter[i] = vec4<f32>(0.0);
                 strongest[i] = vec2<f32>(0.0);
+#ifdef CONTOUR
+                lines[i] = 0.0;
+#endif
             }
             for (var j = 0u; j < n; j += 1u) {
 #ifdef MODES
@@ -375,6 +403,9 @@ fn march_merged(listed: Listed, ray: Ray) {
                 let m = matter[i];
                 if (m.a > 0.0 && !clouded()) {
                     turn_to(u32(strongest[i].y));
+#ifdef CONTOUR
+                    set_line(lines[i] / m.a);
+#endif
                     compose(vec4<f32>(m.rgb / m.a, 1.0 - exp(-m.a)), base + f32(i));
                 }
             }

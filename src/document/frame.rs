@@ -144,6 +144,7 @@ impl State {
             looks: Vec::new(),
             overlays,
             boxes: self.boxes(),
+            focus: None,
         };
         rows.put(dressed, &mut frame);
         frame

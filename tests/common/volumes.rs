@@ -84,6 +84,7 @@ pub fn frame(grid: &Grid, transfer: TransferFunction, direction: DVec3, size: [u
         looks: Vec::new(),
         overlays: Default::default(),
         boxes: Vec::new(),
+        focus: None,
     }
 }
 

@@ -94,6 +94,7 @@ fn wanted(state: &State, bodies: Vec<Body>, looks: Vec<Look>) -> Frame {
         layers: Default::default(),
         overlays: (0..3).map(|id| (VolumeId(id), overlay(id))).collect(),
         boxes: Vec::new(),
+        focus: None,
     }
 }
 

@@ -92,7 +92,7 @@ fn parts_of_pictures_points_and_long_rays_are_the_same_in_both_forms() {
         for mode in MODES {
             let view = Frame { mode, ..view.clone() };
             for (origin, size) in [([3.0, 5.0], [1, 1]), ([7.25, 11.5], [23, 3]), ([0.0, 20.0], [45, 9])] {
-                let window = Window { picture: view.size, origin: DVec2::from_array(origin), size };
+                let window = Window { picture: view.size, origin: DVec2::from_array(origin), size, only: None };
                 let [fragments, workgroups] = both(&mut stage, |s| part(s, &view, &window));
                 assert_eq!(fragments, workgroups, "{mode:?} {window:?}");
             }
@@ -135,6 +135,7 @@ fn layers_are_the_same_in_both_forms() {
         }],
         cuts: vec![CutMesh { mesh: cuboid([8.0, 6.0, 5.0]), pose: pose(1.1, DVec3::NEG_Y * 6.0) }],
         clips: vec![Plane::through(centre + DVec3::Z * 9.0, DVec3::new(0.1, 0.2, 1.0)).unwrap()],
+        ball: None,
     };
     for bodies in arrangements(&grid) {
         let mut view = frame(&grid, tissue(), DVec3::new(0.8, -1.4, 0.9), [45, 37]);

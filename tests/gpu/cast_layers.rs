@@ -55,7 +55,7 @@ fn view(grid: &Grid, bodies: Vec<Body>, boxes: &Boxes) -> Frame {
 }
 
 /// One body; parts that moved apart; bodies one in another, so that their intervals are merged.
-fn arrangements(grid: &Grid) -> [Vec<Body>; 3] {
+pub fn arrangements(grid: &Grid) -> [Vec<Body>; 3] {
     let centre = grid.world_bounds().centre();
     let halves = [1.0, -1.0].map(|side| {
         let plane = Plane::through(centre, DVec3::new(0.5, 0.3, 0.8) * side).unwrap();
@@ -166,6 +166,7 @@ fn an_eye_inside_a_cut_or_beside_an_opaque_box_sees_from_there() {
     let bounds = Aabb { min: DVec3::new(-4.0, -5.0, -3.0), max: DVec3::new(6.0, 7.0, 5.0) };
     let ahead = Aabb { min: DVec3::new(2.0, 3.0, -9.0), max: DVec3::new(9.0, 14.0, 0.5) };
     let boxes = Boxes {
+        kept: None,
         opaque: vec![OpaqueBox { id: 7, bounds: ahead, pose: at, colour: [0.3, 0.9, 0.4], lighting: None }],
         cuts: vec![Solid { boxes: vec![(bounds, false)], pose: at }],
     };
@@ -190,7 +191,7 @@ fn layers_act_on_bodies_of_several_looks_and_modes() {
     for bodies in arrangements(&grid) {
         let solid = |(bounds, pose)| Solid { boxes: vec![(bounds, false)], pose };
         let cuts = (0..3).map(|_| solid(random_box(&mut rng, &grid))).collect();
-        let boxes = Boxes { opaque: opaque_boxes(&mut rng, &grid, 1), cuts };
+        let boxes = Boxes { opaque: opaque_boxes(&mut rng, &grid, 1), cuts, kept: None };
         let mut seen = view(&grid, bodies, &boxes);
         let look = |mode, lighting, opacity| Look { transfer: seen.transfer.clone(), mode, lighting, opacity };
         let lit = Some(Lighting::default());
@@ -251,6 +252,7 @@ fn a_cut_beside_a_plane_beside_an_opaque_box_are_one_picture() {
     for bodies in arrangements(&grid) {
         let (bounds, pose) = random_box(&mut rng, &grid);
         let boxes = Boxes {
+            kept: None,
             opaque: opaque_boxes(&mut rng, &grid, 2),
             cuts: vec![Solid { boxes: vec![(bounds, false)], pose }],
         };
@@ -271,6 +273,7 @@ fn layers_that_no_ray_meets_change_no_bit() {
     let aside = Pose { translation: DVec3::splat(4000.0), ..Pose::IDENTITY };
     let bounds = Aabb { min: DVec3::splat(-3.0), max: DVec3::splat(3.0) };
     let boxes = Boxes {
+        kept: None,
         opaque: vec![OpaqueBox { id: 7, bounds, pose: aside, colour: [1.0; 3], lighting: None }],
         cuts: vec![Solid { boxes: vec![(bounds, false)], pose: aside }],
     };
@@ -290,8 +293,11 @@ fn layers_hold_over_many_passes() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);
     let grid = stage.grid;
     let (bounds, pose) = random_box(&mut rng, &grid);
-    let boxes =
-        Boxes { opaque: opaque_boxes(&mut rng, &grid, 2), cuts: vec![Solid { boxes: vec![(bounds, false)], pose }] };
+    let boxes = Boxes {
+        opaque: opaque_boxes(&mut rng, &grid, 2),
+        cuts: vec![Solid { boxes: vec![(bounds, false)], pose }],
+        kept: None,
+    };
     let [whole, _, merged] = arrangements(&grid);
     for (bodies, step_mm) in [(whole, 0.003), (merged, 0.006)] {
         let mut seen = view(&grid, bodies, &boxes);
@@ -313,14 +319,17 @@ fn a_part_of_the_picture_has_the_layers_of_the_whole() {
     let mut rng = ChaCha8Rng::seed_from_u64(9);
     let grid = stage.grid;
     let (bounds, pose) = random_box(&mut rng, &grid);
-    let boxes =
-        Boxes { opaque: opaque_boxes(&mut rng, &grid, 2), cuts: vec![Solid { boxes: vec![(bounds, false)], pose }] };
+    let boxes = Boxes {
+        opaque: opaque_boxes(&mut rng, &grid, 2),
+        cuts: vec![Solid { boxes: vec![(bounds, false)], pose }],
+        kept: None,
+    };
     for mode in MODES {
         let frame = Frame { mode, ..view(&grid, vec![Body::whole(0)], &boxes) };
         let whole = stage.image(&frame);
         let Stage { gpu, pools, caster, grid, fields: [density, colour, selection, labels], .. } = &mut stage;
         let fields = one_volume(grid, density, colour, selection, labels);
-        let window = Window { picture: frame.size, origin: DVec2::new(13.0, 9.0), size: [21, 17] };
+        let window = Window { picture: frame.size, origin: DVec2::new(13.0, 9.0), size: [21, 17], only: None };
         let part = caster.part(gpu, pools, &fields, &frame, &window).unwrap();
         let mut put = whole.clone();
         put.put(&part, [13, 9]);

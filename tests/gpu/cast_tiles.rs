@@ -97,7 +97,7 @@ fn a_tile_lists_every_body_of_its_rays_in_order_of_sight() {
 
 #[test]
 fn a_window_within_a_picture_has_the_same_rays() {
-    let window = Window { picture: [200, 150], origin: DVec2::new(61.5, 40.25), size: [33, 21] };
+    let window = Window { picture: [200, 150], origin: DVec2::new(61.5, 40.25), size: [33, 21], only: None };
     check(&blocks(0.5, 0.2), &cameras()[0], &window);
 }
 

@@ -13,6 +13,7 @@ mod cast_refine;
 mod cast_rings;
 mod cast_tiles;
 mod device;
+mod focus;
 mod in_place;
 mod looks;
 mod many_volumes;

@@ -217,6 +217,11 @@ fn meet<'a>(dense: &'a Dense, frame: &'a Frame, layers: &Boxes, body: &'a Body, 
         }
     }
     met.entry_normal = body.pose.rotation * met.entry_normal;
+    let (from, to, normal) = layers.piece(ray)?;
+    if from > met.entry {
+        (met.entry, met.entry_normal) = (from, normal);
+    }
+    met.exit = met.exit.min(to);
     let far = layers.nearest(ray).map_or(f64::INFINITY, |s| s.depth_mm);
     met.pieces = layers.pieces(ray, (met.entry, met.exit.min(far)), met.entry_normal);
     (!met.pieces.is_empty()).then_some(met)
@@ -498,7 +503,9 @@ fn pixel_among(dense: &Dense, frame: &Frame, layers: &Boxes, px: DVec2) -> Pixel
     } else {
         modes(frame, met, &ray)
     };
-    let Some(back) = layers.nearest(&ray) else { return front };
+    let drawn =
+        |back: &Pixel| layers.piece(&ray).is_some_and(|(from, to, _)| from <= back.depth_mm && back.depth_mm < to);
+    let Some(back) = layers.nearest(&ray).filter(drawn) else { return front };
     let clear = 1.0 - front.colour[3];
     let colour = std::array::from_fn(|i| front.colour[i] + clear * back.colour[i]);
     // A pixel is where its opacity reaches ½.

@@ -1,7 +1,7 @@
 //! Boxes among what a ray meets, by the geometry of slabs in f64: opaque ones, and solids made of boxes that cut.
 
 use super::reference::Pixel;
-use burin::gpu::{CutMesh, Layers, OpaqueMesh};
+use burin::gpu::{CutMesh, Keeps, Layers, OpaqueMesh};
 use burin::math::{Aabb, DVec3, Pose, Ray};
 use burin::mesh::TriangleMesh;
 use burin::volume::Lighting;
@@ -29,6 +29,8 @@ pub struct Solid {
 pub struct Boxes {
     pub opaque: Vec<OpaqueBox>,
     pub cuts: Vec<Solid>,
+    /// A ball, in world mm, and the piece of every ray that is drawn.
+    pub kept: Option<(DVec3, f64, Keeps)>,
 }
 
 /// Where a ray is inside a box, and the outward normals there, in the box's space.
@@ -66,6 +68,25 @@ impl Boxes {
             rgb = rgb.map(|x| x * (f64::from(l.ambient) + f64::from(l.diffuse) * c) + white);
         }
         Some(Pixel { colour: [rgb[0], rgb[1], rgb[2], 1.0], depth_mm: t, object: o.id + 1 })
+    }
+
+    /// The piece of a ray that is drawn, and the ball's outward normal where it begins at the ball.
+    pub fn piece(&self, ray: &Ray) -> Option<(f64, f64, DVec3)> {
+        let Some((centre, radius, keeps)) = self.kept else { return Some((0.0, f64::INFINITY, DVec3::ZERO)) };
+        // |o + t·d|² = r²
+        let o = ray.origin - centre;
+        let (b, c) = (o.dot(ray.dir), o.dot(o) - radius * radius);
+        let root = (b * b - c).sqrt();
+        let met = root > 0.0 && -b + root > 0.0;
+        let normal = |t: f64| if t > 0.0 { (ray.at(t) - centre) / radius } else { DVec3::ZERO };
+        let ends = [(-b - root).max(0.0), -b + root];
+        match (keeps, met) {
+            (Keeps::Before, false) => Some((0.0, f64::INFINITY, DVec3::ZERO)),
+            (Keeps::Before, true) => Some((0.0, ends[0], DVec3::ZERO)),
+            (Keeps::Inside, true) => Some((ends[0], ends[1], normal(ends[0]))),
+            (Keeps::Behind, true) => Some((ends[1], f64::INFINITY, normal(ends[1]))),
+            (Keeps::Inside | Keeps::Behind, false) => None,
+        }
     }
 
     /// Whether a place of a ray is cut away.
@@ -111,7 +132,7 @@ impl Boxes {
             lighting: o.lighting,
         });
         let cuts = self.cuts.iter().map(|s| CutMesh { mesh: Arc::new(joined(&s.boxes)), pose: s.pose });
-        Layers { opaque: opaque.collect(), cuts: cuts.collect(), clips: Vec::new() }
+        Layers { opaque: opaque.collect(), cuts: cuts.collect(), clips: Vec::new(), ball: None }
     }
 }
 

@@ -12,8 +12,8 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 /// A parent and boxes of it.
-struct Family {
-    volumes: Vec<Volume>,
+pub struct Family {
+    pub volumes: Vec<Volume>,
     boxes: Vec<FineBox>,
 }
 
@@ -33,7 +33,7 @@ fn waves([x, y, z]: [u32; 3]) -> u16 {
 }
 
 impl Family {
-    fn new(dims: [u32; 3], of: &[SubBox]) -> Self {
+    pub fn new(dims: [u32; 3], of: &[SubBox]) -> Self {
         let parent = parent(dims, waves);
         let shared = Arc::new(parent.clone());
         let mut family = Self { volumes: vec![parent], boxes: Vec::new() };
@@ -45,7 +45,7 @@ impl Family {
         family
     }
 
-    fn fields(&self) -> Fields<'_> {
+    pub fn fields(&self) -> Fields<'_> {
         let mut fields = Fields::default();
         for (i, v) in (0..).zip(&self.volumes) {
             let [density, colour, selection, labels] = FieldKind::ALL.map(|kind| v.field(kind));
@@ -55,7 +55,7 @@ impl Family {
     }
 
     /// The picture with the boxes: all bodies of the parent are the boxes' too.
-    fn with_boxes(&self, plain: &Frame) -> Frame {
+    pub fn with_boxes(&self, plain: &Frame) -> Frame {
         let of_box = |b: &FineBox| plain.bodies.iter().map(|body| Body { volume: b.volume, ..body.clone() }).collect();
         let bodies = self.boxes.iter().flat_map(|b| -> Vec<Body> { of_box(b) });
         Frame {
@@ -134,8 +134,8 @@ fn worst(a: &Image, b: &Image) -> f32 {
     pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max) * 255.0
 }
 
-const DIMS: [u32; 3] = [44, 40, 36];
-const INNER: SubBox = SubBox { lo: [12, 20, 10], hi: [26, 34, 24], scale: [4; 3] };
+pub const DIMS: [u32; 3] = [44, 40, 36];
+pub const INNER: SubBox = SubBox { lo: [12, 20, 10], hi: [26, 34, 24], scale: [4; 3] };
 
 #[test]
 fn rays_through_a_box_agree_with_the_equations_and_others_do_not_change_by_a_bit() {

@@ -153,7 +153,13 @@ impl Graphics {
         self.with(state, "a picture", |t, painter, fields| {
             painter.follow(&mut t.pools, fields)?;
             t.pools.bound_uploads(None);
-            t.caster.part(&t.gpu, &mut t.pools, fields, frame, &Window { picture: frame.size, origin, size })
+            t.caster.part(
+                &t.gpu,
+                &mut t.pools,
+                fields,
+                frame,
+                &Window { picture: frame.size, origin, size, only: None },
+            )
         })
     }
 
@@ -167,7 +173,7 @@ impl Graphics {
     ) -> Result<Image, DocumentError> {
         let [origin, extent] = [corner, size].map(|[x, y]| DVec2::new(f64::from(x), f64::from(y)));
         let area = Area { lo: origin, hi: origin + extent };
-        let window = Window { picture: frame.size, origin, size };
+        let window = Window { picture: frame.size, origin, size, only: None };
         self.with(state, "a picture", |t, painter, fields| {
             let Tools { gpu, pools, caster, .. } = t;
             pools.bound_uploads(None);

@@ -3,6 +3,7 @@
 //! Owns group 0 and what the kernel is compiled for: mode, light, painted fields and merging, instead of branching. Frames become
 //! numbers in `uniforms`; what a pixel costs is in `shaders/cast/picture.wgsl` (after Bruckner and Gröller 2006, section 4).
 
+use crate::gpu::cast::focus::draw_focused;
 use crate::gpu::cast::forms::{Begins, Form, Forms, Groups, Share, Work};
 use crate::gpu::cast::higher::Higher;
 use crate::gpu::cast::holes::{Hole, bounds_of, boxed_bodies, lay_through};
@@ -113,7 +114,7 @@ impl Caster {
         rows: std::ops::Range<u32>,
     ) -> Result<Image, GpuError> {
         let size = [frame.size[0], rows.end.min(frame.size[1]).saturating_sub(rows.start)];
-        let window = Window { picture: frame.size, origin: DVec2::new(0.0, f64::from(rows.start)), size };
+        let window = Window { picture: frame.size, origin: DVec2::new(0.0, f64::from(rows.start)), size, only: None };
         self.part(gpu, pools, fields, frame, &window)
     }
 
@@ -145,6 +146,22 @@ impl Caster {
         frame: &Frame,
         window: &Window,
     ) -> Result<Image, GpuError> {
+        let mut draw = |frame: &Frame, window: &Window| self.all_alike(gpu, pools, fields, frame, window);
+        match &frame.focus {
+            Some(focus) if focus.changes() => draw_focused(focus, frame, window, &mut draw),
+            _ => draw(frame, window),
+        }
+    }
+
+    /// A picture without a focus.
+    fn all_alike(
+        &mut self,
+        gpu: &Gpu,
+        pools: &mut FieldPools,
+        fields: &Fields<'_>,
+        frame: &Frame,
+        window: &Window,
+    ) -> Result<Image, GpuError> {
         // What no finer box is met in is drawn as if there were none: those pixels do not change by a bit.
         let plain = frame.without_boxes();
         let mut drawn = unite(&plain, fields, pools, self.shortcuts)?;
@@ -152,7 +169,7 @@ impl Caster {
         if !frame.boxes.is_empty() {
             let inside = Frame { bodies: boxed_bodies(frame), ..frame.clone() };
             let fine = unite(&inside, fields, pools, self.shortcuts)?;
-            let around = bounds_of(&fine, frame, window);
+            let around = bounds_of(fine.iter().map(|d| &d.solid), &frame.camera, window);
             drawn.extend(fine);
             if let Some((around, at)) = around {
                 let (through, of_through) = self.picture(gpu, pools, fields, frame, &drawn, &around)?;
@@ -301,7 +318,9 @@ impl Caster {
         let tinted = drawn.iter().any(|d| d.tint.is_some());
         let (dvr, iso) = (looks.kind == Kind::Dvr, looks.kind == Kind::Iso);
         let modes = looks.kind == Kind::Modes;
-        let dear = lit || tinted || colour || labels || selection;
+        let ball = frame.layers.ball;
+        let contour = ball.is_some_and(|b| b.contour);
+        let dear = lit || contour || tinted || colour || labels || selection;
         let holes = !frame.boxes.is_empty();
         let staged = iso || modes || (dvr && (looks.refines || dear || holes));
         let own = [
@@ -328,6 +347,8 @@ impl Caster {
             ("UP_TO_ALL", capacity == MOST_BODIES),
             ("RESUME", resume),
             ("CONTINUES", continues),
+            ("BALL", ball.is_some()),
+            ("CONTOUR", contour),
             ("PLAIN", !self.shortcuts),
         ];
         let own = own.into_iter().filter(|c| c.1).map(|c| c.0);

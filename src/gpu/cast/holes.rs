@@ -4,6 +4,7 @@
 //! by that one entry, so that neither a gap nor an overlap is left between them. What rays do there is in `shaders/lib/holes.wgsl`.
 
 use crate::gpu::cast::merging::MergedBody;
+use crate::gpu::cast::solid::Polyhedron;
 use crate::gpu::cast::tiles::{Window, spans};
 use crate::gpu::device::constants::{MOST_HOLES, THROUGH_HOLE, TILE};
 use crate::gpu::device::error::GpuError;
@@ -11,7 +12,7 @@ use crate::gpu::fields::pools::FieldPools;
 use crate::gpu::fields::volumes::Fields;
 use crate::gpu::picture::frame::{Body, Frame};
 use crate::gpu::picture::image::Image;
-use crate::math::{DAffine3, DVec2, DVec3, Pose};
+use crate::math::{Camera, DAffine3, DVec2, DVec3, Pose};
 use crate::shared_struct;
 use crate::volume::VolumeId;
 use std::ops::Range;
@@ -138,12 +139,16 @@ pub(crate) fn boxed_bodies(frame: &Frame) -> Vec<Body> {
     frame.bodies.iter().filter(|body| frame.is_boxed(body.volume)).cloned().collect()
 }
 
-/// What of a window bodies show in, as a window of its own, and its first pixel in the other; `None` if they do not.
-pub(crate) fn bounds_of(drawn: &[MergedBody], frame: &Frame, window: &Window) -> Option<(Window, [u32; 2])> {
+/// What of a window solids show in, as a window of its own, and its first pixel in the other; `None` if they do not.
+pub(crate) fn bounds_of<'a>(
+    solids: impl IntoIterator<Item = &'a Polyhedron>,
+    camera: &Camera,
+    window: &Window,
+) -> Option<(Window, [u32; 2])> {
     let dims = window.size.map(|s| s.div_ceil(TILE));
     let mut around: Option<[u32; 4]> = None;
-    for d in drawn {
-        for (y, span) in (0..).zip(spans(&d.solid, &frame.camera, window, dims)) {
+    for solid in solids {
+        for (y, span) in (0..).zip(spans(solid, camera, window, dims)) {
             let Some((first, last)) = span else { continue };
             let [left, top, right, bottom] = around.unwrap_or([first, y, last, y]);
             around = Some([left.min(first), top.min(y), right.max(last), bottom.max(y)]);
@@ -152,7 +157,7 @@ pub(crate) fn bounds_of(drawn: &[MergedBody], frame: &Frame, window: &Window) ->
     let [left, top, right, bottom] = around?.map(|tile| tile * TILE);
     let size = [(right + TILE).min(window.size[0]) - left, (bottom + TILE).min(window.size[1]) - top];
     let origin = window.origin + DVec2::new(f64::from(left), f64::from(top));
-    Some((Window { origin, size, ..*window }, [left, top]))
+    Some((Window { origin, size, only: None, ..*window }, [left, top]))
 }
 
 /// Lays the pixels of one picture whose rays meet a box over those of another, from its pixel `at` on.

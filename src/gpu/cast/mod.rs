@@ -4,6 +4,7 @@
 
 pub(crate) mod caster;
 pub(crate) mod counting;
+pub(crate) mod focus;
 pub(crate) mod forms;
 pub(crate) mod higher;
 pub mod holes;

@@ -48,7 +48,7 @@ impl Caster {
         frame: &Frame,
         px: DVec2,
     ) -> Result<Option<Hit>, GpuError> {
-        let window = Window { picture: frame.size, origin: px - 0.5, size: [1; 2] };
+        let window = Window { picture: frame.size, origin: px - 0.5, size: [1; 2], only: None };
         let image = self.part(gpu, pools, fields, frame, &window)?;
         Ok(hit(frame, &image, 0, px, frame.size))
     }
@@ -79,7 +79,7 @@ impl Caster {
         for begin in (0..count).step_by(ROW as usize) {
             let size = [ROW.min(count - begin), 1];
             let origin = first + DVec2::new(f64::from(begin) + 1.0, 0.0) - 0.5;
-            let window = Window { picture: TURNED, origin, size };
+            let window = Window { picture: TURNED, origin, size, only: None };
             let image = self.part_as_held(gpu, pools, fields, &frame, &window)?;
             hits.extend((0..size[0]).map(|i| {
                 let px = origin + DVec2::new(f64::from(i) + 0.5, 0.5);

@@ -20,12 +20,20 @@ pub struct Window {
     pub origin: DVec2,
     /// Size of the rectangle in pixels.
     pub size: [u32; 2],
+    /// Nothing is drawn but tiles that hold pixels of the rectangle from the first of these on and before the second.
+    pub only: Option<[[u32; 2]; 2]>,
 }
 
 impl Window {
+    /// Whether a tile is drawn, by its number in rows of so many.
+    fn draws(&self, tile: u32, across: u32) -> bool {
+        let first = [tile % across, tile / across].map(|t| t * TILE);
+        self.only.is_none_or(|[lo, hi]| (0..2).all(|a| first[a] + TILE > lo[a] && first[a] < hi[a]))
+    }
+
     /// The whole picture.
     pub fn whole(picture: [u32; 2]) -> Self {
-        Self { picture, origin: DVec2::ZERO, size: picture }
+        Self { picture, origin: DVec2::ZERO, size: picture, only: None }
     }
 }
 
@@ -64,7 +72,10 @@ impl Tiles {
             let longest = if clash { &mut tiles.longest_merged } else { &mut tiles.longest_ordered };
             *longest = (*longest).max(list.len());
             let mark = if clash { MERGE_MARK } else { 0 };
-            tiles.heads.push([tiles.lists.len() as u32, list.len() as u32 | mark]);
+            // How long lists are says what pictures are compiled for: that is asked of all tiles, drawn or not.
+            let drawn = window.draws(tiles.heads.len() as u32, dims[0]);
+            let count = if drawn { list.len() as u32 | mark } else { 0 };
+            tiles.heads.push([tiles.lists.len() as u32, count]);
             tiles.lists.extend(list);
         }
         tiles

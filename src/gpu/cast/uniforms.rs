@@ -72,6 +72,18 @@ shared_struct! {
         pub above_c: [u32; 3],
         /// A still greater texel, or FAR.
         pub from_c: f32,
+        /// Of a ball that divides rays, as seen from the eye.
+        pub ball_centre: [f32; 3],
+        /// mm.
+        pub ball_radius: f32,
+        /// What of a ray is drawn.
+        pub ball_keeps: u32,
+        /// Unused.
+        pub unused_a: u32,
+        /// Unused.
+        pub unused_b: u32,
+        /// Unused.
+        pub unused_c: u32,
     }
 }
 
@@ -260,6 +272,7 @@ fn view(frame: &Frame, window: &Window, first: Option<&MergedBody>, pools: &Fiel
     let corner = forward + right * ((window.origin.x - 0.5 * w) * pixel) + up * ((0.5 * h - window.origin.y) * pixel);
     let Overlay { colour, labels, selection, selection_colour, .. } = *overlay;
     let light = look.lighting.unwrap_or_default();
+    let ball = frame.layers.ball.as_ref();
     View {
         corner: narrow(corner),
         step_mm: frame.step_mm as f32,
@@ -286,6 +299,12 @@ fn view(frame: &Frame, window: &Window, first: Option<&MergedBody>, pools: &Fiel
         from_b: FAR,
         above_c: [0; 3],
         from_c: FAR,
+        ball_centre: ball.map_or([0.0; 3], |b| narrow(b.centre - camera.eye)),
+        ball_radius: ball.map_or(0.0, |b| b.radius_mm as f32),
+        ball_keeps: ball.map_or(0, |b| b.keeps.number()),
+        unused_a: 0,
+        unused_b: 0,
+        unused_c: 0,
     }
 }
 

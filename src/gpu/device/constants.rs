@@ -67,6 +67,12 @@ shared! {
     MASK_SELECTION: u32 = 1;
     /// A body takes the share that is not selected.
     MASK_BACKGROUND: u32 = 2;
+    /// Of every ray what lies before a ball is drawn, and all of one that misses it.
+    KEEPS_BEFORE: u32 = 0;
+    /// What lies inside it.
+    KEEPS_INSIDE: u32 = 1;
+    /// What lies behind it; nothing of a ray that misses it.
+    KEEPS_BEHIND: u32 = 2;
     /// Transmittance under which a ray ends.
     CLEAR_END: f32 = 1.0 / 256.0;
     /// Dabs of one dispatch of the brush.

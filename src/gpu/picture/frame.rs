@@ -3,6 +3,7 @@
 //! A body is a space (its pose), a convex region of the volume, an optional mask and a look. Parts, the posed selection and
 //! the plain volume are all bodies. Nothing here knows how they are marched.
 
+use crate::gpu::picture::focus::Focus;
 use crate::gpu::picture::layer::Layers;
 use crate::math::{Camera, Plane, Pose};
 use crate::volume::{Lighting, Mode, Segments, SubBox, TransferFunction, VolumeId};
@@ -181,6 +182,8 @@ pub struct Frame {
     pub overlays: BTreeMap<VolumeId, Overlay>,
     /// Volumes that fill boxes of others; a host stands before what fills it.
     pub boxes: Vec<FineBox>,
+    /// What alone is drawn as it is, if not all of it.
+    pub focus: Option<Focus>,
 }
 
 impl Frame {

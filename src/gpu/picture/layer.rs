@@ -2,7 +2,8 @@
 //!
 //! Plain data. Layers stand in the world as posed and act on all bodies, exploded ones too. Knows nothing of how they are drawn.
 
-use crate::math::{Plane, Pose};
+use crate::gpu::device::constants::{KEEPS_BEFORE, KEEPS_BEHIND, KEEPS_INSIDE};
+use crate::math::{DVec3, Plane, Pose};
 use crate::mesh::TriangleMesh;
 use crate::volume::Lighting;
 use std::sync::Arc;
@@ -31,6 +32,42 @@ pub struct CutMesh {
     pub pose: Pose,
 }
 
+/// A ball that divides every ray into the pieces before it, inside it and behind it, of which one is drawn. A surface is capped where
+/// it begins at the ball.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ball {
+    /// World mm, as posed.
+    pub centre: DVec3,
+    /// Positive.
+    pub radius_mm: f64,
+    /// The piece.
+    pub keeps: Keeps,
+    /// Whether only contours of it are drawn.
+    pub contour: bool,
+}
+
+/// A piece of a ray. One that misses the ball lies before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keeps {
+    /// Up to the ball.
+    Before,
+    /// In it.
+    Inside,
+    /// From where the ray leaves it.
+    Behind,
+}
+
+impl Keeps {
+    /// As shaders have it.
+    pub(crate) fn number(self) -> u32 {
+        match self {
+            Self::Before => KEEPS_BEFORE,
+            Self::Inside => KEEPS_INSIDE,
+            Self::Behind => KEEPS_BEHIND,
+        }
+    }
+}
+
 /// The layers of a frame; `Default` has none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layers {
@@ -40,4 +77,6 @@ pub struct Layers {
     pub cuts: Vec<CutMesh>,
     /// Of bodies only what lies on the inner side of all of them is there. World mm.
     pub clips: Vec<Plane>,
+    /// Of every ray only a piece is drawn.
+    pub ball: Option<Ball>,
 }
