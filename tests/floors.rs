@@ -61,7 +61,7 @@ const INNER: &[(&str, &[&[&str]])] = &[
             &["history"],
             &["project", "reduce"],
             &["journal", "paths", "look_rows"],
-            &["frame"],
+            &["frame", "family"],
             &["live"],
             &["mod"],
             &["place"],

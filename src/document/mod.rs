@@ -10,6 +10,7 @@ mod apply;
 mod command;
 pub mod disk;
 mod error;
+mod family;
 mod frame;
 mod history;
 pub(crate) mod journal;

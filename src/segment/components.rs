@@ -131,6 +131,11 @@ impl Components {
         self.beside(index, [0; 3])
     }
 
+    /// Voxels of a brick along each axis.
+    pub(super) fn valid(&self, index: BrickIndex) -> [u32; 3] {
+        valid(index, self.dims)
+    }
+
     /// How many there are.
     pub fn len(&self) -> usize {
         self.sizes.len()

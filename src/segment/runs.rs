@@ -36,6 +36,15 @@ const STEPS: [[i32; 3]; 13] = [
 ];
 
 impl Connectivity {
+    /// Along how many axes neighbours lie apart at most.
+    pub(super) fn most(self) -> u32 {
+        match self {
+            Self::Six => 1,
+            Self::Eighteen => 2,
+            Self::TwentySix => 3,
+        }
+    }
+
     /// From a voxel to half of its neighbours.
     pub(super) fn steps(self) -> &'static [[i32; 3]] {
         match self {

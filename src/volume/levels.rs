@@ -13,10 +13,19 @@ use crate::volume::pyramid::{About, coarsen, renew, summarise};
 use crate::volume::source::{BrickSource, SourceError};
 use crate::volume::texel::DensityMap;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 impl Field {
+    /// Changes that make these all that a field without a source holds.
+    #[must_use]
+    pub fn replaced_by(&self, mut changes: Changes) -> Changes {
+        let given: BTreeSet<BrickIndex> = changes.iter().map(|(index, _)| *index).collect();
+        let gone = self.present().into_iter().filter(|index| !given.contains(index));
+        changes.extend(gone.map(|index| (index, self.nothing())));
+        changes
+    }
+
     /// The density of a source. Reads all of it once, brick by brick, for the coarser levels and the summaries.
     /// `progress` gets the share done and answers whether to go on.
     ///

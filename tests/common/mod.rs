@@ -4,6 +4,7 @@ pub mod falloffs;
 pub mod gpu;
 pub mod one;
 pub mod oracle;
+pub mod raster;
 pub mod volumes;
 
 use std::path::{Path, PathBuf};

@@ -7,6 +7,7 @@ mod boxes;
 mod brushes;
 mod colours;
 mod connected;
+mod connected_across;
 mod connected_kept;
 mod connected_shown;
 mod doors;

@@ -121,8 +121,10 @@ fn a_box_grows_without_loss_and_shrinks_only_when_told_to() {
 fn what_was_painted_on_the_parent_later_changes_of_a_box_its_faces_alone() {
     let mut document = labelled();
     does(&mut document, add([0, 0, 0], [40, 20, 12], 2));
+    // What is not seen is not painted with what it is cut out of.
+    does(&mut document, json!({"volume": {"set": {"volume": 1, "visible": false}}}));
     let (all, before) = (texels(&document), inside(&document));
-    does(&mut document, json!({"selection": {"from_label": {"label": 1, "volume": 0}}}));
+    does(&mut document, json!({"component": {"select": {"volume": 0, "matter": {"range": [0, 250]}, "how": "add"}}}));
     assert!(inside(&document) == before, "half a voxel from the faces on it is as it was");
     // On a face a sample at a voxel's centre is that voxel.
     let state = document.state().unwrap();

@@ -1,3 +1,4 @@
 //! What is connected, and surfaces of fields, against plain reckoning.
 
 mod components;
+mod joined;

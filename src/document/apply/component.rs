@@ -1,14 +1,15 @@
-//! Commands on what is connected: which voxels those are, and what becomes of them.
+//! Commands on what is connected: what becomes of it.
 //!
-//! What is connected is found in the whole region that is meant and decided by [`Components`] alone. Only bricks in which something
-//! becomes other are exchanged, so that undoing costs what changed.
+//! What is connected is found in the whole region that is meant, over the faces of sub-volumes too (`apply/connected.rs`). Only bricks in
+//! which something becomes other are exchanged, so that undoing costs what changed; voxels that are not meant keep every bit.
 
 use crate::document::Document;
-use crate::document::apply::matter::{Meant, filled};
+use crate::document::apply::connected::{Found, find};
+use crate::document::apply::matter::{Voxels, filled, selects};
 use crate::document::command::Place;
-use crate::document::command::answers::{ComponentSaid, Said};
+use crate::document::command::answers::{ComponentOnSaid, ComponentSaid, Said};
 use crate::document::command::component::{
-    ComponentCommand, Connected, Isolation, Joining, Labelling, Matter, Selecting, Within,
+    ComponentCommand, Connected, Isolation, Joining, Labelling, Selecting, Within,
 };
 use crate::document::error::DocumentError;
 use crate::document::history::edit::Edit;
@@ -17,61 +18,53 @@ use crate::document::reduce::place::place_in;
 use crate::document::scene::check::finite;
 use crate::document::state::State;
 use crate::document::subject::Subject;
-use crate::math::{DVec2, DVec3};
+use crate::math::DVec2;
 use crate::paint::{Brush, EraseDensity, Falloff, Operation, Reach, Target};
-use crate::segment::{BrickMask, ComponentId, Components, Connectivity};
+use crate::segment::BrickMask;
 use crate::volume::{
-    BRICK, Brick, BrickIndex, BrickKey, Changes, Field, FieldKey, FieldKind, Grid, SourceError, VolumeId,
+    BRICK, Brick, BrickIndex, BrickKey, Changes, DensityMap, Field, FieldKey, FieldKind, SourceError, VolumeId,
 };
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 
-/// What is connected, and which of it was picked.
-struct Found {
-    components: Components,
-    picked: ComponentId,
-}
+/// Voxels of one volume after another.
+type OfVolumes = Vec<(VolumeId, Voxels)>;
 
 impl Document {
     pub(crate) fn component(&mut self, command: &ComponentCommand, edit: &mut Edit) -> Result<Said, DocumentError> {
         let watch = self.watch.clone();
         let state = self.open_mut()?;
         let connected = command.connected();
-        let subject = state.at(connected.volume)?;
-        let id = subject.id;
-        let selected = match command {
+        // What is connected does not end at the faces of a sub-volume.
+        let id = state.with_all_inside(connected.volume)?[0];
+        let family = state.family(id)?;
+        let within = match (connected.within, command) {
+            (Some(within), _) => within,
             // What is selected does not keep more from being selected.
-            ComponentCommand::Select(_) => Within::Volume,
-            _ if subject.selection.extremes()[1] >= 0.5 => Within::Selection,
-            _ => Within::Volume,
+            (None, ComponentCommand::Select(_)) => Within::Volume,
+            (None, _) if selects(state, &family)? => Within::Selection,
+            (None, _) => Within::Volume,
         };
-        let found = find(&subject, &connected, connected.within.unwrap_or(selected), &|x| watch.proceed(x * 0.9))?;
-        let said = ComponentSaid {
-            volume: id,
-            voxels: found.components.size(found.picked),
-            components: found.components.len(),
-            value: None,
-            kept_locked: None,
-            nothing: None,
-        };
+        let found = find(state, family, &connected, within, &|x| watch.proceed(x * 0.9))?;
+        let said = said(&found);
         let (said, nothing) = match command {
             ComponentCommand::Keep(removal) => {
-                let value = remove(state, id, removal, found.voxels(false), edit)?;
+                let value = remove(state, removal, found.of_volumes(false), edit)?;
                 (
                     ComponentSaid { value: Some(value), ..said },
                     "All of it is connected: there is nothing else to remove.",
                 )
             }
             ComponentCommand::Remove(removal) => {
-                let value = remove(state, id, removal, found.voxels(true), edit)?;
+                let value = remove(state, removal, found.of_volumes(true), edit)?;
                 (ComponentSaid { value: Some(value), ..said }, "It has the value that removes already.")
             }
             ComponentCommand::Select(Selecting { how, .. }) => {
-                select(state, id, *how, found.voxels(true), edit)?;
+                select(state, id, *how, found.of_volumes(true), edit)?;
                 (said, "The selection is so already.")
             }
             ComponentCommand::Label(Labelling { label, .. }) => {
-                let kept_locked = relabel(state, id, *label, &found.voxels(true), edit)?;
+                let kept_locked = relabel(state, *label, &found.of_volumes(true), edit)?;
                 let said = ComponentSaid { kept_locked: Some(kept_locked), ..said };
                 let nothing = match (kept_locked, label) {
                     (0, 0) => "It has no label.",
@@ -85,7 +78,8 @@ impl Document {
         Ok(ComponentSaid { nothing, ..said }.into())
     }
 
-    /// The command with a pixel of the 3D view put in mm, and the volume that shows there named where none is.
+    /// The command with a pixel of the 3D view put in mm, and the volume that shows there named where none is: the whole one, where it is
+    /// a sub-volume that shows.
     ///
     /// # Errors
     /// If nothing shows there, or there is no GPU to look with.
@@ -101,94 +95,31 @@ impl Document {
         }
         let Place::Pixel { px, size, .. } = at else { return Ok(command) };
         let hit = self.pick(DVec2::from_array(px), size)?.ok_or_else(|| nothing_there("at", at))?;
-        Ok(command.put(Some(Place::Mm(hit.rest.to_array())), volume.or(hit.object.volume())))
+        let scene = &self.open()?.scene;
+        let shown = hit.object.volume().map(|shown| scene.root_of(shown));
+        Ok(command.put(Some(Place::Mm(hit.rest.to_array())), volume.or(shown)))
     }
 }
 
-impl Found {
-    /// The voxels of the picked component, or those of all others.
-    fn voxels(&self, picked: bool) -> Vec<(BrickIndex, BrickMask)> {
-        self.components.voxels(|id| (id == self.picked) == picked)
-    }
+fn ids(voxels: &OfVolumes) -> Vec<VolumeId> {
+    voxels.iter().map(|(id, _)| *id).collect()
 }
 
-/// What is connected where the command says, and which of it is at its place.
-fn find(
-    subject: &Subject<'_>,
-    connected: &Connected,
-    within: Within,
-    progress: &(dyn Fn(f32) -> bool + Sync),
-) -> Result<Found, DocumentError> {
-    if let Matter::Range([lo, hi]) = connected.matter
-        && (lo.is_nan() || hi.is_nan() || lo > hi)
-    {
-        let found = format!("[{lo}, {hi}]");
-        return Err(DocumentError::invalid("matter.range", found, "two values, the smaller first"));
+/// What is told of the component that was picked.
+fn said(found: &Found) -> ComponentSaid {
+    let of = |(volume, voxels): (VolumeId, u64)| ComponentOnSaid { volume, voxels };
+    let volumes: Vec<_> = found.picked_voxels().into_iter().map(of).collect();
+    ComponentSaid {
+        volume: found.volume(),
+        voxels: volumes.iter().map(|on| on.voxels).sum(),
+        components: found.components.len(),
+        mm3: found.amount(found.picked),
+        volumes: if volumes.len() > 1 { volumes } else { Vec::new() },
+        value: None,
+        kept_locked: None,
+        nothing: None,
     }
-    if let Within::Segment(label) = within
-        && label != 0
-        && subject.segments().get(label).is_none()
-    {
-        return Err(DocumentError::no_segment("within.segment", label, subject.segments()));
-    }
-    let connectivity = match u8::from(connected.neighbours) {
-        18 => Connectivity::Eighteen,
-        26 => Connectivity::TwentySix,
-        _ => Connectivity::Six,
-    };
-    let meant = Meant::new(*subject, connected.matter, within);
-    let count = subject.density.brick_indices(0).len().max(1) as f32;
-    let done = AtomicUsize::new(0);
-    let components = Components::new(subject.grid().dims, connectivity, |index| {
-        match progress(done.fetch_add(1, Ordering::Relaxed) as f32 / count) {
-            true => Ok(meant.mask(index)?),
-            false => Err(DocumentError::Stopped),
-        }
-    })?;
-    let what = match connected.matter {
-        Matter::Visible => "matter that the 3D view shows",
-        Matter::Range(_) => "voxels of the range",
-        Matter::Everything => "voxels",
-    };
-    let place = match within {
-        Within::Volume => String::new(),
-        Within::Selection => " in what is selected (\"within\": \"volume\" leaves the selection aside)".into(),
-        Within::Segment(label) => format!(" in segment {label}"),
-    };
-    let picked = match connected.at {
-        Some(at) => nearest(subject, &components, at)?
-            .ok_or_else(|| DocumentError::invalid("at", serde_json::json!(at), format!("a place at {what}{place}")))?,
-        None => {
-            components.largest().ok_or_else(|| DocumentError::invalid("matter", "none", format!("{what}{place}")))?
-        }
-    };
-    Ok(Found { components, picked })
 }
-
-/// The component at a place: that of the voxel which holds it, or else of the nearest of the eight that are mixed there. What a pixel
-/// shows may lie between voxels of which not all show.
-fn nearest(subject: &Subject<'_>, components: &Components, at: Place) -> Result<Option<ComponentId>, DocumentError> {
-    let Some(sample) = place_in(at, subject.scene, subject.grid())? else {
-        return Err(DocumentError::of_picture("at"));
-    };
-    Ok(component_near(subject.grid(), components, sample.position))
-}
-
-/// The component of the voxel at a place in the world, or else of the nearest of the eight about it that has one.
-pub(super) fn component_near(grid: &Grid, components: &Components, place: DVec3) -> Option<ComponentId> {
-    let index = grid.index_from_world().transform_point3(place);
-    let voxel = |at: DVec3| grid.voxel_at(at);
-    if let Some(own) = voxel(index).and_then(|v| components.at(v)) {
-        return Some(own);
-    }
-    let base = index.floor();
-    let corner = |n: u32| base + DVec3::new(f64::from(n & 1), f64::from(n >> 1 & 1), f64::from(n >> 2));
-    let mut corners: Vec<DVec3> = (0..8).map(corner).collect();
-    corners.sort_by(|a, b| a.distance_squared(index).total_cmp(&b.distance_squared(index)));
-    corners.into_iter().find_map(|corner| components.at(voxel(corner)?))
-}
-
-type Voxels = Vec<(BrickIndex, BrickMask)>;
 
 /// Bricks of a field with this texel in place of those of masks, but for those to be spared.
 fn fill(
@@ -211,23 +142,39 @@ fn fill(
     Ok(voxels.par_iter().map(one).collect::<Result<Vec<_>, SourceError>>()?.into_iter().flatten().collect())
 }
 
-/// Gives density at these voxels a value that does not show; answers it.
-fn remove(
-    state: &mut State,
-    id: VolumeId,
-    removal: &Isolation,
-    voxels: Voxels,
-    edit: &mut Edit,
-) -> Result<f64, DocumentError> {
-    let subject = state.at(Some(id))?;
+/// Gives density at these voxels a value that shows in none of their volumes; answers it.
+fn remove(state: &mut State, removal: &Isolation, voxels: OfVolumes, edit: &mut Edit) -> Result<f64, DocumentError> {
     let value = match removal.value {
         Some(value) => finite("value", value)?,
-        None => value_of_nothing(&subject)?,
+        None => {
+            let subjects = voxels.iter().map(|(id, _)| state.at(Some(*id)));
+            value_of_nothing(&subjects.collect::<Result<Vec<_>, _>>()?)?
+        }
     };
-    if voxels.is_empty() {
-        return Ok(value);
+    let mut wider = Vec::new();
+    for (id, _) in voxels.iter().filter(|(_, voxels)| !voxels.is_empty()) {
+        wider.push(room_for(value, &state.at(Some(*id))?)?);
     }
-    // What density must be able to hold for it, a brush knows that paints it.
+    let all = ids(&voxels);
+    let meant = voxels.into_iter().filter(|(_, voxels)| !voxels.is_empty());
+    for ((id, voxels), (map, before, reach)) in meant.zip(wider) {
+        if let Some(map) = map {
+            edit.remap(state, id, map)?;
+        }
+        let density = &state.at(Some(id))?.volume.density;
+        let texel = density.map().encode(value);
+        let changes = fill(density, &voxels, &texel[..density.format().bytes()], |_| false)?;
+        edit.swap_among(state, FieldKey::new(id, FieldKind::Density), changes, &all)?;
+        if let Some(volume) = state.volumes.get_mut(&id) {
+            volume.painted = Some(reach.within(before, &volume.density).0);
+        }
+    }
+    Ok(value)
+}
+
+/// What density must be able to hold for a value, a brush knows that paints it: another map, if it needs one, and its reach before and
+/// after.
+fn room_for(value: f64, subject: &Subject<'_>) -> Result<(Option<DensityMap>, Reach, Reach), DocumentError> {
     let brush = Brush {
         target: Target::Density(value),
         operation: Operation::Replace,
@@ -248,21 +195,12 @@ fn remove(
         let expected = "a value within 32-bit floats, which keep what is removed: up to 3.4e38 either way";
         return Err(DocumentError::invalid("value", format!("{value:e}"), expected));
     }
-    if let Some(map) = map {
-        edit.remap(state, id, map)?;
-    }
-    let density = &state.at(Some(id))?.volume.density;
-    let texel = density.map().encode(value);
-    let changes = fill(density, &voxels, &texel[..density.format().bytes()], |_| false)?;
-    edit.swap(state, FieldKey::new(id, FieldKind::Density), changes)?;
-    if let Some(volume) = state.volumes.get_mut(&id) {
-        volume.painted = Some(reach.within(before, &volume.density).0);
-    }
-    Ok(value)
+    Ok((map, before, reach))
 }
 
-/// A value of density that no look shows: what the brush's erasing sets, the least, the greatest, or one between what shows.
-fn value_of_nothing(subject: &Subject<'_>) -> Result<f64, DocumentError> {
+/// A value of density that no look of these volumes shows: what the brush's erasing sets, the least, the greatest, or one between what shows.
+fn value_of_nothing(subjects: &[Subject<'_>]) -> Result<f64, DocumentError> {
+    let subject = subjects.first().ok_or(DocumentError::NoVolume)?;
     let erased = match subject.scene.brush.erase_density {
         EraseDensity::To(value) => Some(value),
         EraseDensity::Restore => None,
@@ -271,18 +209,19 @@ fn value_of_nothing(subject: &Subject<'_>) -> Result<f64, DocumentError> {
     let ends = [subject.statistics.min, subject.statistics.max];
     let [least, most] = if ends[0] <= ends[1] { ends } else { [subject.histogram.min, subject.histogram.max] };
     let step = ((most - least) / 1024.0).max(f64::MIN_POSITIVE);
-    let shown: Vec<[f64; 2]> = labels.iter().flat_map(|&label| subject.shown_values(label)).collect();
+    let all = || subjects.iter().flat_map(|subject| labels.iter().map(move |label| (subject, *label)));
+    let shown: Vec<[f64; 2]> = all().flat_map(|(subject, label)| subject.shown_values(label)).collect();
     let beside = shown.iter().flat_map(|[lo, hi]| [lo - step, hi + step, *lo - 1.0, *hi + 1.0]);
-    let density = &subject.density;
     // What a voxel will hold counts, rounded to its texel where there is a code for it.
-    let held = |value: f64| {
-        let map = density.map();
+    let held = |subject: &Subject<'_>, value: f64| {
+        let map = subject.density.map();
         let kept = map.decode(map.encode(value));
         if (kept - value).abs() <= map.half_step() { kept } else { value }
     };
     let is_clear = |value: &f64| {
         value.is_finite()
-            && labels.iter().all(|&label| !subject.shows(*value, label) && !subject.shows(held(*value), label))
+            && all()
+                .all(|(subject, label)| !subject.shows(*value, label) && !subject.shows(held(subject, *value), label))
     };
     erased.into_iter().chain([least, most]).chain(beside).find(is_clear).ok_or_else(|| {
         let expected = "a value for what is removed: every value shows under the present look";
@@ -290,55 +229,62 @@ fn value_of_nothing(subject: &Subject<'_>) -> Result<f64, DocumentError> {
     })
 }
 
-/// Selects these voxels.
-fn select(state: &mut State, id: VolumeId, how: Joining, voxels: Voxels, edit: &mut Edit) -> Result<(), DocumentError> {
-    let selection = &state.at(Some(id))?.volume.selection;
+/// Selects these voxels. Where nothing else stays selected, that holds for all sub-volumes of the volume, also for those that are not seen.
+fn select(
+    state: &mut State,
+    id: VolumeId,
+    how: Joining,
+    mut voxels: OfVolumes,
+    edit: &mut Edit,
+) -> Result<(), DocumentError> {
     let texel = if how == Joining::Subtract { 0 } else { u8::MAX };
-    let changes = match how {
-        Joining::Add | Joining::Subtract => fill(selection, &voxels, &[texel], |_| false)?,
-        Joining::Replace => {
-            let blank = Brick::Uniform([0; 4]);
-            let new = |(index, mask): &(BrickIndex, BrickMask)| {
-                (*index, Some(filled(&blank, mask, selection.valid(0, *index), &[texel], |_| false)))
-            };
-            let mut changes: Changes = voxels.par_iter().map(new).collect();
-            let given: std::collections::BTreeSet<BrickIndex> = changes.iter().map(|(index, _)| *index).collect();
-            let gone = selection.present().into_iter().filter(|index| !given.contains(index));
-            changes.extend(gone.map(|index| (index, selection.nothing())));
-            changes
-        }
-    };
-    Ok(edit.swap(state, FieldKey::new(id, FieldKind::Selection), changes)?)
+    if how == Joining::Replace {
+        let named = ids(&voxels);
+        let hidden = state.scene.cut_out_of(id).into_iter().filter(|inner| !named.contains(inner));
+        voxels.extend(hidden.map(|inner| (inner, Voxels::new())));
+    }
+    let all = ids(&voxels);
+    for (id, voxels) in voxels {
+        let selection = &state.at(Some(id))?.volume.selection;
+        let changes = match how {
+            Joining::Add | Joining::Subtract => fill(selection, &voxels, &[texel], |_| false)?,
+            Joining::Replace => {
+                let blank = Brick::Uniform([0; 4]);
+                let new = |(index, mask): &(BrickIndex, BrickMask)| {
+                    (*index, Some(filled(&blank, mask, selection.valid(0, *index), &[texel], |_| false)))
+                };
+                selection.replaced_by(voxels.par_iter().map(new).collect())
+            }
+        };
+        edit.swap_among(state, FieldKey::new(id, FieldKind::Selection), changes, &all)?;
+    }
+    Ok(())
 }
 
 /// Labels these voxels but for those of locked segments; answers how many these are.
-fn relabel(
-    state: &mut State,
-    id: VolumeId,
-    label: u16,
-    voxels: &Voxels,
-    edit: &mut Edit,
-) -> Result<u64, DocumentError> {
-    let subject = state.at(Some(id))?;
-    let locked: Vec<[u8; 2]> =
-        subject.segments().0.iter().filter(|s| s.locked && s.id != label).map(|s| s.id.to_le_bytes()).collect();
-    let labels = &subject.volume.labels;
-    let changes = fill(labels, voxels, &label.to_le_bytes(), |texel| locked.iter().any(|l| l == texel))?;
-    let kept = AtomicU64::new(0);
-    if !locked.is_empty() {
-        voxels.par_iter().try_for_each(|(index, mask)| -> Result<(), SourceError> {
-            let valid = labels.valid(0, *index);
-            let brick = labels.brick(BrickKey { level: 0, index: *index })?;
-            let of_locked = BrickMask::new(valid, |at| locked.iter().any(|l| *l == brick.texel(at, 2)[..2]));
-            kept.fetch_add(of_locked.and(mask.clone(), valid).count(valid), Ordering::Relaxed);
-            Ok(())
-        })?;
+fn relabel(state: &mut State, label: u16, voxels: &OfVolumes, edit: &mut Edit) -> Result<u64, DocumentError> {
+    let (kept, all) = (AtomicU64::new(0), ids(voxels));
+    for (id, voxels) in voxels {
+        let subject = state.at(Some(*id))?;
+        let segments = subject.segments().0.iter();
+        let locked: Vec<[u8; 2]> = segments.filter(|s| s.locked && s.id != label).map(|s| s.id.to_le_bytes()).collect();
+        let labels = &subject.volume.labels;
+        let changes = fill(labels, voxels, &label.to_le_bytes(), |texel| locked.iter().any(|l| l == texel))?;
+        if !locked.is_empty() {
+            voxels.par_iter().try_for_each(|(index, mask)| -> Result<(), SourceError> {
+                let valid = labels.valid(0, *index);
+                let brick = labels.brick(BrickKey { level: 0, index: *index })?;
+                let of_locked = BrickMask::new(valid, |at| locked.iter().any(|l| *l == brick.texel(at, 2)[..2]));
+                kept.fetch_add(of_locked.and(mask.clone(), valid).count(valid), Ordering::Relaxed);
+                Ok(())
+            })?;
+        }
+        if let Some(segments) = state.scene.segments_mut(*id)
+            && !changes.is_empty()
+        {
+            segments.ensure(label);
+        }
+        edit.swap_among(state, FieldKey::new(*id, FieldKind::Labels), changes, &all)?;
     }
-    if let Some(segments) = state.scene.segments_mut(id)
-        && !changes.is_empty()
-    {
-        segments.ensure(label);
-    }
-    edit.swap(state, FieldKey::new(id, FieldKind::Labels), changes)?;
     Ok(kept.into_inner())
 }

@@ -1,36 +1,197 @@
-//! What is connected to where a stroke began, under the present opacity: through the faces of voxels that the looks show at all.
+//! What is connected: where a command says, over the faces of sub-volumes too, and to where a stroke began.
 //!
-//! Told from the values at the stroke's start, the whole volume at once: a way may lead far round. What is connected is decided by
-//! [`Components`] alone. Changes nothing.
+//! Told from the values as they are, the whole region at once: a way may lead far round. What is connected is decided by [`Joined`] alone,
+//! which voxels are meant by [`Meant`]. Changes nothing.
 
 use crate::document::Document;
-use crate::document::apply::component::component_near;
-use crate::document::apply::matter::Meant;
-use crate::document::command::component::{Matter, Within};
+use crate::document::apply::matter::{Meant, Voxels};
+use crate::document::command::component::{Connected, Matter, Within};
 use crate::document::error::DocumentError;
+use crate::document::family::Family;
+use crate::document::reduce::place::place_in;
+use crate::document::state::State;
+use crate::document::subject::Subject;
 use crate::math::DVec3;
 use crate::paint::VoxelSet;
-use crate::segment::{Components, Connectivity};
-use crate::volume::{BRICK, VolumeId};
+use crate::segment::{BrickMask, ComponentId, Connectivity, Joined};
+use crate::volume::{BRICK, BrickIndex, VolumeId};
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// What is connected in a volume and its sub-volumes, and which of it was picked.
+pub(super) struct Found {
+    family: Family,
+    pub components: Joined,
+    /// Of each component, mm³.
+    amounts: Vec<f64>,
+    pub picked: ComponentId,
+}
+
+impl Found {
+    /// The volume that was asked, with its sub-volumes.
+    pub(super) fn volume(&self) -> VolumeId {
+        self.family.0[0].id
+    }
+
+    /// The voxels of the picked component, or those of all others.
+    pub(super) fn of_volumes(&self, picked: bool) -> Vec<(VolumeId, Voxels)> {
+        self.voxels(|id| (id == self.picked) == picked)
+    }
+
+    /// The voxels of the components that `is_wanted`, volume by volume.
+    pub(super) fn voxels(&self, is_wanted: impl Fn(ComponentId) -> bool + Sync) -> Vec<(VolumeId, Voxels)> {
+        let of = |(at, id): (usize, VolumeId)| (id, self.components.voxels(at, &is_wanted));
+        self.family.0.iter().map(|member| member.id).enumerate().map(of).collect()
+    }
+
+    /// How much a component is, mm³: its voxels, each of its volume's size.
+    pub(super) fn amount(&self, id: ComponentId) -> f64 {
+        self.amounts[id.0 as usize]
+    }
+
+    /// How many voxels of each volume the picked component has.
+    pub(super) fn picked_voxels(&self) -> Vec<(VolumeId, u64)> {
+        let count = |at: usize| {
+            let each: Vec<f64> = (0..self.family.0.len()).map(|l| f64::from(u8::from(l == at))).collect();
+            self.components.amounts(&each)[self.picked.0 as usize] as u64
+        };
+        self.family.0.iter().enumerate().map(|(at, member)| (member.id, count(at))).collect()
+    }
+}
+
+/// What is connected where the command says, and which of it is at its place.
+pub(super) fn find(
+    state: &State,
+    family: Family,
+    connected: &Connected,
+    within: Within,
+    progress: &(dyn Fn(f32) -> bool + Sync),
+) -> Result<Found, DocumentError> {
+    if let Matter::Range([lo, hi]) = connected.matter
+        && (lo.is_nan() || hi.is_nan() || lo > hi)
+    {
+        let found = format!("[{lo}, {hi}]");
+        return Err(DocumentError::invalid("matter.range", found, "two values, the smaller first"));
+    }
+    let subject = state.at(connected.volume)?;
+    if let Within::Segment(label) = within
+        && label != 0
+        && subject.segments().get(label).is_none()
+    {
+        return Err(DocumentError::no_segment("within.segment", label, subject.segments()));
+    }
+    let connectivity = match u8::from(connected.neighbours) {
+        18 => Connectivity::Eighteen,
+        26 => Connectivity::TwentySix,
+        _ => Connectivity::Six,
+    };
+    let bricks = |(_, subject): (_, Subject<'_>)| subject.density.brick_indices(0).len();
+    let count = family.subjects(state).map(bricks).sum::<usize>().max(1) as f32;
+    let done = AtomicUsize::new(0);
+    let proceed = || progress(done.fetch_add(1, Ordering::Relaxed) as f32 / count);
+    let components = joined(state, &family, (connected.matter, within), connectivity, &proceed)?;
+    let what = match connected.matter {
+        Matter::Visible => "matter that the 3D view shows",
+        Matter::Range(_) => "voxels of the range",
+        Matter::Everything => "voxels",
+    };
+    let place = match within {
+        Within::Volume => String::new(),
+        Within::Selection => " in what is selected (\"within\": \"volume\" leaves the selection aside)".into(),
+        Within::Segment(label) => format!(" in segment {label}"),
+    };
+    let sizes: Vec<f64> = family.0.iter().map(|member| member.voxel_mm3).collect();
+    let amounts = components.amounts(&sizes);
+    let picked = match connected.at {
+        Some(at) => {
+            let sample = place_in(at, subject.scene, subject.grid())?.ok_or_else(|| DocumentError::of_picture("at"))?;
+            component_near(state, &family, &components, sample.position).ok_or_else(|| {
+                DocumentError::invalid("at", serde_json::json!(at), format!("a place at {what}{place}"))
+            })?
+        }
+        None => {
+            let all = (0..).map(ComponentId).zip(&amounts);
+            let largest = all.reduce(|best, next| if next.1 > best.1 { next } else { best });
+            largest.ok_or_else(|| DocumentError::invalid("matter", "none", format!("{what}{place}")))?.0
+        }
+    };
+    Ok(Found { family, components, amounts, picked })
+}
+
+/// The components of a family, each voxel that is asked in one.
+fn joined(
+    state: &State,
+    family: &Family,
+    (matter, within): (Matter, Within),
+    connectivity: Connectivity,
+    proceed: &(dyn Fn() -> bool + Sync),
+) -> Result<Joined, DocumentError> {
+    let subjects = family.subjects(state);
+    let meant: Vec<Meant<'_>> =
+        subjects.map(|(member, subject)| Meant::new(subject, &member.standing, matter, within)).collect();
+    Joined::new(&family.lattices(), connectivity, |lattice, index| match proceed() {
+        true => Ok(meant[lattice].mask(index)?),
+        false => Err(DocumentError::Stopped),
+    })
+}
+
+/// The component at a place in the world, of whoever tells what is there: that of the voxel which holds it, or else of the nearest of the
+/// eight that are mixed there. What a pixel shows may lie between voxels of which not all show.
+fn component_near(state: &State, family: &Family, components: &Joined, place: DVec3) -> Option<ComponentId> {
+    family.telling(state, place).into_iter().find_map(|(at, index)| {
+        let dims = family.0[at].standing.dims();
+        let voxel = |place: DVec3| {
+            let v = (place + 0.5).floor();
+            let most = DVec3::from_array(dims.map(|d| f64::from(d) - 1.0));
+            // What is told to lie inside is, whatever rounding says of a face.
+            let v = if at == 0 { v } else { v.clamp(DVec3::ZERO, most) };
+            let inside = v.cmpge(DVec3::ZERO).all() && v.cmple(most).all();
+            inside.then_some([v.x as u32, v.y as u32, v.z as u32])
+        };
+        if let Some(own) = voxel(index).and_then(|v| components.at(at, v)) {
+            return Some(own);
+        }
+        let base = index.floor();
+        let corner = |n: u32| base + DVec3::new(f64::from(n & 1), f64::from(n >> 1 & 1), f64::from(n >> 2));
+        let mut corners: Vec<DVec3> = (0..8).map(corner).collect();
+        corners.sort_by(|a, b| a.distance_squared(index).total_cmp(&b.distance_squared(index)));
+        corners.into_iter().find_map(|corner| components.at(at, voxel(corner)?))
+    })
+}
 
 impl Document {
-    /// The voxels that are connected to something that shows at any of these places, world mm.
+    /// The voxels of volumes that are painted together which are connected to something that shows at any of these places, world mm.
     ///
     /// # Errors
     /// If the source fails.
-    pub(super) fn connected_to(&self, volume: VolumeId, places: &[DVec3]) -> Result<VoxelSet, DocumentError> {
+    pub(super) fn connected_to(
+        &self,
+        volumes: &[VolumeId],
+        places: &[DVec3],
+    ) -> Result<BTreeMap<VolumeId, VoxelSet>, DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
-        let subject = state.at(Some(volume))?;
-        let meant = Meant::new(subject, Matter::Visible, Within::Volume);
-        let dims = subject.grid().dims;
-        let components = Components::new(dims, Connectivity::Six, |index| meant.mask(index))?;
-        let near = |place: &DVec3| component_near(subject.grid(), &components, *place);
-        let wanted: Vec<_> = places.iter().filter_map(near).collect();
-        let mut set = VoxelSet::default();
-        for (index, mask) in components.voxels(|id| wanted.contains(&id)) {
-            let valid = subject.density.valid(0, index);
-            set.put(index, |row| mask.row(row % BRICK, row / BRICK, valid));
+        let mut sets = BTreeMap::new();
+        for &volume in volumes {
+            if sets.contains_key(&volume) {
+                continue;
+            }
+            let family = state.family_of(volume, volumes);
+            let what = (Matter::Visible, Within::Volume);
+            let components = joined(state, &family, what, Connectivity::Six, &|| true)?;
+            let near = |place: &DVec3| component_near(state, &family, &components, *place);
+            let wanted: Vec<_> = places.iter().filter_map(near).collect();
+            for (at, (member, subject)) in family.subjects(state).enumerate() {
+                let mut set = VoxelSet::default();
+                for (index, mask) in components.voxels(at, |id| wanted.contains(&id)) {
+                    put(&mut set, index, &mask, subject.density.valid(0, index));
+                }
+                sets.insert(member.id, set);
+            }
         }
-        Ok(set)
+        Ok(sets)
     }
+}
+
+fn put(set: &mut VoxelSet, index: BrickIndex, mask: &BrickMask, valid: [u32; 3]) {
+    set.put(index, |row| mask.row(row % BRICK, row / BRICK, valid));
 }

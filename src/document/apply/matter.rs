@@ -1,16 +1,18 @@
 //! Which voxels of a volume are meant by words: those that show, those of a range of values, those of a region.
 //!
-//! Told brick by brick as masks. Bricks of one value, and those whose values all show or all do not, cost no loop over voxels. What
+//! Told brick by brick as masks, of the voxels that no sub-volume stands for. Bricks of one value, and those whose values all show or all do not, cost no loop over voxels. What
 //! shows is judged by texels, as pictures are; ranges by the source's own numbers, as a brush's. Changes nothing.
 
 use crate::document::command::component::{Matter, Within};
+use crate::document::family::Family;
 use crate::document::look_rows::Owner;
+use crate::document::state::State;
 use crate::document::subject::Subject;
 use crate::explode::PartId;
 use crate::math::DVec3;
 use crate::paint::Gate;
 use crate::segment::{BrickMask, ROWS};
-use crate::volume::{BRICK, Brick, BrickIndex, BrickKey, SLOT, SourceError, TexelFormat};
+use crate::volume::{Asked, BRICK, Brick, BrickIndex, BrickKey, SLOT, SourceError, Standing, TexelFormat};
 use std::collections::{BTreeSet, HashMap};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -19,9 +21,13 @@ const SELECTED: u8 = 128;
 /// Words for a bit of every 16-bit code.
 const CODE_WORDS: usize = 65_536 / 64;
 
+/// Voxels of a volume, by the brick.
+pub(super) type Voxels = Vec<(BrickIndex, BrickMask)>;
+
 /// Which voxels of a volume are meant.
 pub(super) struct Meant<'a> {
     subject: Subject<'a>,
+    standing: &'a Standing,
     within: Within,
     matter: Told,
 }
@@ -48,13 +54,13 @@ struct Shown {
 }
 
 impl<'a> Meant<'a> {
-    pub(super) fn new(subject: Subject<'a>, matter: Matter, within: Within) -> Self {
+    pub(super) fn new(subject: Subject<'a>, standing: &'a Standing, matter: Matter, within: Within) -> Self {
         let matter = match matter {
             Matter::Everything => Told::Everything,
             Matter::Range(range) => Told::Range(Gate::new(range, &subject.density)),
             Matter::Visible => Told::Visible(Visible::new(&subject)),
         };
-        Self { subject, within, matter }
+        Self { subject, standing, within, matter }
     }
 
     /// Those of a brick.
@@ -63,7 +69,10 @@ impl<'a> Meant<'a> {
     /// If the source fails.
     pub(super) fn mask(&self, index: BrickIndex) -> Result<BrickMask, SourceError> {
         let valid = self.subject.density.valid(0, index);
-        let region = self.region(index, valid)?;
+        let region = match asked(self.standing, index, valid) {
+            BrickMask::None => return Ok(BrickMask::None),
+            asked => asked.and(region(&self.subject, self.within, index, valid)?, valid),
+        };
         if region == BrickMask::None {
             return Ok(region);
         }
@@ -80,19 +89,56 @@ impl<'a> Meant<'a> {
         };
         Ok(region.and(matter, valid))
     }
+}
 
-    fn region(&self, index: BrickIndex, valid: [u32; 3]) -> Result<BrickMask, SourceError> {
-        let key = BrickKey { level: 0, index };
-        Ok(match self.within {
-            Within::Volume => BrickMask::All,
-            Within::Selection => {
-                of_texels::<1>(&self.subject.selection.brick(key)?, valid, |[texel]| texel >= SELECTED)
-            }
-            Within::Segment(id) => {
-                of_texels::<2>(&self.subject.labels.brick(key)?, valid, |texel| u16::from_le_bytes(texel) == id)
-            }
-        })
+/// What of a brick a region has.
+fn region(subject: &Subject<'_>, within: Within, index: BrickIndex, valid: [u32; 3]) -> Result<BrickMask, SourceError> {
+    let key = BrickKey { level: 0, index };
+    Ok(match within {
+        Within::Volume => BrickMask::All,
+        Within::Selection => of_texels::<1>(&subject.selection.brick(key)?, valid, |[texel]| texel >= SELECTED),
+        Within::Segment(id) => {
+            of_texels::<2>(&subject.labels.brick(key)?, valid, |texel| u16::from_le_bytes(texel) == id)
+        }
+    })
+}
+
+/// The voxels of a brick that no sub-volume stands for.
+pub(super) fn asked(standing: &Standing, index: BrickIndex, valid: [u32; 3]) -> BrickMask {
+    match standing.brick(index) {
+        Asked::None => BrickMask::None,
+        Asked::All => BrickMask::All,
+        Asked::Some => {
+            let origin = index.origin();
+            BrickMask::new(valid, |at| standing.is_asked(std::array::from_fn(|a| origin[a] + at[a])))
+        }
     }
+}
+
+/// Whether anything is selected by a half in a volume or its sub-volumes.
+///
+/// # Errors
+/// If a source fails.
+pub(super) fn selects(state: &State, family: &Family) -> Result<bool, SourceError> {
+    for (member, subject) in family.subjects(state) {
+        let selection = &subject.volume.selection;
+        let holds = |index: BrickIndex| {
+            let summary = selection.summary(BrickKey { level: 0, index });
+            if summary.max < f32::from(SELECTED) / 255.0 {
+                return Ok(false);
+            }
+            let valid = selection.valid(0, index);
+            let mask =
+                region(&subject, Within::Selection, index, valid)?.and(asked(&member.standing, index, valid), valid);
+            Ok(mask != BrickMask::None)
+        };
+        for index in selection.present() {
+            if holds(index)? {
+                return Ok(true);
+            }
+        }
+    }
+    Ok(false)
 }
 
 /// The texels of a brick that are meant.

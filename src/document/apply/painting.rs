@@ -328,24 +328,40 @@ impl Document {
         on.iter().try_for_each(|on| self.graphics.begin(state, on.id, brush, on.reach[1]))
     }
 
+    /// Before the first dabs of a stroke that keeps to what is connected to its beginning: finds that in all its volumes.
+    fn keep_to_connected(&mut self, dabs: &Laid) -> Result<(), DocumentError> {
+        let (Some(running), Some(first)) = (&self.running, dabs.iter().find_map(|(_, dabs)| dabs.first())) else {
+            return Ok(());
+        };
+        if running.on.iter().any(|on| on.confines.iter().any(|(limit, _)| *limit == Limit::Connected)) {
+            return Ok(());
+        }
+        // A contour begins at its first corner, a stroke at its first dab.
+        let corner = running.contour.as_ref().and_then(|contour| contour.points.first().copied());
+        let begun = corner.unwrap_or(first.centre);
+        let other = match &running.brush.mirror {
+            Mirror::Plane(plane) => Some(image(plane, begun)),
+            _ => None,
+        };
+        let starts: Vec<_> = std::iter::once(begun).chain(other).collect();
+        let mut connected = self.connected_to(&running.volumes(), &starts)?;
+        let Some(running) = &mut self.running else { return Ok(()) };
+        for on in &mut running.on {
+            let of_it = connected.remove(&on.id).unwrap_or_default();
+            on.confines.push((Limit::Connected, Arc::new(of_it)));
+        }
+        Ok(())
+    }
+
     /// Before dabs are painted by a stroke that keeps to the visible surface or to what is connected: finds what that is under them.
     pub(super) fn keep_to_limits(&mut self, dabs: &Laid) -> Result<(), DocumentError> {
         let Some(brush) = self.running.as_ref().map(|running| running.brush) else { return Ok(()) };
+        if brush.connected {
+            self.keep_to_connected(dabs)?;
+        }
         for (i, (id, dabs)) in dabs.iter().enumerate() {
-            let Some(first) = dabs.first() else { continue };
-            let Some(on) = self.running.as_ref().map(|running| &running.on[i]) else { return Ok(()) };
-            if brush.connected && !on.confines.iter().any(|(limit, _)| *limit == Limit::Connected) {
-                // A contour begins at its first corner, a stroke at its first dab.
-                let corner = self.running.as_ref().and_then(|r| r.contour.as_ref()?.points.first().copied());
-                let begun = corner.unwrap_or(first.centre);
-                let other = match &brush.mirror {
-                    Mirror::Plane(plane) => Some(image(plane, begun)),
-                    _ => None,
-                };
-                let starts: Vec<_> = std::iter::once(begun).chain(other).collect();
-                let connected = self.connected_to(*id, &starts)?;
-                let Some(running) = &mut self.running else { return Ok(()) };
-                running.on[i].confines.push((Limit::Connected, Arc::new(connected)));
+            if dabs.is_empty() {
+                continue;
             }
             if let Some(running) = &self.running {
                 self.graphics.confine(*id, &running.on[i].confines);

@@ -1,4 +1,5 @@
-//! Commands on segments, as far as they change labels: bringing them in from a file, and taking one out.
+//! Commands on segments, as far as they change labels: bringing them in from a file, and taking one out, in a volume and in all sub-volumes
+//! of it.
 
 use crate::document::Document;
 use crate::document::apply::labels::import;
@@ -20,28 +21,46 @@ impl Document {
     ) -> Result<Said, DocumentError> {
         let watch = self.watch.clone();
         let state = self.open_mut()?;
-        let subject = state.at(command.volume())?;
-        let labels = FieldKey::new(subject.id, FieldKind::Labels);
+        state.at(command.volume())?;
         match command {
             SegmentCommand::Set { .. } | SegmentCommand::ShowOnly { .. } => Ok(said),
-            SegmentCommand::Remove { id, .. } => {
-                let changes = without_label(&subject, *id)?;
-                edit.swap(state, labels, changes)?;
+            SegmentCommand::Remove { id, volume } => {
+                // Sub-volumes have the segments of what they are cut out of.
+                let root = state.scene.root_of(state.at(*volume)?.id);
+                let volumes = state.with_all_inside(Some(root))?;
+                for &volume in &volumes {
+                    let changes = without_label(&state.at(Some(volume))?, *id)?;
+                    edit.swap_among(state, FieldKey::new(volume, FieldKind::Labels), changes, &volumes)?;
+                }
                 Ok(said)
             }
-            SegmentCommand::Import { path, component, frame, .. } => {
+            SegmentCommand::Import { path, component, frame, volume } => {
                 let opened = io::open(path)?;
                 let other = opened.source(*component, *frame, &|x| watch.proceed(x * 0.3))?;
                 edit.reads(&opened.files, &|| watch.proceed(0.3))?;
                 let named = opened.labels_of(*component);
-                let imported = import(&subject, other.as_ref(), &named, &|x| watch.proceed(0.3 + x * 0.7))?;
-                if let Some(segments) = state.scene.segments_mut(labels.volume) {
-                    *segments = imported.segments;
+                let volumes = state.with_all_inside(*volume)?;
+                let (mut labels, mut warnings) = (None, Vec::new());
+                for (n, id) in volumes.iter().enumerate() {
+                    let proceed = |x: f32| watch.proceed(0.3 + 0.7 * (n as f32 + x) / volumes.len() as f32);
+                    let imported = match import(&state.at(Some(*id))?, other.as_ref(), &named, &proceed) {
+                        Ok(imported) => imported,
+                        // A sub-volume beside what the file holds has nothing of it.
+                        Err(DocumentError::Elsewhere { .. }) if n > 0 => continue,
+                        Err(error) => return Err(error),
+                    };
+                    if let Some(segments) = state.scene.segments_mut(*id) {
+                        *segments = imported.segments;
+                    }
+                    edit.swap_among(state, FieldKey::new(*id, FieldKind::Labels), imported.changes, &volumes)?;
+                    if n == 0 {
+                        (labels, warnings) = (Some(imported.said), imported.warnings);
+                    }
                 }
-                edit.swap(state, labels, imported.changes)?;
                 let left_out = opened.left_out(*component).into_iter().collect();
-                let warnings = [opened.warnings, left_out, imported.warnings].concat();
-                Ok(ImportedSegmentsSaid { labels: imported.said, warnings }.into())
+                let warnings = [opened.warnings, left_out, warnings].concat();
+                let labels = labels.ok_or(DocumentError::NoVolume)?;
+                Ok(ImportedSegmentsSaid { labels, warnings }.into())
             }
         }
     }

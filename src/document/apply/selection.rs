@@ -1,4 +1,4 @@
-//! Commands on the selection as a whole.
+//! Commands on the selection as a whole: of a volume and of all sub-volumes in it, each at its own resolution.
 
 use crate::document::Document;
 use crate::document::apply::selection_import::import;
@@ -7,10 +7,9 @@ use crate::document::command::answers::{Said, SelectedSaid};
 use crate::document::error::DocumentError;
 use crate::document::history::edit::Edit;
 use crate::document::scene::check::finite;
-use crate::document::state::State;
 use crate::document::subject::Subject;
 use crate::io;
-use crate::volume::{Brick, BrickIndex, BrickKey, Changes, FieldKey, FieldKind, VolumeId};
+use crate::volume::{Brick, BrickKey, Changes, FieldKey, FieldKind};
 use rayon::prelude::*;
 
 /// The widest soft border, in voxels: blocks and what is around them have to fit into memory.
@@ -25,15 +24,24 @@ impl Document {
     ) -> Result<Said, DocumentError> {
         let watch = self.watch.clone();
         let state = self.open_mut()?;
-        let subject = state.at(command.volume())?;
-        let id = subject.id;
+        if matches!(command, SelectionCommand::Set { .. }) {
+            state.at(command.volume())?;
+            return Ok(said);
+        }
+        let volumes = state.with_all_inside(command.volume())?;
         let (mut covered, mut warnings) = (None, None);
-        let changes = match command {
-            SelectionCommand::FromLabel { label, .. } => from_label(&subject, *label)?,
-            SelectionCommand::Clear { .. } => Changes::new(),
-            SelectionCommand::Set { .. } => return Ok(said),
+        let mut changes = Vec::new();
+        match command {
+            SelectionCommand::FromLabel { label, .. } => {
+                for &id in &volumes {
+                    changes.push((id, from_label(&state.at(Some(id))?, *label)?));
+                }
+            }
+            SelectionCommand::Clear { .. } => changes.extend(volumes.iter().map(|id| (*id, Changes::new()))),
+            SelectionCommand::Set { .. } => {}
             SelectionCommand::Import { path, threshold, soften_mm, .. } => {
                 let (threshold, soften_mm) = (finite("threshold", *threshold)?, *soften_mm);
+                let subject = state.at(volumes.first().copied())?;
                 let most = (subject.grid().spacing() * MAX_SOFTEN_VOXELS).min_element();
                 if !(0.0..=most).contains(&soften_mm) {
                     return Err(DocumentError::invalid("soften_mm", soften_mm, format!("0 to {most} mm")));
@@ -41,25 +49,34 @@ impl Document {
                 let opened = io::open(path)?;
                 let other = opened.source(0, 0, &|x| watch.proceed(x * 0.3))?;
                 edit.reads(&opened.files, &|| watch.proceed(0.3))?;
-                let imported =
-                    import(&subject, other.as_ref(), threshold, soften_mm, &|x| watch.proceed(0.3 + x * 0.7))?;
-                covered = Some(imported.covered);
-                warnings = Some([opened.warnings, imported.warnings].concat());
-                imported.changes
+                for (n, id) in volumes.iter().enumerate() {
+                    let subject = state.at(Some(*id))?;
+                    let proceed = |x: f32| watch.proceed(0.3 + 0.7 * (n as f32 + x) / volumes.len() as f32);
+                    // Softer than its samples allow it need not be, which are finer.
+                    let most = (subject.grid().spacing() * MAX_SOFTEN_VOXELS).min_element();
+                    match import(&subject, other.as_ref(), threshold, soften_mm.min(most), &proceed) {
+                        Ok(imported) => {
+                            if n == 0 {
+                                covered = Some(imported.covered);
+                                warnings = Some([opened.warnings.clone(), imported.warnings].concat());
+                            }
+                            changes.push((*id, imported.changes));
+                        }
+                        // A sub-volume beside what the file holds has nothing of it.
+                        Err(DocumentError::Elsewhere { .. }) if n > 0 => changes.push((*id, Changes::new())),
+                        Err(error) => return Err(error),
+                    }
+                }
             }
-        };
-        replace(state, id, edit, changes)?;
-        Ok(SelectedSaid { selected_bricks: state.at(Some(id))?.selection.edits().len(), covered, warnings }.into())
+        }
+        let mut selected_bricks = 0;
+        for (id, changes) in changes {
+            let changes = state.at(Some(id))?.volume.selection.replaced_by(changes);
+            edit.swap_among(state, FieldKey::new(id, FieldKind::Selection), changes, &volumes)?;
+            selected_bricks += state.at(Some(id))?.volume.selection.edits().len();
+        }
+        Ok(SelectedSaid { selected_bricks, covered, warnings }.into())
     }
-}
-
-/// Makes `changes` all that is selected.
-fn replace(state: &mut State, id: VolumeId, edit: &mut Edit, mut changes: Changes) -> Result<(), DocumentError> {
-    let given: std::collections::BTreeSet<BrickIndex> = changes.iter().map(|(index, _)| *index).collect();
-    let selected = &state.at(Some(id))?.volume.selection;
-    let gone = selected.present().into_iter().filter(|index| !given.contains(index));
-    changes.extend(gone.map(|index| (index, selected.nothing())));
-    Ok(edit.swap(state, FieldKey::new(id, FieldKind::Selection), changes)?)
 }
 
 fn from_label(subject: &Subject<'_>, label: u16) -> Result<Changes, DocumentError> {

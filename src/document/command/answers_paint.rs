@@ -75,6 +75,11 @@ pub struct ComponentSaid {
     pub voxels: u64,
     /// How many components there are.
     pub components: usize,
+    /// The component's size.
+    pub mm3: f64,
+    /// Its voxels of the volume and of each sub-volume, where there are any.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub volumes: Vec<ComponentOnSaid>,
     /// What removed voxels became.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
@@ -84,6 +89,13 @@ pub struct ComponentSaid {
     /// Why nothing changed, in a sentence.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nothing: Option<&'static str>,
+}
+
+/// What of a component is in one volume.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ComponentOnSaid {
+    pub volume: VolumeId,
+    pub voxels: u64,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -97,8 +97,20 @@ impl Edit {
     /// Exchanges bricks of a field and records them. A brick that equals the unedited one is no edit; one that equals the
     /// present one is left out.
     pub(crate) fn swap(&mut self, state: &mut State, key: FieldKey, changes: Changes) -> Result<(), SourceError> {
+        self.swap_among(state, key, changes, &[])
+    }
+
+    /// The same where these volumes are changed too, each voxel as it is meant: their bands do not follow.
+    pub(crate) fn swap_among(
+        &mut self,
+        state: &mut State,
+        key: FieldKey,
+        changes: Changes,
+        among: &[VolumeId],
+    ) -> Result<(), SourceError> {
         let indices: Vec<BrickIndex> = changes.iter().map(|(index, _)| *index).collect();
-        let bands = bands_of(state, key, &indices)?;
+        let mut bands = bands_of(state, key, &indices)?;
+        bands.retain(|(id, ..)| !among.contains(id));
         self.swap_alone(state, key, changes)?;
         for (id, of, bricks) in bands {
             let (Some(parent), Some(fine)) = (state.field(key), state.volumes.get(&id)) else { continue };
