@@ -149,7 +149,7 @@ fn add(state: &mut State, placed: Placed, name: Option<String>, edit: &mut Edit)
     let origin = parent.settings.origin.clone();
     let [x, y, z] = place.of.scale;
     let finer = if x == y && y == z { format!("{x}×") } else { format!("{x}×{y}×{z}") };
-    let name = name.unwrap_or_else(|| format!("Sub-volume {id} ({finer})"));
+    let name = name.unwrap_or_else(|| format!("Box {id} ({finer})"));
     let settings = VolumeSettings { sub_volume: Some(place), ..VolumeSettings::new(name, origin) };
     let window = state.scene.window_of(place.parent);
     let volume = Volume::refined(&before, place.of);

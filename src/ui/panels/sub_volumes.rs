@@ -20,7 +20,7 @@ impl App {
             Face::small(Icon::Tool(Tool::SubVolume), &name, "The box of this sub-volume: faces, fineness, baking");
         let response = icon_button(ui, Face { size: NARROW, ..face.tint(theme::TEXT_WEAK) });
         controls_under(&response, |ui| {
-            ui.set_width(LABEL + 130.0);
+            ui.set_width(LABEL + 180.0);
             let width = ui.available_width();
             line(ui, &format!("Box of {called}"), width, theme::TEXT);
             self.box_fields(ui, id, place);
@@ -39,7 +39,7 @@ impl App {
         let axes = [("Along i", "i"), ("Along j", "j"), ("Along k", "k")];
         for (axis, (label, letter)) in axes.into_iter().enumerate() {
             row(ui, label, |ui| {
-                let width = (ui.available_width() - GAP) * 0.5;
+                let width = (ui.available_width() - 2.0 * GAP) / 3.0;
                 for last in [false, true] {
                     let (now, range) = match last {
                         false => (of.lo[axis], 0..=of.hi[axis] - 1),
@@ -61,14 +61,17 @@ impl App {
                         self.change_box(id, of, to);
                     }
                 }
+                let about = format!("Samples a voxel along {letter}");
+                if let Some(scale) = fineness(ui, width, &about, of.scale[axis]) {
+                    let mut to = of;
+                    to.scale[axis] = scale;
+                    self.change_box(id, of, to);
+                }
             });
         }
         row(ui, "Fineness", |ui| {
-            let mut scale = of.scale[0];
-            let field = DragValue::new(&mut scale).range(1..=SubBox::FINEST).speed(0.03).suffix("×");
-            let about = ("Samples a voxel", "How many samples lie in a voxel along each axis, 1 to 8");
-            let width = ui.available_width();
-            if number(ui, width, about, "×", field, |x, chars| readout::fixed(x, 0, chars)).changed() {
+            let (width, finest) = (ui.available_width(), of.scale.into_iter().fold(1, u32::max));
+            if let Some(scale) = fineness(ui, width, "Samples a voxel along all axes", finest) {
                 self.change_box(id, of, SubBox { scale: [scale; 3], ..of });
             }
         });
@@ -79,4 +82,12 @@ impl App {
         let scale = (from.scale != to.scale).then_some(Scale::Each(to.scale));
         self.send(Command::SubVolume(SubVolumeCommand::Set { volume, lo, hi, scale, discard: false }));
     }
+}
+
+/// A field for samples a voxel; what it is changed to.
+fn fineness(ui: &mut Ui, width: f32, about: &str, now: u32) -> Option<u32> {
+    let mut scale = now;
+    let field = DragValue::new(&mut scale).range(1..=SubBox::FINEST).speed(0.03).suffix("×");
+    let about = (about, "How many samples lie in a voxel, 1 to 8");
+    number(ui, width, about, "×", field, |x, chars| readout::fixed(x, 0, chars)).changed().then_some(scale)
 }

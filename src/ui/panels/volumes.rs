@@ -3,7 +3,7 @@
 //! It takes room only where there is something to choose: a document of one volume as it was opened has no list. It stays when volumes
 //! are removed, so that nothing below it moves under the hand.
 
-use crate::document::{BrushCommand, Command, VolumeCommand, VolumeSettings};
+use crate::document::{BrushCommand, Command, VolumeCommand, VolumeSettings, Volumes};
 use crate::interact::{Tool, readout};
 use crate::math::{DVec3, Pose};
 use crate::ui::panels::look_menu::NARROW;
@@ -49,6 +49,21 @@ impl Given {
     }
 }
 
+/// Every volume, and after it the sub-volumes that are cut out of it.
+fn in_order(volumes: &Volumes) -> Vec<(VolumeId, &VolumeSettings)> {
+    fn with_inner<'a>(volumes: &'a Volumes, of: Option<VolumeId>, rows: &mut Vec<(VolumeId, &'a VolumeSettings)>) {
+        for (&id, settings) in &volumes.all {
+            if settings.sub_volume.map(|sub| sub.parent) == of {
+                rows.push((id, settings));
+                with_inner(volumes, Some(id), rows);
+            }
+        }
+    }
+    let mut rows = Vec::new();
+    with_inner(volumes, None, &mut rows);
+    rows
+}
+
 impl App {
     /// Whether there is something to choose: several volumes, one that is left of several, or one that was hidden, weakened or moved.
     pub(super) fn lists_volumes(&self) -> bool {
@@ -60,11 +75,11 @@ impl App {
     pub(super) fn volume_panel(&mut self, ui: &mut Ui) {
         let Some(scene) = &self.scene else { return };
         let volumes = scene.volumes.clone();
-        let rows: Vec<_> = volumes.all.iter().collect();
+        let rows = in_order(&volumes);
         let height = ROWS * ROW + (ROWS - 1.0) * BETWEEN;
         self.backdrop.detail(ui, Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), height)), theme::DEEP);
         list(ui, "volumes", height, ROW, rows.len(), false, |ui, range| {
-            for &(&id, settings) in &rows[range] {
+            for &(id, settings) in &rows[range] {
                 let called = volume_name(&volumes, id).unwrap_or_default();
                 ui.push_id(("volume", id.0), |ui| self.volume_row(ui, (id, &called), settings, id == volumes.active));
             }
