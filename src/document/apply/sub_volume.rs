@@ -147,9 +147,7 @@ fn add(state: &mut State, placed: Placed, name: Option<String>, edit: &mut Edit)
     let id = VolumeId(state.scene.volumes.next);
     let around = placed.around(state, id);
     let origin = parent.settings.origin.clone();
-    let [x, y, z] = place.of.scale;
-    let finer = if x == y && y == z { format!("{x}×") } else { format!("{x}×{y}×{z}") };
-    let name = name.unwrap_or_else(|| format!("Box {id} ({finer})"));
+    let name = name.unwrap_or_else(|| format!("Box {id}"));
     let settings = VolumeSettings { sub_volume: Some(place), ..VolumeSettings::new(name, origin) };
     let window = state.scene.window_of(place.parent);
     let volume = Volume::refined(&before, place.of);

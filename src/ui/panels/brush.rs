@@ -314,7 +314,9 @@ fn around_row(ui: &mut Ui, voxel: f64, new: &mut Brush) {
 fn operation_box(ui: &mut Ui, new: &mut Brush) {
     let name = OPERATIONS.iter().find(|o| o.0 == new.operation).map_or("", |o| o.1);
     let width = ui.available_width();
-    let response = ComboBox::from_id_salt("operation").width(width).truncate().selected_text(name).show_ui(ui, |ui| {
+    // All of them are in sight at once.
+    let shown = ComboBox::from_id_salt("operation").width(width).height(360.0).truncate().selected_text(name);
+    let response = shown.show_ui(ui, |ui| {
         let count = if new.target.has_neighbours() { OPERATIONS.len() } else { PLAIN };
         for &(operation, name, tip) in &OPERATIONS[..count] {
             ui.selectable_value(&mut new.operation, operation, name).on_hover_text(tip);

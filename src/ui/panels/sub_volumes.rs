@@ -22,7 +22,7 @@ impl App {
         controls_under(&response, |ui| {
             ui.set_width(LABEL + 180.0);
             let width = ui.available_width();
-            line(ui, &format!("Box of {called}"), width, theme::TEXT);
+            line(ui, called, width, theme::TEXT);
             self.box_fields(ui, id, place);
             let sample_bytes = self.opened().and_then(|open| open.sample_bytes.get(&id).copied()).unwrap_or_default();
             line(ui, &readout::box_size(&place.of, sample_bytes), width, theme::TEXT_WEAK);

@@ -101,10 +101,12 @@ impl App {
                 Mark::Note { at, text } => {
                     let (beside, font) = (to_screen(at) + vec2(14.0, 14.0), FontId::proportional(13.0));
                     // Never over the picture's right edge or under its lower one.
-                    let size = painter.layout_no_wrap(text.clone(), font.clone(), theme::TEXT).size();
-                    let room = painter.clip_rect().shrink(6.0);
-                    let at = beside.min(room.max - size).max(room.min);
-                    shaded_text(painter, at, Align2::LEFT_TOP, text, font, theme::TEXT);
+                    let said = painter.layout_no_wrap(text, font, theme::TEXT);
+                    let room = painter.clip_rect().shrink(10.0);
+                    let at = beside.min(room.max - said.size()).max(room.min);
+                    let ground = Rect::from_min_size(at, said.size()).expand2(vec2(6.0, 3.0));
+                    painter.rect_filled(ground, theme::ROUND, Color32::from_black_alpha(200));
+                    painter.galley(at, said, theme::TEXT);
                 }
                 Mark::Minus { at, ink } => {
                     let (at, half) = (to_screen(at), vec2(4.0, 0.0));
