@@ -37,6 +37,18 @@ impl State {
         Ok(std::iter::once(id).chain(self.scene.cut_out_of(id)).collect())
     }
 
+    /// The volume whose selection the parts make way for, with its sub-volumes: the first in which anything is selected, or in a
+    /// sub-volume that is seen of it; else the active one.
+    pub(crate) fn exploded(&self) -> Option<Family> {
+        let selects = |subject: &Subject<'_>| !subject.volume.selection.is_blank();
+        let roots = self.subjects().map(|subject| self.scene.root_of(subject.id));
+        let mut families: Vec<VolumeId> = roots.collect();
+        families.dedup();
+        let mut families = families.into_iter().filter_map(|root| self.family(root).ok());
+        let first = families.find(|family| family.subjects(self).any(|(_, subject)| selects(&subject)));
+        first.or_else(|| self.family(self.scene.root_of(self.at(None).ok()?.id)).ok())
+    }
+
     /// A volume with the sub-volumes that pictures show of it.
     ///
     /// # Errors

@@ -46,12 +46,6 @@ impl State {
         Some(Subject { id, volume, settings, scene: &self.scene, grid })
     }
 
-    /// The volume whose selection the parts make way for: the first in which something is selected, else the active one.
-    pub(super) fn exploded(&self) -> Option<Subject<'_>> {
-        let selects = |subject: &Subject<'_>| !subject.volume.selection.is_blank();
-        self.subjects().find(selects).or_else(|| self.at(None).ok())
-    }
-
     /// The box of all volumes where they lie, world mm; where there is none, that of an empty scene.
     pub fn bounds(&self) -> Aabb {
         let boxes = self.subjects().map(|subject| subject.grid().world_bounds());

@@ -18,7 +18,7 @@ mod state;
 
 pub use error::ExplodeError;
 pub use gain::{MAX_ROUNDS, MAX_STEPS, Measured, Search, SearchStep, Settled, settle_with_gain};
-pub use octree::{ExplosionPoint, LEAF, MAX_POINTS, Octrees, explosion_points};
+pub use octree::{ExplosionPoint, LEAF, MAX_POINTS, Octrees, explosion_points, points_of};
 pub use poses::{PartPose, Poses};
 pub use simulation::{Simulation, Wrench};
 pub use solid::{Nearest, PartShape};

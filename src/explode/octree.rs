@@ -1,13 +1,14 @@
 //! The two min-max octrees, of density and selection, and the explosion points that a walk through both finds.
 //!
-//! Exploded Views (2006), 3.2: a node wholly visible under the transfer function and wholly selected gives one point, else the
+//! Of a volume with sub-volumes there are two for each of them, over the voxels that it tells. Exploded Views (2006), 3.2: a node wholly visible under the transfer function and wholly selected gives one point, else the
 //! leaves of 8³ voxels that hold both do. A point weighs the selected volume of its node. Kept by the brick, only where
 //! something is selected, so that a stroke refreshes what it touched; the levels above are folded anew for every walk, which
 //! costs microseconds. Owns its minima and maxima; knows fields, not how they are painted.
 
 use crate::math::DVec3;
 use crate::volume::{
-    BRICK, BrickIndex, BrickKey, CELL, Cells, Field, Grid, SelectedCell, SourceError, TransferFunction, selected_cells,
+    Asked, BRICK, Brick, BrickIndex, BrickKey, CELL, Cells, Field, Grid, SelectedCell, SourceError, Standing,
+    TransferFunction, selected_cells,
 };
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -38,12 +39,12 @@ struct Node {
     density: [f32; 2],
     /// Smallest and largest code of the selection.
     selection: [u8; 2],
-    /// Sum of the selection's codes.
-    sum: u64,
+    /// Sum of the selection's codes, each times the share of a voxel that it stands for.
+    sum: f64,
 }
 
 impl Node {
-    const NOTHING: Self = Self { density: [f32::INFINITY, f32::NEG_INFINITY], selection: [u8::MAX, 0], sum: 0 };
+    const NOTHING: Self = Self { density: [f32::INFINITY, f32::NEG_INFINITY], selection: [u8::MAX, 0], sum: 0.0 };
 
     fn and(self, other: Self) -> Self {
         Self {
@@ -61,6 +62,7 @@ type At = [u32; 3];
 #[derive(Clone, Debug)]
 pub struct Octrees {
     grid: Grid,
+    standing: Standing,
     /// Leaves of bricks with a selection, x fastest.
     bricks: BTreeMap<BrickIndex, Vec<Node>>,
 }
@@ -71,7 +73,15 @@ impl Octrees {
     /// # Errors
     /// If a source fails.
     pub fn new(grid: &Grid, density: &Field, selection: &Field) -> Result<Self, SourceError> {
-        let mut octrees = Self { grid: *grid, bricks: BTreeMap::new() };
+        Self::within(grid, Standing::of_whole(grid.dims, Vec::new()), density, selection)
+    }
+
+    /// The same of the voxels that a volume tells among others that lie in it, or that it lies in.
+    ///
+    /// # Errors
+    /// If a source fails.
+    pub fn within(grid: &Grid, standing: Standing, density: &Field, selection: &Field) -> Result<Self, SourceError> {
+        let mut octrees = Self { grid: *grid, standing, bricks: BTreeMap::new() };
         octrees.update(density, selection, selection.brick_indices(0))?;
         Ok(octrees)
     }
@@ -91,7 +101,7 @@ impl Octrees {
         let read = |&index: &BrickIndex| {
             let nothing = selection.summary(BrickKey { level: 0, index }).max <= 0.0;
             let brick = if nothing { None } else { Some(selection.brick(BrickKey { level: 0, index })?) };
-            let cells = brick.map(|b| selected_cells(&b, selection.valid(0, index)));
+            let cells = brick.map(|b| self.selected(&b, index, selection.valid(0, index)));
             Ok((index, cells.and_then(|c| leaves(density, index, &c))))
         };
         let read: Vec<_> = bricks.par_iter().map(read).collect::<Result<_, SourceError>>()?;
@@ -103,7 +113,38 @@ impl Octrees {
 
     /// Takes a brick of a selection that a running stroke has not yet handed over to its field, by its 8³ cells.
     pub fn paint(&mut self, density: &Field, index: BrickIndex, selected: &[SelectedCell]) {
-        self.set(index, leaves(density, index, selected));
+        let mut cells: Vec<Selected> = selected.iter().map(Selected::of_cell).collect();
+        if self.standing.brick(index) != Asked::All {
+            // Until the stroke ends, what a cell has that others tell counts where the cell tells anything.
+            let (origin, valid) = (index.origin(), density.valid(0, index));
+            let mut tells = vec![false; cells.len()];
+            voxels(valid).for_each(|(at, cell)| {
+                tells[cell] |= self.standing.is_asked(std::array::from_fn(|a| origin[a] + at[a]));
+            });
+            cells.iter_mut().zip(tells).filter(|(_, tells)| !tells).for_each(|(cell, _)| *cell = Selected::UNTOLD);
+        }
+        self.set(index, leaves(density, index, &cells));
+    }
+
+    /// The cells of a brick of the selection, as far as they are told here.
+    fn selected(&self, brick: &Brick, index: BrickIndex, valid: [u32; 3]) -> Vec<Selected> {
+        let plain = selected_cells(brick, valid);
+        let mut cells: Vec<Selected> = plain.iter().map(Selected::of_cell).collect();
+        let origin = index.origin();
+        if !self.standing.is_odd_in(index) {
+            return cells;
+        }
+        cells.iter_mut().for_each(|cell| cell.sum = 0.0);
+        for (at, cell) in voxels(valid) {
+            let share = self.standing.share(std::array::from_fn(|a| origin[a] + at[a]));
+            cells[cell].sum += share * f64::from(brick.texel(at, 1)[0]);
+            if share == 0.0 {
+                // What holds a voxel that others tell is not wholly selected.
+                cells[cell].ends[0] = 0;
+            }
+        }
+        cells.iter_mut().filter(|cell| cell.sum == 0.0).for_each(|cell| cell.ends[1] = 0);
+        cells
     }
 
     /// The same for a brick of the density: minima and maxima of its cells.
@@ -123,25 +164,7 @@ impl Octrees {
     /// The explosion points, at most [`MAX_POINTS`], in a fixed order. `seed` chooses their jitter, which depends on nothing
     /// else but a node's place, so that painting here does not shake points there.
     pub fn points(&self, transfer: &TransferFunction, seed: u64) -> Vec<ExplosionPoint> {
-        let levels = self.fold();
-        let mut found = Vec::new();
-        if let Some(top) = levels.len().checked_sub(1) {
-            for &at in levels[top].keys() {
-                walk(&levels, top, at, transfer, &mut found);
-            }
-        }
-        let (world_from_index, voxel_mm3) =
-            (self.grid.world_from_index, self.grid.world_from_index.matrix3.determinant().abs());
-        let placed = found.into_iter().map(|(level, at, sum)| {
-            let position = self.jittered(level, at, seed);
-            Heap { level, at, weight: sum as f64 / 255.0, moment: position * (sum as f64 / 255.0) }
-        });
-        let merged = merge(placed.collect());
-        let point = |h: Heap| ExplosionPoint {
-            position: world_from_index.transform_point3(h.moment / h.weight),
-            weight: h.weight * voxel_mm3,
-        };
-        merged.into_iter().map(point).collect()
+        points_of(&[(self, transfer)], seed)
     }
 
     /// All levels, leaves first, until one node is left.
@@ -150,7 +173,7 @@ impl Octrees {
         for (index, leaves) in &self.bricks {
             for (i, leaf) in (0..).zip(leaves) {
                 let within = [i % LEAVES, i / LEAVES % LEAVES, i / (LEAVES * LEAVES)];
-                if leaf.sum > 0 {
+                if leaf.sum > 0.0 {
                     levels[0].insert(std::array::from_fn(|a| index.0[a] * LEAVES + within[a]), *leaf);
                 }
             }
@@ -201,7 +224,7 @@ fn walk(
     level: usize,
     at: At,
     transfer: &TransferFunction,
-    found: &mut Vec<(usize, At, u64)>,
+    found: &mut Vec<(usize, At, f64)>,
 ) {
     let Some(node) = levels[level].get(&at) else { return };
     let [lo, hi] = node.density.map(f64::from);
@@ -230,9 +253,35 @@ fn least_opacity(transfer: &TransferFunction, lo: f64, hi: f64) -> f32 {
     inner.fold(transfer.opacity_at(lo).min(transfer.opacity_at(hi)), f32::min)
 }
 
-/// A point under way: selected voxels, and their sum of positions in index space.
+/// The explosion points of several octrees together, each shown by its own transfer function; see [`Octrees::points`].
+pub fn points_of(octrees: &[(&Octrees, &TransferFunction)], seed: u64) -> Vec<ExplosionPoint> {
+    let mut heaps = Vec::new();
+    for (tree, (octrees, transfer)) in octrees.iter().enumerate() {
+        let levels = octrees.fold();
+        let mut found = Vec::new();
+        if let Some(top) = levels.len().checked_sub(1) {
+            for &at in levels[top].keys() {
+                walk(&levels, top, at, transfer, &mut found);
+            }
+        }
+        heaps.extend(found.into_iter().map(|(level, at, sum)| {
+            let position = octrees.jittered(level, at, seed);
+            Heap { tree, level, at, weight: sum / 255.0, moment: position * (sum / 255.0) }
+        }));
+    }
+    let matrix = |tree: usize| octrees[tree].0.grid.world_from_index;
+    let voxels_mm3: Vec<f64> = (0..octrees.len()).map(|tree| matrix(tree).matrix3.determinant().abs()).collect();
+    let point = |h: Heap| ExplosionPoint {
+        position: matrix(h.tree).transform_point3(h.moment / h.weight),
+        weight: h.weight * voxels_mm3[h.tree],
+    };
+    merge(heaps, &voxels_mm3).into_iter().map(point).collect()
+}
+
+/// A point under way: selected voxels of an octree, and their sum of positions in index space.
 #[derive(Clone, Copy, Debug)]
 struct Heap {
+    tree: usize,
     level: usize,
     at: At,
     weight: f64,
@@ -240,23 +289,24 @@ struct Heap {
 }
 
 /// Merges points into their parents, lightest families of the finest level first, until few enough are left.
-fn merge(mut points: Vec<Heap>) -> Vec<Heap> {
+fn merge(mut points: Vec<Heap>, voxels_mm3: &[f64]) -> Vec<Heap> {
     let mut level = 0;
     while points.len() > MAX_POINTS && level < 32 {
         let (fine, mut kept): (Vec<Heap>, Vec<Heap>) = points.into_iter().partition(|p| p.level == level);
-        let mut families: BTreeMap<At, Vec<Heap>> = BTreeMap::new();
+        let mut families: BTreeMap<(usize, At), Vec<Heap>> = BTreeMap::new();
         for point in fine {
-            families.entry(point.at.map(|a| a / 2)).or_default().push(point);
+            families.entry((point.tree, point.at.map(|a| a / 2))).or_default().push(point);
         }
-        let mut by_weight: Vec<(f64, At, Vec<Heap>)> =
+        let mut by_weight: Vec<(f64, (usize, At), Vec<Heap>)> =
             families.into_iter().map(|(at, f)| (f.iter().map(|p| p.weight).sum(), at, f)).collect();
-        by_weight.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let size = |family: &(f64, (usize, At), Vec<Heap>)| family.0 * voxels_mm3[family.1.0];
+        by_weight.sort_by(|a, b| size(a).total_cmp(&size(b)).then(a.1.cmp(&b.1)));
         let mut count = kept.len() + by_weight.iter().map(|f| f.2.len()).sum::<usize>();
-        for (weight, at, family) in by_weight {
+        for (weight, (tree, at), family) in by_weight {
             if count > MAX_POINTS {
                 count -= family.len() - 1;
                 let moment = family.iter().map(|p| p.moment).sum();
-                kept.push(Heap { level: level + 1, at, weight, moment });
+                kept.push(Heap { tree, level: level + 1, at, weight, moment });
             } else {
                 kept.extend(family);
             }
@@ -264,21 +314,49 @@ fn merge(mut points: Vec<Heap>) -> Vec<Heap> {
         points = kept;
         level += 1;
     }
-    points.sort_by_key(|p| (p.level, p.at));
+    points.sort_by_key(|p| (p.tree, p.level, p.at));
     points
+}
+
+/// The selection over a cell's own voxels, as far as they are told by its octrees.
+#[derive(Clone, Copy, Debug)]
+struct Selected {
+    /// Least and greatest code.
+    ends: [u8; 2],
+    /// Sum of codes, each times the share of a voxel that it stands for.
+    sum: f64,
+}
+
+impl Selected {
+    const UNTOLD: Self = Self { ends: [0; 2], sum: 0.0 };
+
+    fn of_cell(cell: &SelectedCell) -> Self {
+        Self { ends: [cell.min, cell.max], sum: f64::from(cell.sum) }
+    }
+}
+
+/// The voxels of a brick in the volume, each with its cell.
+fn voxels(valid: [u32; 3]) -> impl Iterator<Item = ([u32; 3], usize)> {
+    let [nx, ny, nz] = valid;
+    let all = (0..nz).flat_map(move |z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])));
+    let n = BRICK / CELL;
+    all.map(move |at| {
+        let [x, y, z] = at.map(|v| v / CELL);
+        (at, (x + n * (y + n * z)) as usize)
+    })
 }
 
 /// The leaves of a brick, `None` if nothing of it is selected. Selection over a leaf's own voxels; density over all taps that
 /// a sample inside it can meet.
-fn leaves(density: &Field, index: BrickIndex, selected: &[SelectedCell]) -> Option<Vec<Node>> {
+fn leaves(density: &Field, index: BrickIndex, selected: &[Selected]) -> Option<Vec<Node>> {
     let mut leaves = vec![Node::NOTHING; (LEAVES * LEAVES * LEAVES) as usize];
     let valid = density.valid(0, index);
     for (cell, leaf) in cells_in(valid) {
         let (leaf, cell) = (&mut leaves[leaf], selected[cell]);
-        leaf.selection = [leaf.selection[0].min(cell.min), leaf.selection[1].max(cell.max)];
-        leaf.sum += u64::from(cell.sum);
+        leaf.selection = [leaf.selection[0].min(cell.ends[0]), leaf.selection[1].max(cell.ends[1])];
+        leaf.sum += cell.sum;
     }
-    if leaves.iter().all(|l| l.sum == 0) {
+    if leaves.iter().all(|l| l.sum == 0.0) {
         return None;
     }
     match density.cells(BrickKey { level: 0, index }) {

@@ -163,11 +163,12 @@ impl Standing {
         self.octants(voxel).sum()
     }
 
-    /// Whether a voxel stands for more or less than a whole one.
-    pub fn is_odd(&self, voxel: [u32; 3]) -> bool {
-        let ends = |a: usize| [(voxel[a] == 0, 0), (voxel[a] + 1 == self.dims[a], 1)];
+    /// Whether voxels of a brick may stand for more or less than a whole one.
+    pub fn is_odd_in(&self, index: BrickIndex) -> bool {
+        let lo = index.origin();
+        let ends = |a: usize| [(lo[a] == 0, 0), (lo[a] + BRICK >= self.dims[a], 1)];
         let beyond = (0..3).any(|a| ends(a).iter().any(|(is, end)| *is && self.beyond[a][*end] != 0.5));
-        beyond || self.inner.iter().any(|of| (0..3).all(|a| of.lo[a] <= voxel[a] && voxel[a] <= of.hi[a]))
+        beyond || self.brick(index) != Asked::All
     }
 
     /// The eighths of a voxel's cell, the volume of each that is left.

@@ -390,3 +390,118 @@ fn what_is_brought_in_from_a_file_comes_to_boxes_at_their_resolution() {
     }
     assert!(both[0] > 500 && both[1] > 50, "{both:?}");
 }
+
+/// Cuts a volume of `dims` voxels into 8 and lets no view move the parts.
+fn cut_in_eight(document: &mut Document, dims: [u32; 3]) {
+    let grid = *document.state().unwrap().at(None).unwrap().grid();
+    let middle = grid.world_from_index.transform_point3(DVec3::from_array(dims.map(|d| f64::from(d - 1) * 0.5)));
+    for axis in 0..3 {
+        let mut normal = [0.0; 3];
+        normal[axis] = 1.0;
+        let plane = json!({"point": middle.to_array(), "normal": normal});
+        say(document, json!({"part": {"split": {"by": {"plane": plane}}}}));
+    }
+    let mut forces = json!(document.state().unwrap().scene.explosion.forces);
+    (forces["viewing"], forces["measured_gain"]) = (json!(false), json!(false));
+    say(document, json!({"explosion": {"forces": {"forces": forces}}}));
+}
+
+/// Where forces take the parts.
+fn displaced(document: &mut Document) -> Vec<DVec3> {
+    say(document, json!({"explosion": {"degree": {"value": 1.0}}}));
+    let said = say(document, json!({"explosion": {"settle": {}}}));
+    let parts = document.state().unwrap().scene.explosion.parts.clone();
+    let moved = parts.iter().zip(said["poses"].as_array().unwrap()).map(|(part, pose)| {
+        let pose: burin::math::Pose = serde_json::from_value(pose["pose"].clone()).unwrap();
+        pose.apply(part.centre()) - part.centre()
+    });
+    moved.collect()
+}
+
+#[test]
+fn parts_make_way_for_what_is_selected_and_dense_in_a_box_and_not_for_what_it_stands_for() {
+    let dims = [32, 30, 28];
+    let fixture = |hi: [u32; 3], scale: [u32; 3]| {
+        let mut voxels = vec![100; 32 * 30 * 28];
+        voxels[0] = 0;
+        let mut document = over(Voxels::U8(voxels), dims);
+        add(&mut document, &Nest::of(0, [6, 8, 5], hi, scale));
+        cut_in_eight(&mut document, dims);
+        document
+    };
+    let (lo, hi) = (DVec3::new(6.0, 8.0, 5.0), [22, 24, 20]);
+    let ball = |p: DVec3| if p.distance(DVec3::new(13.0, 15.0, 12.0)) < 5.0 { 255.0 } else { 0.0 };
+    let at = |v: [u32; 3]| DVec3::from_array(v.map(f64::from));
+    // On the volume alone, no box seen.
+    let mut plain = fixture(hi, [2; 3]);
+    say(&mut plain, json!({"sub_volume": {"remove": {"volume": 1}}}));
+    fill(&mut plain, 0, FieldKind::Selection, |v| ball(at(v)));
+    let expected = displaced(&mut plain);
+    let largest = expected.iter().map(|d| d.length()).fold(0.0, f64::max);
+    assert!(largest > 2.0, "{expected:?}");
+    // The same in a box alone.
+    let mut boxed = fixture(hi, [2; 3]);
+    fill(&mut boxed, 1, FieldKind::Selection, |v| ball(lo + at(v) / 2.0));
+    let found = displaced(&mut boxed);
+    // Points lie elsewhere in leaves of eight voxels than in leaves of eight samples.
+    for (found, expected) in found.iter().zip(&expected) {
+        let (along, longer) = (found.normalize().dot(expected.normalize()), found.length() / expected.length());
+        assert!(along > 0.8 && (0.7..1.4).contains(&longer), "{found}, {expected} expected");
+    }
+    // Nothing at all: parts keep from each other alone.
+    let none = displaced(&mut fixture(hi, [2; 3]));
+    assert!(none.iter().zip(&found).all(|(none, found)| none.distance(*found) > 0.2 * largest));
+    let like_none = |document: &mut Document| {
+        displaced(document).iter().zip(&none).all(|(found, none)| found.distance(*none) < 1e-6)
+    };
+    fill(&mut boxed, 1, FieldKind::Selection, |_| 0.0);
+    assert!(like_none(&mut boxed), "nothing is selected any more");
+    // Selected on the volume where the box stands for it alone.
+    fill(&mut boxed, 0, FieldKind::Selection, |v| ball(at(v)));
+    assert!(like_none(&mut boxed), "what the box stands for");
+    // Selected and clear: matter that was removed in the box alone.
+    let mut clear = fixture(hi, [2; 3]);
+    fill(&mut clear, 1, FieldKind::Selection, |v| ball(lo + at(v) / 2.0));
+    fill(&mut clear, 1, FieldKind::Density, |_| 0.0);
+    assert!(like_none(&mut clear), "nothing of it shows");
+}
+
+#[test]
+fn fields_are_counted_as_boxes_have_them_in_place_of_what_they_stand_for() {
+    for (n, (fine, nests)) in nests().into_iter().enumerate() {
+        let mut document = noisy(&nests, n as u64 + 1);
+        let label = |(l, [x, y, z]): Node| (x + y * 2 + z * 3 + l as u32) % 3;
+        let selected = |(l, [x, y, z]): Node| (x * 5 + y * 31 + z * 13 + l as u32 * 3) % 256;
+        for l in 0..nests.len() {
+            fill(&mut document, l, FieldKind::Labels, |v| f64::from(label((l, v))));
+            fill(&mut document, l, FieldKind::Selection, |v| f64::from(selected((l, v))));
+        }
+        let shares = Raster::new(&nests, fine).shares(&nests);
+        let size = |l: usize| {
+            let mut size = 0.7 * 1.0 * 1.5;
+            let mut nest = &nests[l];
+            while let Some((outer, SubBox { scale, .. })) = nest.within {
+                size /= scale.iter().map(|s| f64::from(*s)).product::<f64>();
+                nest = &nests[outer];
+            }
+            size
+        };
+        let of = |wanted: u32| shares.iter().filter(move |(node, _)| label(**node) == wanted);
+        let labels = say(&mut document, json!({"ask": {"field": {"field": "labels", "volume": 0}}}));
+        for id in 1..3 {
+            assert_eq!(labels["voxels_by_label"][id.to_string()], json!(of(id).count()), "{n}");
+            let expected: f64 = of(id).map(|((l, _), share)| share * size(*l)).sum();
+            let found = labels["mm3_by_label"][id.to_string()].as_f64().unwrap();
+            assert!((found / expected - 1.0).abs() < 1e-9, "{n}: {found}, {expected} expected");
+        }
+        let said = say(&mut document, json!({"ask": {"field": {"field": "selection", "volume": 0}}}));
+        let expected: f64 =
+            shares.iter().map(|(node, share)| f64::from(selected(*node)) / 255.0 * share * size(node.0)).sum();
+        let found = said["selected_mm3"].as_f64().unwrap();
+        assert!((found / expected - 1.0).abs() < 1e-9, "{n}: {found}, {expected} expected");
+        assert_eq!(said["nonzero"], json!(shares.keys().filter(|node| selected(**node) > 0).count()), "{n}");
+        let said = say(&mut document, json!({"ask": {"field": {"field": "density", "volume": 0}}}));
+        let expected: f64 = shares.keys().map(|node| number(&document, *node)).sum();
+        assert!((said["sum"].as_f64().unwrap() - expected).abs() < 1e-6, "{n}: {said}, {expected} expected");
+    }
+}

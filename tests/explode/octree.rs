@@ -249,3 +249,86 @@ fn octrees_that_follow_strokes_equal_octrees_read_afresh() {
     octrees.update(&density, &selection, refresh.finest()).unwrap();
     assert_eq!(octrees.points(&transfer(), 4), []);
 }
+
+/// How much of `[lo, hi]` lies in `[from, to]`.
+fn within([lo, hi]: [f64; 2], [from, to]: [f64; 2]) -> f64 {
+    (hi.min(to) - lo.max(from)).max(0.0)
+}
+
+#[test]
+fn points_of_a_volume_with_a_box_stand_for_what_is_selected_of_either_where_it_tells() {
+    let of = SubBox { lo: [9, 6, 7], hi: [27, 21, 22], scale: [3, 2, 4] };
+    let coarse = grid([40, 37, 34]);
+    let fine = of.grid(&coarse);
+    let whole = Standing::of_whole(coarse.dims, vec![of]);
+    let inner = whole.of_inner(&of, Vec::new());
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let (near, far) = (DVec3::new(20.0, 14.0, 13.0), DVec3::new(30.0, 25.0, 16.0));
+    // Two balls, each through the box's faces, with soft borders; in the box the first is smaller than beside it.
+    let code = |p: DVec3, radius: f64| {
+        let depth = (radius - p.distance(near)).max(radius - p.distance(far));
+        (depth * 200.0).clamp(0.0, 255.0) as u8
+    };
+    let at = |v: [u32; 3]| DVec3::from_array(v.map(f64::from));
+    let scale = at(of.scale);
+    let coarse_code = |v: [u32; 3]| code(at(v), 9.0);
+    let fine_code = |v: [u32; 3]| code(at(of.lo) + at(v) / scale, 7.0);
+    let (on_coarse, on_fine) = (selection(&coarse, coarse_code), selection(&fine, fine_code));
+    let densities = [density(&coarse, |_| 50.0), density(&fine, |_| 50.0)];
+    let trees = [
+        Octrees::within(&coarse, whole.clone(), &densities[0], &on_coarse).unwrap(),
+        Octrees::within(&fine, inner, &densities[1], &on_fine).unwrap(),
+    ];
+    let table = transfer();
+    let points = points_of(&[(&trees[0], &table), (&trees[1], &table)], rng.random());
+    assert!(points.len() <= MAX_POINTS && points.len() > 30, "{}", points.len());
+    // Cell by cell: what of a voxel's lies outside of the box, what of a sample's inside.
+    let faces: [[f64; 2]; 3] = std::array::from_fn(|a| [f64::from(of.lo[a]), f64::from(of.hi[a])]);
+    let (mut sum, mut moment) = (0.0, DVec3::ZERO);
+    let mut add = |grid: &Grid, v: [u32; 3], code: u8, share: f64| {
+        let weight = share * f64::from(code) / 255.0 * grid.world_from_index.matrix3.determinant().abs();
+        sum += weight;
+        moment += weight * grid.world_from_index.transform_point3(at(v));
+    };
+    for v in crate::common::volumes::each(coarse.dims, |v| v) {
+        let inside: f64 = (0..3).map(|a| within([-0.5, 0.5].map(|h| f64::from(v[a]) + h), faces[a])).product();
+        add(&coarse, v, coarse_code(v), 1.0 - inside);
+    }
+    for v in crate::common::volumes::each(fine.dims, |v| v) {
+        let ends = fine.dims.map(|d| [0.0, f64::from(d) - 1.0]);
+        let share: f64 = (0..3).map(|a| within([-0.5, 0.5].map(|h| f64::from(v[a]) + h), ends[a])).product();
+        add(&fine, v, fine_code(v), share);
+    }
+    let found: f64 = points.iter().map(|p| p.weight).sum();
+    assert!((found / sum - 1.0).abs() < 1e-9, "{found} mm³ of {sum}");
+    let centre = points.iter().map(|p| p.position * p.weight).sum::<DVec3>() / found;
+    assert!(centre.distance(moment / sum) < 1.0, "{centre}, {} expected", moment / sum);
+    // Points of samples lie no further from something selected than leaves of samples are long.
+    let selected: Vec<DVec3> = crate::common::volumes::each(fine.dims, |v| (v, fine_code(v)))
+        .into_iter()
+        .filter(|(_, code)| *code > 0)
+        .map(|(v, _)| fine.world_from_index.transform_point3(at(v)))
+        .collect();
+    let alone = points_of(&[(&trees[1], &table)], 1);
+    for point in &alone {
+        let off = selected.iter().map(|p| p.distance(point.position)).fold(f64::INFINITY, f64::min);
+        assert!(off < fine.spacing().length() * f64::from(LEAF) * 0.5, "{point:?}: {off}");
+    }
+}
+
+#[test]
+fn a_running_stroke_beside_and_under_a_box_counts_where_the_volume_tells() {
+    let of = SubBox { lo: [8, 8, 8], hi: [24, 24, 24], scale: [2; 3] };
+    let grid = grid([40, 40, 34]);
+    let whole = Standing::of_whole(grid.dims, vec![of]);
+    let blank = Field::blank(FieldKind::Selection, &grid);
+    let matter = density(&grid, |_| 50.0);
+    let mut octrees = Octrees::within(&grid, whole, &matter, &blank).unwrap();
+    let all = selection(&grid, |_| 255);
+    let cells = LiveCells::of(&all, BrickIndex([0; 3])).unwrap();
+    octrees.paint(&matter, BrickIndex([0; 3]), &cells.selected);
+    let weight: f64 = octrees.points(&transfer(), 0).iter().map(|p| p.weight).sum();
+    // All but the cells of 4³ that lie within the box altogether: 12 to 24 along each axis.
+    let expected = f64::from(32_u32.pow(3) - 12_u32.pow(3)) * grid.world_from_index.matrix3.determinant();
+    assert!((weight / expected - 1.0).abs() < 1e-9, "{weight}, {expected} expected");
+}

@@ -71,7 +71,7 @@ fn every_place_is_told_by_one_volume_and_each_voxel_stands_for_what_is_left_of_i
                 assert!((found - expected).abs() < 1e-9, "{n}: {l} {voxel:?}: {found}, {expected} expected");
                 // Of the outermost voxels what lies beyond the centres is nobody's to be asked about.
                 assert_eq!(standing.is_asked(voxel), expected > 0.0, "{n}: {l} {voxel:?}");
-                assert!(standing.is_odd(voxel) || found == 1.0, "{n}: {l} {voxel:?}: {found}");
+                assert!(standing.is_odd_in(BrickIndex::of_voxel(voxel)) || found == 1.0, "{n}: {l} {voxel:?}: {found}");
                 let mut nest = &nests[l];
                 let mut size = 1.0;
                 while let Some((outer, SubBox { scale, .. })) = nest.within {

@@ -9,6 +9,7 @@ use crate::document::command::answers_ask::{
     VolumeVoxelSaid, VoxelSaid, VoxelValues,
 };
 use crate::document::error::DocumentError;
+use crate::document::family::{Family, Member};
 use crate::document::frame::WHOLE;
 use crate::document::scene::check::check_size;
 use crate::document::scene::check::safe_camera;
@@ -17,7 +18,7 @@ use crate::document::state::State;
 use crate::document::subject::Subject;
 use crate::explode::{Part, PartRecord};
 use crate::math::{DVec2, DVec3};
-use crate::volume::{BrickIndex, FieldKind, Number, SourceError, SubBox, Total};
+use crate::volume::{Asked, BrickIndex, Field, FieldKind, Number, SourceError, SubBox, Total};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -43,7 +44,10 @@ impl Document {
                     None => VoxelSaid::default().into(),
                 }
             }
-            Question::Field { field, volume: id } => sums(&self.open()?.at(id)?, field)?.into(),
+            Question::Field { field, volume: id } => {
+                let state = self.open()?;
+                sums(state, &state.family(state.at(id)?.id)?, field)?.into()
+            }
             Question::History { commands } => {
                 let (memory, disk) = self.history.bytes();
                 let past = |of| {
@@ -180,6 +184,9 @@ struct Sums {
     /// Whether any number was not an integer.
     fractions: bool,
     labels: BTreeMap<u16, u64>,
+    /// Of what is selected, mm³, and of each label.
+    selected_mm3: Total,
+    labels_mm3: BTreeMap<u16, f64>,
 }
 
 impl Sums {
@@ -207,8 +214,12 @@ impl Sums {
         self.nonzero += other.nonzero;
         self.fractions |= other.fractions;
         other.ends.into_iter().for_each(|ends| self.widen(ends));
+        self.selected_mm3.merge(&other.selected_mm3);
         for (label, count) in other.labels {
             *self.labels.entry(label).or_default() += count;
+        }
+        for (label, mm3) in other.labels_mm3 {
+            *self.labels_mm3.entry(label).or_default() += mm3;
         }
         self
     }
@@ -218,42 +229,74 @@ impl Sums {
     }
 }
 
-/// Sum, count of non-zero, smallest and largest of the finite values; colour counts by its alpha. Brick by brick in order, so
-/// that the answer is the same on every run.
-fn sums(subject: &Subject<'_>, kind: FieldKind) -> Result<FieldSaid, SourceError> {
-    let field = subject.field(kind);
-    let one = |index: BrickIndex| -> Result<Sums, SourceError> {
-        let mut sums = Sums::default();
-        if kind == FieldKind::Density {
-            field.values(index.origin(), field.valid(0, index))?.each(|_, number| sums.add(number));
-            return Ok(sums);
-        }
-        let bytes = field.format().bytes();
-        let texels = field.read(0, index.origin().map(i64::from), field.valid(0, index))?;
-        for texel in texels.chunks_exact(bytes) {
-            match kind {
-                FieldKind::Labels => {
-                    let label = u16::from_le_bytes([texel[0], texel[1]]);
-                    sums.add(Number::Whole(label.into()));
-                    if label != 0 {
-                        *sums.labels.entry(label).or_default() += 1;
-                    }
-                }
-                // A colour's alpha, or the selection itself.
-                _ => sums.add(Number::Real(f64::from(texel[bytes - 1]) / 255.0)),
-            }
-        }
-        Ok(sums)
-    };
-    let bricks = field.brick_indices(0).into_par_iter().map(one).collect::<Result<Vec<_>, _>>()?;
-    let sums = bricks.into_iter().fold(Sums::default(), Sums::join);
+/// Sum, count of non-zero, smallest and largest of the finite values of a volume, of sub-volumes in place of the voxels that they stand
+/// for; colour counts by its alpha. Brick by brick in order, so that the answer is the same on every run.
+fn sums(state: &State, family: &Family, kind: FieldKind) -> Result<FieldSaid, SourceError> {
+    let mut all = Sums::default();
+    let mut edited_bricks = 0;
+    for (member, subject) in family.subjects(state) {
+        let field = subject.field(kind);
+        let of_brick = |index: BrickIndex| of_brick(field, member, index);
+        let bricks = field.brick_indices(0).into_par_iter().map(of_brick).collect::<Result<Vec<_>, _>>()?;
+        all = bricks.into_iter().fold(all, Sums::join);
+        edited_bricks += field.edits().len();
+    }
     Ok(FieldSaid {
         field: kind.name(),
-        sum: sums.sum(),
-        nonzero: sums.nonzero,
-        min: sums.ends.map(|[min, _]| min),
-        max: sums.ends.map(|[_, max]| max),
-        edited_bricks: field.edits().len(),
-        voxels_by_label: (kind == FieldKind::Labels).then_some(sums.labels),
+        sum: all.sum(),
+        nonzero: all.nonzero,
+        min: all.ends.map(|[min, _]| min),
+        max: all.ends.map(|[_, max]| max),
+        edited_bricks,
+        voxels_by_label: (kind == FieldKind::Labels).then_some(all.labels),
+        mm3_by_label: (kind == FieldKind::Labels).then_some(all.labels_mm3),
+        selected_mm3: (kind == FieldKind::Selection).then(|| all.selected_mm3.value()),
     })
+}
+
+fn of_brick(field: &Field, member: &Member, index: BrickIndex) -> Result<Sums, SourceError> {
+    let (kind, origin, valid) = (field.kind(), index.origin(), field.valid(0, index));
+    let standing = &member.standing;
+    let (asked, is_odd) = (standing.brick(index), standing.is_odd_in(index));
+    let mut sums = Sums::default();
+    if asked == Asked::None {
+        return Ok(sums);
+    }
+    let voxel = |i: usize| {
+        let i = i as u32;
+        [origin[0] + i % valid[0], origin[1] + i / valid[0] % valid[1], origin[2] + i / (valid[0] * valid[1])]
+    };
+    let is_asked = |i: usize| asked == Asked::All || standing.is_asked(voxel(i));
+    if kind == FieldKind::Density {
+        field.values(origin, valid)?.each(|i, number| {
+            if is_asked(i) {
+                sums.add(number);
+            }
+        });
+        return Ok(sums);
+    }
+    let bytes = field.format().bytes();
+    let texels = field.read(0, origin.map(i64::from), valid)?;
+    for (i, texel) in texels.chunks_exact(bytes).enumerate().filter(|(i, _)| is_asked(*i)) {
+        let mm3 = || member.voxel_mm3 * if is_odd { standing.share(voxel(i)) } else { 1.0 };
+        match kind {
+            FieldKind::Labels => {
+                let label = u16::from_le_bytes([texel[0], texel[1]]);
+                sums.add(Number::Whole(label.into()));
+                if label != 0 {
+                    *sums.labels.entry(label).or_default() += 1;
+                    *sums.labels_mm3.entry(label).or_default() += mm3();
+                }
+            }
+            // A colour's alpha, or the selection itself.
+            _ => {
+                let value = f64::from(texel[bytes - 1]) / 255.0;
+                sums.add(Number::Real(value));
+                if kind == FieldKind::Selection && value > 0.0 {
+                    sums.selected_mm3.add(value * mm3());
+                }
+            }
+        }
+    }
+    Ok(sums)
 }

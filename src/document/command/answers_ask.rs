@@ -107,6 +107,12 @@ pub struct FieldSaid {
     /// Of labels.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub voxels_by_label: Option<BTreeMap<u16, u64>>,
+    /// Of labels: how much of the volume each has; a voxel on a face of a sub-volume counts as far as it lies outside.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mm3_by_label: Option<BTreeMap<u16, f64>>,
+    /// Of the selection: how much is selected, what is selected in part by its part.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub selected_mm3: Option<f64>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]

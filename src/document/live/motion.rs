@@ -5,6 +5,7 @@
 //! camera, so they depend on nothing that came before; the window leads its bodies towards what was found last while it searches on.
 
 use crate::document::error::DocumentError;
+use crate::document::family::{Family, Member};
 use crate::document::history::step::Refreshed;
 use crate::document::live::graphics::Graphics;
 use crate::document::live::stood::{Found, Points, Standing, Stood};
@@ -13,7 +14,9 @@ use crate::document::scene::kept_poses::SavedPoses;
 use crate::document::state::State;
 use crate::document::subject::Subject;
 use crate::document::watch::Watch;
-use crate::explode::{Explosion, Measured, Octrees, Poses, Search, SearchStep, Settled, Simulation, settle_with_gain};
+use crate::explode::{
+    Explosion, Measured, Octrees, Poses, Search, SearchStep, Settled, Simulation, points_of, settle_with_gain,
+};
 use crate::math::Pose;
 use crate::volume::{BrickIndex, FieldKey, FieldKind, LiveCells, TransferFunction, VolumeId};
 use std::sync::Arc;
@@ -35,10 +38,11 @@ struct Sought {
 /// The simulation of the parts, the poses that it found, and what they were found for.
 #[derive(Default)]
 pub(crate) struct Motion {
-    octrees: Option<Octrees>,
+    /// Of a volume and of each sub-volume of it.
+    octrees: Option<Vec<Octrees>>,
     /// Whose they are.
-    volume: Option<VolumeId>,
-    points: Option<(TransferFunction, u64, Points)>,
+    family: Option<Family>,
+    points: Option<(Vec<TransferFunction>, u64, Points)>,
     /// How often voxels changed that explosion points stand on.
     voxels: u64,
     poses: Poses,
@@ -90,24 +94,27 @@ impl Motion {
 
     /// Follows changed voxels.
     pub(crate) fn mirror(&mut self, state: &State, refreshed: &Refreshed) {
-        let Some(subject) = state.exploded() else { return self.forget_points() };
-        let is_other = self.volume.is_some_and(|volume| volume != subject.id);
-        if is_other || refreshed.exchanged.contains(&subject.id) {
+        let Some(family) = state.exploded() else { return self.forget_points() };
+        let is_other = self.family.as_ref().is_some_and(|before| *before != family);
+        if is_other || family.0.iter().any(|member| refreshed.exchanged.contains(&member.id)) {
             return self.forget_points();
         }
-        let remapped = refreshed.remapped.contains(&subject.id);
+        let remapped = family.0.iter().any(|member| refreshed.remapped.contains(&member.id));
         let matters = |key: &FieldKey| matches!(key.kind, FieldKind::Density | FieldKind::Selection);
-        let slots = refreshed.slots.iter().filter(|(key, _)| key.volume == subject.id && matters(key));
-        let bricks: Vec<BrickIndex> = slots.flat_map(|(_, r)| r.finest()).collect();
-        if bricks.is_empty() && !remapped {
+        let bricks_of = |id: VolumeId| -> Vec<BrickIndex> {
+            let slots = refreshed.slots.iter().filter(|(key, _)| key.volume == id && matters(key));
+            slots.flat_map(|(_, r)| r.finest()).collect()
+        };
+        let bricks: Vec<Vec<BrickIndex>> = family.0.iter().map(|member| bricks_of(member.id)).collect();
+        if bricks.iter().all(Vec::is_empty) && !remapped {
             return;
         }
         self.new_voxels();
-        let updated = self.octrees.as_mut().map(|o| {
-            let volume = subject.volume;
-            o.update(&volume.density, &volume.selection, bricks.iter().copied())
+        let each = self.octrees.iter_mut().flatten().zip(family.subjects(state)).zip(bricks);
+        let updated = each.into_iter().try_for_each(|((octrees, (_, subject)), bricks)| {
+            octrees.update(&subject.volume.density, &subject.volume.selection, bricks)
         });
-        if let Some(Err(error)) = updated {
+        if let Err(error) = updated {
             tracing::warn!("{error}");
             self.octrees = None;
         }
@@ -119,49 +126,57 @@ impl Motion {
         state: &State,
         live: &[(FieldKey, BrickIndex, LiveCells)],
     ) -> Result<(), DocumentError> {
-        let of_it = |s: &Subject<'_>| live.iter().any(|(key, ..)| key.volume == s.id);
-        let Some(subject) = state.exploded().filter(of_it) else {
+        let place_in = |family: &Family, key: &FieldKey| family.0.iter().position(|member| member.id == key.volume);
+        let of_it = |family: &Family| live.iter().any(|(key, ..)| place_in(family, key).is_some());
+        let Some(family) = state.exploded().filter(of_it) else {
             return Ok(());
         };
-        let octrees = self.octrees(&subject)?;
-        for (key, index, cells) in live.iter().filter(|(key, ..)| key.volume == subject.id) {
+        let all = self.octrees(state, &family)?;
+        for (key, index, cells) in live {
+            let (Some(at), Some(volume)) = (place_in(&family, key), state.volumes.get(&key.volume)) else { continue };
             match key.kind {
-                FieldKind::Selection => octrees.paint(&subject.volume.density, *index, &cells.selected),
-                _ => octrees.paint_density(&subject.volume.density, *index, &cells.ranges),
+                FieldKind::Selection => all[at].paint(&volume.density, *index, &cells.selected),
+                _ => all[at].paint_density(&volume.density, *index, &cells.ranges),
             }
         }
         self.new_voxels();
         Ok(())
     }
 
-    fn octrees(&mut self, subject: &Subject<'_>) -> Result<&mut Octrees, DocumentError> {
+    fn octrees(&mut self, state: &State, family: &Family) -> Result<&mut Vec<Octrees>, DocumentError> {
         // Whoever reads the first volume ahead has learned nothing that parts would have to follow.
-        if self.volume.replace(subject.id).is_some_and(|before| before != subject.id) {
+        if self.family.replace(family.clone()).is_some_and(|before| before != *family) {
             self.forget_points();
         }
         Ok(match self.octrees.take() {
             Some(octrees) => self.octrees.insert(octrees),
             None => {
-                let (grid, volume) = (subject.grid(), subject.volume);
-                self.octrees.insert(Octrees::new(grid, &volume.density, &volume.selection)?)
+                let of = |(member, subject): (&Member, Subject<'_>)| {
+                    let (volume, standing) = (subject.volume, member.standing.clone());
+                    Octrees::within(subject.grid(), standing, &volume.density, &volume.selection)
+                };
+                self.octrees.insert(family.subjects(state).map(of).collect::<Result<_, _>>()?)
             }
         })
     }
 
     fn points(&mut self, state: &State) -> Result<Points, DocumentError> {
-        let Some(subject) = state.exploded() else { return Ok(Points::from(Vec::new())) };
-        let (transfer, seed) = (subject.transfer(), state.scene.explosion.seed);
-        if self.volume.is_some_and(|volume| volume != subject.id) {
+        let Some(family) = state.exploded() else { return Ok(Points::from(Vec::new())) };
+        let transfers: Vec<TransferFunction> =
+            family.subjects(state).map(|(_, subject)| subject.transfer().clone()).collect();
+        let seed = state.scene.explosion.seed;
+        if self.family.as_ref().is_some_and(|before| *before != family) {
             self.forget_points();
         }
         if let Some((t, s, points)) = &self.points
-            && t == transfer
+            && *t == transfers
             && *s == seed
         {
             return Ok(points.clone());
         }
-        let points: Points = self.octrees(&subject)?.points(transfer, seed).into();
-        self.points = Some((transfer.clone(), seed, points.clone()));
+        let shown: Vec<_> = self.octrees(state, &family)?.iter().zip(&transfers).collect();
+        let points: Points = points_of(&shown, seed).into();
+        self.points = Some((transfers, seed, points.clone()));
         Ok(points)
     }
 
@@ -260,8 +275,8 @@ impl Motion {
 
     /// Reads what explosion points are found in, so that the first move of the slider need not wait for it.
     pub(crate) fn prepare(&mut self, state: &State) -> Result<(), DocumentError> {
-        if let (true, Some(subject)) = (state.scene.explosion.parts.len() > 1, state.exploded()) {
-            self.octrees(&subject)?;
+        if let (true, Some(family)) = (state.scene.explosion.parts.len() > 1, state.exploded()) {
+            self.octrees(state, &family)?;
         }
         Ok(())
     }
