@@ -52,7 +52,7 @@ struct CastBody {
     eye: vec3<f32>,             // the eye in index space
     code: u32,                  // what the picture's object id says, even; + 1 where its volume is selected
     lo: vec3<f32>,              // its box in index space
-    first_hole: u32,            // where boxes of finer volumes are cut out of it
+    first_hole: u32,            // the boxes of finer volumes in its family, as posed: hosts before what is cut out of them
     hi: vec3<f32>,
     hole_count: u32,
     tint: vec3<f32>,
@@ -64,13 +64,13 @@ struct Hole {
     column_x: vec3<f32>,        // index_from_world of the host's body, by columns
     steps: f32,                 // samples of the finer one in a step of the lattice
     column_y: vec3<f32>,
-    host_steps: f32,            // the same of its host
+    host_hole: u32,             // the hole that its host fills; NO_HOLE if it fills none
     column_z: vec3<f32>,
     host: u32,                  // its host's place among the volumes that the picture shows
     eye: vec3<f32>,             // the eye in the host's index space
-    texel_ratio: f32,           // a texel of the host's density in texels of the finer one
+    texel_ratio: f32,           // a texel of the density of the host that fills no hole in texels of the finer one
     lo: vec3<f32>,              // in the host's index space
-    texel_bias: f32,            // finer texel = host's texel · ratio + bias
+    texel_bias: f32,            // finer texel = that texel · ratio + bias
     hi: vec3<f32>,
     volume: u32,                // the place of what fills it among the volumes that the picture shows
     scale: vec3<f32>,           // samples a voxel of the host
@@ -92,7 +92,7 @@ struct BodyMatter {
     last_label: u32,            // all labels beyond it have its look
     least_iso: f32,             // the least texel of the iso-surface of any label's look
     selection_colour: vec3<f32>,
-    unused_b: u32,
+    kin: u32,                   // the first body of those that are one but for boxes of finer volumes
 }
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -132,9 +132,8 @@ struct BodyRay {
     hole: u32,                  // that it fills; NO_HOLE if none
     steps: f32,                 // its samples in a step of the lattice
     span: vec2<f32>,            // the samples of `within`: from x on, before y
-    joins: vec2<bool>,          // whether matter of the same object goes on before and behind it
-    ends_whole: bool,           // whether its last stretch is what lies behind it to take
-    left: u32,                  // the hole that the ray leaves where it begins, if it leaves one
+    joins: vec2<bool>,          // whether matter that is shown alike goes on before and behind it
+    before: f32,                // the last sample of what lies before it, where stretches reach from there
 #endif
 }
 
@@ -309,10 +308,33 @@ fn hole_span(i: u32, ray: Ray) -> vec2<f32> {
 }
 #endif
 
+#ifdef HOLES
+// How far from a whole number the product of a sample's place and the samples in a step may be: places are rounded.
+const ROUNDED: f32 = 5e-7;
+
+// A whole number that is as good as one that is none for rounding alone; else `other`.
+fn whole_or(other: f32, x: f32) -> f32 {
+    let n = round(x);
+    return select(other, n, abs(x - n) <= ROUNDED * x);
+}
+
+// The first sample at or after a place, of so many in a step.
+fn sample_on(steps: f32, place: f32) -> f32 {
+    let x = place * steps;
+    return select(whole_or(ceil(x), x), ceil(x), steps == 1.0) / steps;
+}
+
+// The last one at or before it.
+fn sample_up_to(steps: f32, place: f32) -> f32 {
+    let x = place * steps;
+    return whole_or(floor(x), x) / steps;
+}
+#endif
+
 // The first sample at or after a place of the ray of the body that was made last.
 fn sample_from(place: f32) -> f32 {
 #ifdef HOLES
-    return ceil(place * lattice) / lattice;
+    return sample_on(lattice, place);
 #else
     return ceil(place);
 #endif
@@ -321,7 +343,8 @@ fn sample_from(place: f32) -> f32 {
 // The sample after one.
 fn sample_after(k: f32) -> f32 {
 #ifdef HOLES
-    return (floor(k * lattice) + 1.0) / lattice;
+    // Samples may lie halfway between two; a quarter is more than rounding.
+    return (floor(k * lattice + 0.25) + 1.0) / lattice;
 #else
     return k + 1.0;
 #endif
@@ -336,21 +359,10 @@ fn sample_distance() -> f32 {
 #endif
 }
 
-// Where the ray is inside the body, in steps: from x to y; x ≥ y where it is not.
-fn interval(r: BodyRay, ray: Ray) -> vec2<f32> {
-    let inverse = r.cell_i / f32(info.cell);
-    let a = (bodies[r.body].lo - r.o) * inverse;
-    let b = (bodies[r.body].hi - r.o) * inverse;
-    let near = min(a, b);
-    let far = max(a, b);
-    var t0 = max(max(near.x, near.y), max(near.z, 0.0));
-    var t1 = min(min(far.x, far.y), far.z);
-#ifdef HOLES
-    // By the numbers of its host, so that both agree to the last bit where one ends and the other begins.
-    let span = hole_span(min(r.hole, MOST_HOLES - 1u), ray);
-    t0 = select(span.x, t0, r.hole == NO_HOLE);
-    t1 = select(span.y, t1, r.hole == NO_HOLE);
-#endif
+// What planes leave of a way along the ray.
+fn between_planes(r: BodyRay, ray: Ray, way: vec2<f32>) -> vec2<f32> {
+    var t0 = way.x;
+    var t1 = way.y;
     let first = bodies[r.body].first_plane;
     let count = bodies[r.body].plane_count;
     for (var i = 0u; i < count; i += 1u) {
@@ -366,4 +378,19 @@ fn interval(r: BodyRay, ray: Ray) -> vec2<f32> {
         }
     }
     return vec2<f32>(t0, t1);
+}
+
+// Where the ray is inside the body, in steps: from x to y; x ≥ y where it is not.
+fn interval(r: BodyRay, ray: Ray) -> vec2<f32> {
+    let inverse = r.cell_i / f32(info.cell);
+    let a = (bodies[r.body].lo - r.o) * inverse;
+    let b = (bodies[r.body].hi - r.o) * inverse;
+    let near = min(a, b);
+    let far = max(a, b);
+    var way = vec2<f32>(max(max(near.x, near.y), max(near.z, 0.0)), min(min(far.x, far.y), far.z));
+#ifdef HOLES
+    // By the numbers of its host, so that both agree to the last bit where one ends and the other begins.
+    way = select(hole_span(min(r.hole, MOST_HOLES - 1u), ray), way, r.hole == NO_HOLE);
+#endif
+    return between_planes(r, ray, way);
 }

@@ -20,7 +20,9 @@
 #endif
 #import burin::picture::{Picture, object_at}
 #ifdef HOLES
-#import burin::holes::{goes_on, reaches_over, sample_before, texel_before}
+#ifdef REFINE
+#import burin::holes::{reaches_over, texel_before}
+#endif
 #endif
 #import burin::span::{Run, samples_in, stretches_in, texel_on}
 
@@ -97,8 +99,7 @@ fn open(r: BodyRay, k: f32) {
 #ifdef HOLES
     if (reaches_over(r, k)) {
         // What was marched last may have ended between samples.
-        let before = sample_before(r);
-        ends_at = select(before, left_at, left_at > before && left_at <= r.within.x);
+        ends_at = select(r.before, left_at, left_at > r.before && left_at <= r.within.x);
         texel = texel_before(r, ends_at);
     }
 #endif
@@ -110,7 +111,7 @@ fn open(r: BodyRay, k: f32) {
 #endif
 #ifdef HOLES
     // The slope there was found where it was another body's.
-    lit_at = select(-1.0, lit_at, lit_at == ends_at && goes_on(r));
+    lit_at = select(-1.0, lit_at, lit_at == ends_at && r.joins.x);
 #else
     lit_at = -1.0;
 #endif

@@ -24,7 +24,12 @@
 #import burin::span::Run
 
 const RUN: f32 = 8.0;
+#ifdef HOLES
+// Beside a box too to 1/256 of its samples' distance, of which at most 512 are in a step.
+const BISECTIONS: u32 = 17u;
+#else
 const BISECTIONS: u32 = 12u;
+#endif
 
 // The nearest hit of all bodies, in steps; whether it is where the ray enters its body; the body.
 var<private> nearest: f32;
@@ -134,10 +139,15 @@ fn done() -> bool {
 }
 
 fn leave(r: BodyRay) {
+    leave_between(r, view.k_from, view.k_to);
+}
+
+// The same of the samples from one on and before another.
+fn leave_between(r: BodyRay, k_from: f32, k_to: f32) {
 #ifdef HOLES
     // Where the same matter goes on at another resolution, the place itself is a sample.
     let ends = r.within.y;
-    let of_pass = ends >= view.k_from && ends < view.k_to && ends <= nearest;
+    let of_pass = ends >= k_from && ends < k_to && ends <= nearest;
     if (hit == FAR && r.joins.y && r.within.x < ends && of_pass && holds(r, ends)) {
         hit = ends;
     }

@@ -7,10 +7,10 @@
 #endif
 #import burin::body::{BodyRay, view}
 #ifdef HOLES
-#import burin::constants::{NO_HOLE, MOST_HOLES}
+#import burin::constants::NO_HOLE
 #import burin::body::{holes, matters}
-#import burin::holes::texel_of_host
-#import burin::field::{info, enter_volume, brick_of, density_page}
+#import burin::holes::{texel_beside, ratio_of}
+#import burin::field::{enter_volume, brick_of, density_page}
 #endif
 #import burin::look::look_light
 #ifdef CONTOUR
@@ -38,43 +38,63 @@ fn gradient_across(page: Page, p: vec3<f32>) -> vec2<f32> {
 }
 
 #ifdef HOLES
-// The texel at a place in a box of another volume or beside it, where its host goes on.
+// The texel at a place in what fills a hole, or beside it where its host goes on.
 fn texel_about(hole: u32, page: Page, p: vec3<f32>, last: vec3<f32>) -> f32 {
     if (all(p >= vec3<f32>(0.0)) && all(p <= last)) {
         return density_texel(page, address(page, p));
     }
-    return texel_of_host(hole, p);
+    return texel_beside(hole, p);
 }
 
-// In a box of another volume: in the band at its faces it goes over to its host's.
-fn gradient_of_box(hole: u32, volume: u32, page: Page, p: vec3<f32>) -> vec3<f32> {
-    let last = vec3<f32>(info.dims) - 1.0;
-    var own = vec3<f32>(0.0);
-    for (var axis = 0u; axis < 3u; axis += 1u) {
-        var ahead = p;
-        var behind = p;
-        ahead[axis] += 0.5;
-        behind[axis] -= 0.5;
-        let after = texel_about(hole, page, ahead, last);
-        own[axis] = difference(after, texel_about(hole, page, behind, last));
+fn rise_about(hole: u32, page: Page, p: vec3<f32>, half: vec3<f32>, last: vec3<f32>) -> f32 {
+    return difference(texel_about(hole, page, p + half, last), texel_about(hole, page, p - half, last));
+}
+
+// In a box of another volume. In the band at its faces it goes over to its host's, which may be a box itself.
+fn gradient_of_boxes(r: BodyRay, own: Page, own_place: vec3<f32>) -> vec3<f32> {
+    var sum = vec3<f32>(0.0);
+    var left = 1.0;
+    // A gradient of the box that is looked at in texels and voxels of the body's.
+    var unit = vec3<f32>(1.0);
+    var hole = r.hole;
+    var page = own;
+    var p = own_place;
+    loop {
+        let scale = holes[hole].scale;
+        let last = (holes[hole].hi - holes[hole].lo) * scale;
+        // From 0 at a face to 1 half a voxel of the host away.
+        let off = min(p, last - p) / scale;
+        let share = left * clamp(2.0 * min(off.x, min(off.y, off.z)), 0.0, 1.0);
+        if (share > 0.0) {
+            sum += share * unit * vec3<f32>(
+                rise_about(hole, page, p, vec3<f32>(0.5, 0.0, 0.0), last),
+                rise_about(hole, page, p, vec3<f32>(0.0, 0.5, 0.0), last),
+                rise_about(hole, page, p, vec3<f32>(0.0, 0.0, 0.5), last),
+            );
+        }
+        left -= share;
+        if (left <= 0.0) {
+            break;
+        }
+        let host = holes[hole].host_hole;
+        unit *= ratio_of(hole) / (ratio_of(host) * scale);
+        p = holes[hole].lo + p / scale;
+        enter_volume(holes[hole].host);
+        page = density_page(brick_of(p));
+        if (host == NO_HOLE) {
+            sum += left * unit * plain_gradient(page, p);
+            break;
+        }
+        hole = host;
     }
-    // From 0 at a face to 1 half a voxel of the host away.
-    let off = min(p, last - p) / holes[hole].scale;
-    let inside = clamp(2.0 * min(off.x, min(off.y, off.z)), 0.0, 1.0);
-    if (inside >= 1.0) {
-        return own;
-    }
-    let place = holes[hole].lo + p / holes[hole].scale;
-    enter_volume(holes[hole].host);
-    let around = plain_gradient(density_page(brick_of(place)), place) * holes[hole].texel_ratio / holes[hole].scale;
-    enter_volume(volume);
-    return mix(around, own, inside);
+    enter_volume(matters[r.body].volume);
+    return sum;
 }
 
 // Along the axes of index space.
 fn gradient(r: BodyRay, page: Page, p: vec3<f32>) -> vec3<f32> {
     if (r.hole != NO_HOLE) {
-        return gradient_of_box(r.hole, matters[r.body].volume, page, p);
+        return gradient_of_boxes(r, page, p);
     }
     return plain_gradient(page, p);
 }

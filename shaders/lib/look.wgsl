@@ -34,11 +34,6 @@ fn table_at(texel: f32) -> vec4<f32> {
 #endif
 }
 
-// The same for a place of the table.
-fn table_at_place(place: f32) -> vec4<f32> {
-    return row_at(i32(clamp(place, 0.0, TABLE_LAST)), 0);
-}
-
 #ifdef REFINE
 // Densities nearer to each other than so many entries are told apart by the mean of their extinctions.
 const NARROW: f32 = 8.0;

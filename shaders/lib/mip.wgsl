@@ -6,9 +6,12 @@
 
 #import burin::constants::{FAR, MASK_SELECTION}
 #import burin::field::{selected, is_nan}
-#import burin::body::{Ray, BodyRay, view, bodies, body_ray, sample_after, table_place}
-#import burin::look::{table_at, table_at_place, painted, is_shown, look_at}
+#import burin::body::{Ray, BodyRay, view, bodies, body_ray, sample_after}
+#import burin::look::{table_at, painted, is_shown, look_at}
 #import burin::picture::{Picture, object_at}
+#ifdef HOLES
+#import burin::holes::{to_root, from_root}
+#endif
 #import burin::span::{Run, samples_in}
 
 const RUN: f32 = 32.0;
@@ -81,18 +84,18 @@ fn add(r: BodyRay, run: Run, k: f32, texel: f32, c: vec4<f32>) {
     look_at(r.o + r.d * k);
 #endif
 #ifdef HOLES
-    // Of volumes with codes of their own: where it lies in the table tells which is more.
-    let place = table_place(texel);
+    // A volume and its boxes have codes of their own.
+    let density = to_root(r.hole, texel);
 #else
-    let place = texel;
+    let density = texel;
 #endif
-    var better = exceeds(place, k) && is_shown();
+    var better = exceeds(density, k) && is_shown();
 #ifdef SELECTION
     if (better && r.mask != 0u) {
         better = (selected(r.o + r.d * k) >= 0.5) == (r.mask == MASK_SELECTION);
     }
 #endif
-    largest = select(largest, place, better);
+    largest = select(largest, density, better);
     largest_at = select(largest_at, k, better);
     largest_body = select(largest_body, r.body, better);
 }
@@ -118,7 +121,7 @@ fn maximum(r: BodyRay) -> vec4<f32> {
     let p = r.o + r.d * largest_at;
     look_at(p);
 #ifdef HOLES
-    let c = table_at_place(largest);
+    let c = table_at(from_root(r.hole, largest));
 #else
     let c = table_at(largest);
 #endif

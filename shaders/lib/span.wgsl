@@ -24,7 +24,7 @@ fn stretches_in(r: BodyRay) -> vec2<f32> {
     let first = max(sample_from(r.within.x), view.k_from);
 #ifdef HOLES
     // What lies behind takes the stretch that reaches over.
-    let last = select(sample_from(r.within.y) + sample_distance(), r.within.y, r.ends_whole);
+    let last = select(sample_from(r.within.y) + sample_distance(), r.within.y, r.joins.y);
     let end = min(last, view.k_to);
 #else
     let end = min(sample_from(r.within.y) + sample_distance(), view.k_to);

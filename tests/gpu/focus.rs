@@ -303,7 +303,7 @@ fn the_contours_of_a_surface_are_one_line_of_its_own_opacity() {
 #[test]
 fn a_focus_lies_in_the_world_whatever_parts_and_boxes_there_are() {
     let Some(gpu) = gpu() else { return };
-    let family = super::sub_volumes::Family::new(super::sub_volumes::DIMS, &[super::sub_volumes::INNER]);
+    let family = super::sub_volumes::family(super::sub_volumes::DIMS, &[super::sub_volumes::INNER]);
     let grid = *family.volumes[0].grid();
     let centre = grid.world_from_index.transform_point3(DVec3::new(19.0, 27.0, 17.0));
     let focus = Focus { centre, radius_mm: 9.0, opacity: 0.0, context: Context::Faded };

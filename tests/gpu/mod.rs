@@ -1,6 +1,8 @@
 //! Kernels and the ray caster against plain references.
 
 mod backdrop;
+mod boxes_beside;
+mod boxes_seen;
 mod brush;
 mod cast_bodies;
 mod cast_forms;
@@ -17,12 +19,15 @@ mod focus;
 mod in_place;
 mod looks;
 mod many_volumes;
+mod nested_boxes;
 mod occupancy;
 mod pools;
 mod pools_work;
 mod probe;
 pub(crate) mod reference;
 mod reference_boxes;
+mod reference_family;
+mod reference_family_rays;
 mod reference_refined;
 mod residency;
 mod shader;

@@ -6,10 +6,10 @@
 use crate::gpu::cast::focus::draw_focused;
 use crate::gpu::cast::forms::{Begins, Form, Forms, Groups, Share, Work};
 use crate::gpu::cast::higher::Higher;
-use crate::gpu::cast::holes::{Hole, bounds_of, boxed_bodies, lay_through};
+use crate::gpu::cast::holes::{Hole, bounds_of, boxed_bodies, lay_through, posed_boxes};
 use crate::gpu::cast::look_tables::{LookTables, LookTextures};
 use crate::gpu::cast::looks::{Kind, Looks, MOST_LOOKS};
-use crate::gpu::cast::merging::{MergedBody, resolve, unite};
+use crate::gpu::cast::merging::{MergedBody, Uniting, resolve, unite};
 use crate::gpu::cast::tiles::{Tiles, Window};
 use crate::gpu::cast::uniforms::{BodyMatter, CastBody, FrameUniforms, View};
 use crate::gpu::device::constants::{LIST_WIDTH, MOST_BODIES, MOST_HOLES, MOST_PLANES};
@@ -164,12 +164,15 @@ impl Caster {
     ) -> Result<Image, GpuError> {
         // What no finer box is met in is drawn as if there were none: those pixels do not change by a bit.
         let plain = frame.without_boxes();
-        let mut drawn = unite(&plain, fields, pools, self.shortcuts)?;
+        let uniting = if self.shortcuts { Uniting::Yes } else { Uniting::No };
+        let mut drawn = unite(&plain, fields, pools, uniting)?;
         let (mut image, mut codes) = self.picture(gpu, pools, fields, &plain, &drawn, window)?;
         if !frame.boxes.is_empty() {
             let inside = Frame { bodies: boxed_bodies(frame), ..frame.clone() };
-            let fine = unite(&inside, fields, pools, self.shortcuts)?;
-            let around = bounds_of(fine.iter().map(|d| &d.solid), &frame.camera, window);
+            let uniting = if self.shortcuts { Uniting::As(&drawn) } else { Uniting::No };
+            let fine = unite(&inside, fields, pools, uniting)?;
+            let boxes = posed_boxes(frame, fields);
+            let around = bounds_of(boxes.iter().map(|b| &b.solid), &frame.camera, window);
             drawn.extend(fine);
             if let Some((around, at)) = around {
                 let (through, of_through) = self.picture(gpu, pools, fields, frame, &drawn, &around)?;
@@ -243,7 +246,7 @@ impl Caster {
         let count = scene.passes.len();
         let opaque = layers.as_ref().and_then(|l| l.opaque.as_ref());
         let most = layers.as_ref().map_or(1, |l| l.pieces);
-        let shares = shares(scene.looks.kind, &scene.tiles, (most, scene.holes.len()));
+        let shares = shares(scene.looks.kind, &scene.tiles, (most, scene.pieces));
         for (i, [k_from, k_to]) in scene.passes.clone().into_iter().enumerate() {
             // Passes take turns between two sets of targets; the last one ends in the caller's.
             let (to, from) = match &other {
@@ -409,11 +412,11 @@ fn layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
 }
 
 /// Which tiles are drawn by which pipeline: by the intervals that a ray must hold there (0: bodies follow one another). A pixel that
-/// no body can be met in costs nothing. `pieces`: into how many an interval may be cut; `holes`: how many are cut out of bodies.
-fn shares(kind: Kind, tiles: &Tiles, (pieces, holes): (usize, usize)) -> Vec<(Share, u32)> {
+/// no body can be met in costs nothing. `cut`: into how many an interval may be cut; `more`: how many more holes make of them.
+fn shares(kind: Kind, tiles: &Tiles, (cut, more): (usize, usize)) -> Vec<(Share, u32)> {
     // Few capacities, so that few pipelines are made.
     let capacity = |longest: usize| {
-        let most = (longest + holes) * pieces;
+        let most = (longest + more) * cut;
         [4, 16, 64].into_iter().find(|&c| c as usize >= most).unwrap_or(MOST_BODIES)
     };
     if kind == Kind::Modes {

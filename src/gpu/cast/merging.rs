@@ -67,6 +67,13 @@ impl MergedBody {
         }
     }
 
+    /// Whether a body that both stand for has the same name.
+    pub(crate) fn shares_member(&self, other: &Self) -> bool {
+        let names = |d: &Self| d.members.iter().map(|m| m.0).chain(d.selected).collect::<Vec<_>>();
+        let others = names(other);
+        names(self).iter().any(|name| others.contains(name))
+    }
+
     /// The body that a point of the world on it belongs to.
     pub(crate) fn owner(&self, world: DVec3, selected: bool, hint: &mut usize) -> u32 {
         if let (true, Some(id)) = (selected, self.selected) {
@@ -120,6 +127,17 @@ impl Block {
     }
 }
 
+/// How bodies become one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Uniting<'a> {
+    /// Not at all.
+    No,
+    /// Wherever the picture is the same.
+    Yes,
+    /// Only where those are one that these boxes are cut out of: surfaces and maxima of both are one.
+    As(&'a [MergedBody]),
+}
+
 /// The marched bodies of a frame. What of the selection a stroke is changing right now is known by the pools.
 ///
 /// # Errors
@@ -128,7 +146,7 @@ pub(crate) fn unite(
     frame: &Frame,
     fields: &Fields<'_>,
     pools: &FieldPools,
-    unite_bodies: bool,
+    uniting: Uniting<'_>,
 ) -> Result<Vec<MergedBody>, GpuError> {
     let blocks = frame.volumes().into_iter().map(|id| Ok((id, Block::of(fields, pools, id, frame.is_boxed(id))?)));
     let blocks = blocks.collect::<Result<BTreeMap<_, _>, GpuError>>()?;
@@ -177,7 +195,17 @@ pub(crate) fn unite(
         })
     });
     let single: Vec<MergedBody> = single.collect();
-    let list = if unite_bodies { unite_matter(unite_regions(single, &blocks)) } else { single };
+    let list = match uniting {
+        Uniting::No => single,
+        Uniting::Yes => unite_matter(unite_regions(single, &blocks, |_| true)),
+        Uniting::As(hosts) => {
+            let is_one = |group: &[MergedBody]| {
+                let all = |host: &MergedBody| group.iter().all(|d| d.shares_member(host));
+                hosts.iter().any(|host| host.pose == group[0].pose && all(host))
+            };
+            unite_matter(unite_regions(single, &blocks, is_one))
+        }
+    };
     Ok(list.into_iter().filter_map(|d| clipped(d, &frame.layers.clips)).collect())
 }
 
@@ -191,7 +219,11 @@ fn clipped(mut body: MergedBody, clips: &[Plane]) -> Option<MergedBody> {
 }
 
 /// Unites bodies of one pose, look and mask that lie apart and together fill the box.
-fn unite_regions(single: Vec<MergedBody>, blocks: &BTreeMap<VolumeId, Block>) -> Vec<MergedBody> {
+fn unite_regions(
+    single: Vec<MergedBody>,
+    blocks: &BTreeMap<VolumeId, Block>,
+    may_be_one: impl Fn(&[MergedBody]) -> bool,
+) -> Vec<MergedBody> {
     let mut groups: Vec<Vec<MergedBody>> = Vec::new();
     for drawn in single {
         let same = |g: &&mut Vec<MergedBody>| {
@@ -216,7 +248,7 @@ fn unite_regions(single: Vec<MergedBody>, blocks: &BTreeMap<VolumeId, Block>) ->
         .into_iter()
         .flat_map(|mut group| {
             let Some(Block { solid: block, .. }) = blocks.get(&group[0].volume) else { return group };
-            if group.len() < 2 || group[0].mask == Mask::Selection || !fills(&group, block) {
+            if group.len() < 2 || group[0].mask == Mask::Selection || !may_be_one(&group) || !fills(&group, block) {
                 return group;
             }
             let members = group.iter().flat_map(|d| d.members.iter().cloned()).collect();

@@ -3,7 +3,7 @@
 //! Owns the numbers that pass from `Frame` to `shaders/lib/body.wgsl`. World and index positions are taken relative to the
 //! eye in f64 here, before the GPU's f32 sees them.
 
-use crate::gpu::cast::holes::{Hole, Holes, narrow};
+use crate::gpu::cast::holes::{Hole, Holes, kin_of, narrow};
 use crate::gpu::cast::looks::{Looks, Meaning, number_of};
 use crate::gpu::cast::merging::MergedBody;
 use crate::gpu::cast::order::{Order, RayOrigin};
@@ -108,7 +108,7 @@ shared_struct! {
         pub code: u32,
         /// Bounds in index space.
         pub lo: [f32; 3],
-        /// Where boxes of finer volumes are cut out of it.
+        /// The boxes of finer volumes in its family, as posed.
         pub first_hole: u32,
         /// Bounds in index space.
         pub hi: [f32; 3],
@@ -150,8 +150,8 @@ shared_struct! {
         pub least_iso: f32,
         /// Display-referred.
         pub selection_colour: [f32; 3],
-        /// Unused.
-        pub unused_b: u32,
+        /// The first of those that are one with it but for boxes of finer volumes.
+        pub kin: u32,
     }
 }
 
@@ -166,6 +166,8 @@ pub(crate) struct FrameUniforms {
     /// Bounds `k_from`, `k_to` of each pass, nearest first; at least one.
     pub passes: Vec<[f32; 2]>,
     pub holes: Vec<Hole>,
+    /// Into how many more pieces they may part the bodies that a ray meets.
+    pub pieces: usize,
 }
 
 impl FrameUniforms {
@@ -191,7 +193,8 @@ impl FrameUniforms {
         }
         let camera = &frame.camera;
         let eye = camera.eye;
-        let holes = Holes::new(frame, fields, pools, drawn)?;
+        let kin = kin_of(frame, drawn);
+        let holes = Holes::new(frame, fields, pools, (drawn, &kin))?;
         let mut bodies = Vec::with_capacity(drawn.len());
         let mut planes = Vec::with_capacity(plane_count);
         let mut matters = Vec::with_capacity(drawn.len());
@@ -219,11 +222,11 @@ impl FrameUniforms {
                 last_label,
                 least_iso: isos.fold(iso, f32::min),
                 selection_colour: overlay.selection_colour,
-                unused_b: 0,
+                kin: kin[i] as u32,
             });
             let index_from_world: DAffine3 = grid.index_from_world() * d.pose.world_from_rest().inverse();
             let m = index_from_world.matrix3;
-            let (of_body, own_hole) = (holes.of(d), holes.filled_by(d));
+            let (of_body, own_hole) = (holes.of(frame, d), holes.filled_by(d));
             bodies.push(CastBody {
                 column_x: narrow(m.x_axis),
                 first_plane: planes.len() as u32,
@@ -252,9 +255,10 @@ impl FrameUniforms {
         let solids: Vec<_> = drawn.iter().map(|d| d.solid.clone()).collect();
         let sight = RayOrigin::of(camera);
         let tiles = Tiles::of(&solids, &Order::of(&solids, sight), camera, window);
-        let passes = passes(drawn, sight, eye, frame.step_mm, &tiles, (looks.refines, holes.finest));
+        let passes = passes(drawn, sight, eye, frame.step_mm, &tiles, (looks.refines, &holes));
         let view = View { hole_count: holes.list.len() as u32, ..view(frame, window, drawn.first(), pools) };
-        Ok(Self { view, looks, bodies, matters, planes, tiles, passes, holes: holes.list })
+        let pieces = holes.pieces();
+        Ok(Self { view, looks, bodies, matters, planes, tiles, passes, holes: holes.list, pieces })
     }
 }
 
@@ -315,7 +319,7 @@ fn passes(
     eye: DVec3,
     step_mm: f64,
     tiles: &Tiles,
-    (refine, finest): (bool, f64),
+    (refine, holes): (bool, &Holes),
 ) -> Vec<[f32; 2]> {
     let corners = || drawn.iter().flat_map(|d| d.solid.corners());
     let far = |p: &DVec3| match sight {
@@ -335,9 +339,17 @@ fn passes(
     // A sample before it, since the GPU's narrower numbers may enter a body there.
     let first = ((nearest / step_mm).floor() - 1.0).max(0.0);
     // A sample costs at most four turns of loops per overlapping body, and five for the run it belongs to. One that refines is met
-    // thrice and lit in twelve places.
-    let (per_body, own) = if refine { (24.0, 24.0) } else { (4.0, 5.0) };
-    let stride = (ITERATIONS / finest / (per_body * tiles.longest_merged as f64 + own)).floor().max(1.0);
+    // thrice and lit in twelve places. In a box light is asked of its host too.
+    let (per_body, own) = match (refine, holes.list.is_empty()) {
+        (true, _) => (24.0, 24.0),
+        (false, true) => (4.0, 5.0),
+        (false, false) => (6.0, 8.0),
+    };
+    let bodies = tiles.longest_merged as f64;
+    // Where a ray meets boxes is asked once per body and box, several times for every piece.
+    let to_find_pieces = 16.0 * (bodies + holes.list.len() as f64) * holes.largest_family() as f64;
+    let left = (ITERATIONS - to_find_pieces).max(0.1 * ITERATIONS);
+    let stride = (left / holes.finest / (per_body * bodies + own)).floor().max(1.0);
     let mut passes = Vec::new();
     let mut from = first;
     while from < last {

@@ -5,7 +5,7 @@
 use crate::gpu::cast::caster::Caster;
 use crate::gpu::cast::counting::Counter;
 use crate::gpu::cast::looks::Looks;
-use crate::gpu::cast::merging::unite;
+use crate::gpu::cast::merging::{MergedBody, Uniting, unite};
 use crate::gpu::cast::tiles::Window;
 use crate::gpu::device::constants::TILE;
 use crate::gpu::device::error::GpuError;
@@ -26,7 +26,7 @@ pub struct Visibility {
     pub selected: u64,
     /// Those of them with less than 5 % opacity before that sample.
     pub visible: u64,
-    /// By id of every body that is not the selection: those that it alone hides by at least 5 %.
+    /// By id of all bodies but the selection, each once: those that bodies of this id alone hide by at least 5 %.
     pub hidden_by: Vec<(u32, u64)>,
 }
 
@@ -50,14 +50,22 @@ impl Caster {
         fields: &Fields<'_>,
         frame: &Frame,
     ) -> Result<Visibility, GpuError> {
-        let hiders = frame.bodies.iter().filter(|b| b.mask != Mask::Selection);
-        let mut answer = Visibility { hidden_by: hiders.map(|b| (b.id, 0)).collect(), ..Default::default() };
-        let list = unite(frame, fields, pools, false)?;
+        let mut answer = Visibility::default();
+        // A part is a body of every volume that it is cut out of.
+        for body in frame.bodies.iter().filter(|b| b.mask != Mask::Selection) {
+            if answer.hidden_by.iter().all(|(id, _)| *id != body.id) {
+                answer.hidden_by.push((body.id, 0));
+            }
+        }
+        let list = unite(frame, fields, pools, Uniting::No)?;
         if frame.size.contains(&0) || !list.iter().any(|d| d.mask == Mask::Selection) {
             return Ok(answer);
         }
-        let boxes = frame.volumes().into_iter().filter_map(|id| Some(fields.get(id)?.grid.world_bounds()));
-        let length = boxes.map(|b| 2.0 * b.half_diagonal()).sum::<f64>();
+        let ways = frame
+            .volumes()
+            .into_iter()
+            .filter_map(|id| Some(2.0 * fields.get(id)?.grid.world_bounds().half_diagonal() * frame.steps_of(id)));
+        let length = ways.sum::<f64>();
         let step_mm = frame.step_mm.max(length / MOST_SAMPLES);
         // By plain samples, as scripts of before.
         let mut frame = Frame { step_mm, refine: false, ..frame.clone() };
@@ -65,7 +73,16 @@ impl Caster {
         frame.looks.iter_mut().for_each(|look| look.mode = Mode::Dvr);
         pools.make_resident(gpu, fields, &frame)?;
         let counts = gpu.scoped("visibility", || {
-            let scene = self.scene(gpu, pools, fields, &frame, &list, &Window::whole(frame.size))?;
+            let mut scene = self.scene(gpu, pools, fields, &frame, &list, &Window::whole(frame.size))?;
+            // Here those are kin that are selected in one family, or of one part.
+            let kin = |d: &MergedBody, e: &MergedBody| match (d.mask, e.mask) {
+                (Mask::Selection, Mask::Selection) => frame.root_of(d.volume) == frame.root_of(e.volume),
+                (Mask::Selection, _) | (_, Mask::Selection) => false,
+                _ => d.members[0].0 == e.members[0].0,
+            };
+            for (i, matter) in scene.matters.iter_mut().enumerate() {
+                matter.kin = list[..i].iter().position(|e| kin(&list[i], e)).unwrap_or(i) as u32;
+            }
             self.set_looks(gpu, pools, &frame, &scene);
             let lists = self.upload(gpu, &scene);
             let layers = self.draw_layers(gpu, &frame, &scene, &lists, frame.size)?;

@@ -36,6 +36,8 @@ const LIBRARY: &[(&str, &str)] = files![
     "lib/fade.wgsl",
     "lib/modes.wgsl",
     "lib/march.wgsl",
+    "lib/events.wgsl",
+    "lib/gathered.wgsl",
     "lib/merge.wgsl",
     "lib/stroke.wgsl",
     "lib/coverage.wgsl",

@@ -211,6 +211,11 @@ impl Frame {
         of.map_or(1.0, |b| f64::from(b.finer) * self.steps_of(b.host))
     }
 
+    /// The volume that a volume, or what it is cut out of, fills a box of; itself if it fills none.
+    pub fn root_of(&self, volume: VolumeId) -> VolumeId {
+        self.boxes.iter().find(|b| b.volume == volume).map_or(volume, |b| self.root_of(b.host))
+    }
+
     /// Whether a volume fills a box of another.
     pub fn is_boxed(&self, volume: VolumeId) -> bool {
         self.boxes.iter().any(|b| b.volume == volume)
