@@ -102,7 +102,7 @@ fn how_much_of_a_selection_is_seen_heeds_boxes_and_meshes_that_cut() {
             }
             seen.push(book);
         }
-        // The cut shows something.
-        assert!(seen[0].selected > 100 && seen[1].visible > seen[0].visible + 20, "{seen:?}");
+        // The cut takes something of what is selected and of what hides it.
+        assert!(seen[0].selected > seen[1].selected + 20 && seen[1].visible > 10, "{seen:?}");
     }
 }
