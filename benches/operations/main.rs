@@ -24,6 +24,7 @@ mod refined;
 mod save;
 mod settle;
 mod slices;
+mod stroke;
 mod ten;
 mod undo;
 mod window;
@@ -45,6 +46,7 @@ const BENCHES: &[Bench] = &[
     ("paint/dab", paint::dab),
     ("paint/click", paint::click),
     ("paint/stamp", paint::stamp),
+    ("paint/stroke", stroke::running),
     ("undo/stroke", undo::undo),
     ("slices/pictures", slices::slices),
     ("explode/settle", settle::settle),

@@ -45,10 +45,12 @@ pub use history::{DEFAULT_BUDGET_BYTES, History};
 pub use journal::autosave::Autosave;
 pub use journal::loaded::{Recovered, RestoredDocument, RestoredVolume};
 pub use journal::recovery;
+pub use live::aim::Aim;
 pub use paths::at_home;
 pub use project::read::{LoadedDensity, Wanted};
 pub use project::source::ZarrSource;
 pub use reduce::{Changed, Ground};
+pub use scene::focus::{FarMatter, ViewFocus};
 pub use scene::kept_poses::SavedPoses;
 pub use scene::past::{Past, PastOf};
 pub use scene::shared::Shared;
@@ -81,6 +83,7 @@ pub struct Document {
     graphics: Graphics,
     motion: Motion,
     running: Option<Running>,
+    aim: Option<Aim>,
     watch: Watch,
     autosave: Option<Autosave>,
     unsaved_in: Option<PathBuf>,
@@ -103,6 +106,7 @@ impl Document {
         self.opening += 1;
         self.graphics.forget();
         self.motion.forget();
+        self.aim = None;
         self.leave_place();
         self.unsaved = false;
         self.history.clear();

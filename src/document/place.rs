@@ -2,7 +2,7 @@
 
 use crate::document::Document;
 use crate::document::command::parts::PartCommand;
-use crate::document::command::views::ViewCommand;
+use crate::document::command::views::{FocusChange, ViewCommand};
 use crate::document::command::{Command, Place};
 use crate::document::error::DocumentError;
 use crate::document::reduce::place::{normal_in, place_in};
@@ -40,6 +40,14 @@ impl Document {
             Command::View(ViewCommand::Crosshair { at }) if !matches!(at, Place::Mm(_)) => {
                 let world = self.resolve(at, None)?.ok_or_else(|| nothing_there("at", at))?.position;
                 Ok(Command::View(ViewCommand::Crosshair { at: Place::Mm(world.to_array()) }))
+            }
+            Command::View(ViewCommand::Focus(change)) => {
+                let at = match change.at {
+                    Some(at) => Some(self.resolve(at, None)?.ok_or_else(|| nothing_there("at", at))?.position),
+                    None => None,
+                };
+                let at = at.map(|at| Place::Mm(at.to_array()));
+                Ok(Command::View(ViewCommand::Focus(FocusChange { at, ..change })))
             }
             Command::Part(PartCommand::Split { by, size }) => {
                 let by = self.cuts_of(by, size)?;

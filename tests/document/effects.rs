@@ -37,6 +37,7 @@ pub fn one_of_each() -> Vec<Value> {
         json!({"view":{"crosshair":{"at":at}}}),
         json!({"view":{"scroll":{"view":"axial","voxels":1}}}),
         json!({"view":{"look":{"shaded":false}}}),
+        json!({"view":{"focus":{"distance_mm":9,"opacity":0.25,"as":"contour"}}}),
         json!({"view":{"window":{"level":10,"width":5}}}),
         json!({"view":{"layer":{"field":"labels","visible":false,"opacity":0.5}}}),
         json!({"view":{"back":{}}}),

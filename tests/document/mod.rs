@@ -16,6 +16,7 @@ mod exploded;
 mod filled;
 mod first_look;
 mod fixtures;
+mod focus;
 mod history;
 mod keep;
 mod keep_faults;

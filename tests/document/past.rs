@@ -34,6 +34,7 @@ fn whatever_changes_a_look_is_no_step_of_undo_and_goes_back_and_forward() {
         (r#"{"view":{"look":{"shaded":false}}}"#, "Headlight off"),
         (r#"{"view":{"look":{"step_voxels":0.25}}}"#, "Look"),
         (r#"{"view":{"look":{"background":[1,1,1]}}}"#, "Background"),
+        (r#"{"view":{"focus":{"distance_mm":9,"opacity":0.5}}}"#, "Focus"),
         (WINDOW, "Window"),
         (r#"{"view":{"layer":{"field":"density","visible":false,"opacity":1}}}"#, "Layer density"),
         (r#"{"view":{"layer":{"field":"labels","visible":true,"opacity":0.2}}}"#, "Layer labels"),

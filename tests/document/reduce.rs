@@ -102,7 +102,7 @@ fn a_command_copies_the_component_that_it_changes_and_shares_the_others() {
         let document = labelled();
         let before = document.state().unwrap().scene.clone();
         let Some(after) = foretold(&document, &line) else { continue };
-        let Scene { volumes, shown, transfer, look, views, layers, brush, also, explosion, own_looks } = &before;
+        let Scene { volumes, shown, transfer, look, views, layers, brush, also, explosion, own_looks, focus } = &before;
         let shared = [
             volumes.is_same(&after.volumes),
             shown.is_same(&after.shown),
@@ -114,6 +114,7 @@ fn a_command_copies_the_component_that_it_changes_and_shares_the_others() {
             also.is_same(&after.also),
             explosion.is_same(&after.explosion),
             own_looks.is_same(&after.own_looks),
+            focus.is_same(&after.focus),
         ];
         // How a volume is shown is asked to be changed before the document's own look is.
         let copied = shared.iter().enumerate().filter(|(i, shared)| *i != 1 && !**shared).count();

@@ -12,6 +12,7 @@ pub(crate) mod component;
 mod connected;
 pub(crate) mod explosion;
 pub(crate) mod export;
+mod focus;
 pub(crate) mod labels;
 mod lasso;
 pub(crate) mod matter;

@@ -88,7 +88,8 @@ impl Document {
             None if view != ViewName::ThreeD => Ok(Image::empty(part)),
             None => {
                 let camera = safe_camera(camera.unwrap_or(state.scene.views.camera), &state.bounds())?;
-                self.graphics.part(state, &state.frame(self.motion.poses(), &camera, size), corner, part)
+                let frame = self.focused(state.frame(self.motion.poses(), &camera, size));
+                self.graphics.part(state, &frame, corner, part)
             }
         }
     }
@@ -104,7 +105,8 @@ impl Document {
             None if view != ViewName::ThreeD => Ok(Image::empty(size)),
             None => {
                 let camera = safe_camera(camera.unwrap_or(state.scene.views.camera), &state.bounds())?;
-                self.graphics.image(state, &state.frame(self.motion.poses(), &camera, size))
+                let frame = self.focused(state.frame(self.motion.poses(), &camera, size));
+                self.graphics.image(state, &frame)
             }
         }
     }
@@ -116,7 +118,8 @@ impl Document {
     pub fn picture_rows(&mut self, size: [u32; 2], rows: std::ops::Range<u32>) -> Result<Image, DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
         let camera = safe_camera(state.scene.views.camera, &state.bounds())?;
-        self.graphics.rows(state, &state.frame(self.motion.poses(), &camera, check_size(size)?), rows)
+        let frame = self.focused(state.frame(self.motion.poses(), &camera, check_size(size)?));
+        self.graphics.rows(state, &frame, rows)
     }
 
     /// Says whether something is held or moves: pictures and picks of the 3D view then wait for a bounded number of bricks, and

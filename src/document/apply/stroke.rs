@@ -234,7 +234,7 @@ impl Document {
         let (Some(running), Some(state)) = (&mut self.running, &self.state) else { return Ok(Answer::default()) };
         let bricks = if count == 0 { Vec::new() } else { self.graphics.extend(state, &lent(&dabs))? };
         running.went(paths, &dabs, &samples);
-        running.trail = trail;
+        running.trail = trail.clone();
         running.missed += missed;
         let volumes = running.volumes();
         let length_mm = running.on.first().map_or(0.0, |on| on.path.length_mm());
@@ -250,6 +250,7 @@ impl Document {
         if let Some(Err(error)) = noted {
             answer.trouble.push(error.to_string());
         }
+        self.aim_at(trail.as_ref(), &samples);
         self.revision += 1;
         Ok(answer)
     }

@@ -191,6 +191,11 @@ impl Document {
 }
 
 impl Trail {
+    /// What the pointer's last point met.
+    pub(crate) fn hit(&self) -> Option<Hit> {
+        self.hit
+    }
+
     /// Whether a point of a picture of this camera goes on from here.
     fn is_of(&self, camera: &Camera, size: [u32; 2]) -> bool {
         self.camera == *camera && self.size == size

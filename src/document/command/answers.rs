@@ -8,6 +8,7 @@
 use crate::document::command::answers_ask::{
     FieldSaid, HistorySaid, PartsSaid, PickSaid, VisibilitySaid, VolumeSaid, VoxelSaid,
 };
+use crate::document::scene::focus::ViewFocus;
 use crate::document::scene::own_looks::LookChange;
 use crate::document::scene::past::PastOf;
 use crate::document::scene::{Layer, Scene, SliceView, ViewLook, ViewName, Window};
@@ -117,6 +118,7 @@ pub enum Said {
     Look(LookSaid),
     Window(WindowSaid),
     Layers(LayersSaid),
+    Focus(FocusSaid),
     Past(Box<PastSaid>),
     Brush(Box<BrushSaid>),
     Also(AlsoSaid),
@@ -180,7 +182,7 @@ macro_rules! said {
 said! {
     Opened(OpenedSaid), Saved(SavedSaid), Lost(LostSaid), Forgotten(ForgottenSaid), Exported(ExportedSaid), ExportedMesh(ExportedMeshSaid),
     Transfer(TransferSaid), Camera(CameraSaid), View(ViewSaid), Slice(SliceSaid), Crosshair(CrosshairSaid),
-    Look(LookSaid), Window(WindowSaid), Layers(LayersSaid), Past(PastSaid), Brush(BrushSaid), Also(AlsoSaid),
+    Look(LookSaid), Window(WindowSaid), Layers(LayersSaid), Focus(FocusSaid), Past(PastSaid), Brush(BrushSaid), Also(AlsoSaid),
     Painted(PaintedSaid), Extended(ExtendedSaid), Cancelled(CancelledSaid), Component(ComponentSaid), Selected(SelectedSaid),
     SelectionLook(SelectionLookSaid), Segment(SegmentSaid), ShownOnly(ShownOnlySaid),
     SegmentRemoved(SegmentRemovedSaid), ImportedSegments(ImportedSegmentsSaid), Split(SplitSaid), Part(PartSaid),
@@ -237,6 +239,12 @@ pub struct WindowSaid {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LayersSaid {
     pub layers: Vec<Layer>,
+}
+
+/// `view.focus`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FocusSaid {
+    pub focus: ViewFocus,
 }
 
 /// `view.back`, `view.forward`.

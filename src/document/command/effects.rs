@@ -222,6 +222,7 @@ impl ViewCommand {
             // The window's size is nobody's change of view.
             Self::Size { .. } => Effects { past: Remembered::Looks, ..Effects::of_view("view.size") },
             Self::Look { .. } => Effects { redraws: Redraws::THREE_D, ..Effects::change("view.look") },
+            Self::Focus(_) => Effects { redraws: Redraws::THREE_D, ..Effects::change("view.focus") },
             Self::Window { .. } => Effects { redraws: Redraws::SLICES, ..Effects::change("view.window") },
             Self::Layer(_) => Effects::change("view.layer"),
             Self::Back { .. } => walks("view.back"),

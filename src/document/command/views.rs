@@ -3,6 +3,7 @@
 #![allow(missing_docs)] // fields: the command's own text says what they are
 
 use crate::document::command::Place;
+use crate::document::scene::focus::FarMatter;
 use crate::document::scene::past::PastOf;
 use crate::document::scene::{Layer, ViewName};
 use crate::math::Camera;
@@ -59,6 +60,30 @@ impl From<Layer> for LayerChange {
     }
 }
 
+/// See [`ViewCommand::Focus`]. What is left out stays.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FocusChange {
+    /// Left out: it is on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub on: Option<bool>,
+    /// How far about the footprint matter is drawn as it is, mm, 0 or more.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub distance_mm: Option<f64>,
+    /// Opacity of what lies farther, 0..1: of all of it before what is near together, and of all behind.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub opacity: Option<f32>,
+    /// How that is drawn.
+    #[serde(default, rename = "as", skip_serializing_if = "Option::is_none")]
+    pub far: Option<FarMatter>,
+    /// A place that it stays at, whatever is painted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at: Option<Place>,
+    /// It goes with the brush again; said without `at`.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub follow: bool,
+}
+
 /// See [`Command::View`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
@@ -107,6 +132,9 @@ pub enum ViewCommand {
         #[serde(default)]
         background: Option<[f32; 3]>,
     },
+    /// What the 3D view looks at: what lies near the brush's footprint is drawn as it is, all else faintly or as contours. The footprint
+    /// is that under the hand, in a script that of the last dab. Strokes and picks do not heed it.
+    Focus(FocusChange),
     /// Grey window of the slices.
     Window {
         level: f64,

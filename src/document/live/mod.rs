@@ -2,6 +2,7 @@
 //!
 //! Nothing here is saved, but where the parts stand, and that as a cache.
 
+pub(crate) mod aim;
 pub(crate) mod area;
 pub(crate) mod graphics;
 pub(crate) mod motion;

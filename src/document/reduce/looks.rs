@@ -1,14 +1,16 @@
 //! What commands on colour and opacity, look, window, layers and the brush do to the scene; see `reduce`.
 
 use crate::document::command::answers::{
-    AlsoSaid, BrushSaid, LayersSaid, LookSaid, SelectionLookSaid, TransferSaid, WindowSaid,
+    AlsoSaid, BrushSaid, FocusSaid, LayersSaid, LookSaid, SelectionLookSaid, TransferSaid, WindowSaid,
 };
 use crate::document::command::brush::BrushCommand;
 use crate::document::command::looks::LookSetting;
-use crate::document::command::views::{LayerChange, TransferCommand};
+use crate::document::command::views::{FocusChange, LayerChange, TransferCommand};
 use crate::document::error::DocumentError;
+use crate::document::reduce::place::place_in;
 use crate::document::reduce::{Changed, Ground};
 use crate::document::scene::check::check_transfer;
+use crate::document::scene::focus::ViewFocus;
 use crate::document::scene::{Layer, Scene, ViewLook, Window, first_look};
 use crate::math::Plane;
 use crate::paint::Mirror;
@@ -138,6 +140,25 @@ impl Scene {
         let layers =
             if own { FieldKind::ALL.map(|field| self.layer_of(id, field)).to_vec() } else { self.layers.to_vec() };
         Ok(Changed::new(format!("Layer {}", field.name()), LayersSaid { layers }))
+    }
+
+    pub(crate) fn set_focus(&mut self, change: &FocusChange, ground: &Ground<'_>) -> Result<Changed, DocumentError> {
+        let (FocusChange { on, distance_mm, opacity, far, at, follow }, now) = (*change, *self.focus);
+        if follow && at.is_some() {
+            return Err(DocumentError::invalid("follow", "true beside at", "either one or the other"));
+        }
+        let place = |at| place_in(at, self, ground.grid)?.ok_or_else(|| DocumentError::of_picture("at"));
+        let at = at.map(place).transpose()?.map(|sample| sample.position.to_array());
+        let focus = ViewFocus {
+            on: on.unwrap_or(true),
+            distance_mm: distance_mm.unwrap_or(now.distance_mm),
+            opacity: opacity.unwrap_or(now.opacity),
+            far: far.unwrap_or(now.far),
+            at: at.or(now.at.filter(|_| !follow)),
+        };
+        focus.check()?;
+        self.focus = focus.into();
+        Ok(Changed::new(if focus.on { "Focus" } else { "Focus off" }, FocusSaid { focus }))
     }
 
     pub(crate) fn apply_brush(&mut self, command: &BrushCommand) -> Result<Changed, DocumentError> {

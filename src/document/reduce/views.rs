@@ -69,6 +69,7 @@ impl Scene {
             ViewCommand::Look { mode, shaded, lighting, step_voxels, refine, background } => {
                 self.set_look((*mode, *shaded, *lighting, (*step_voxels, *refine), *background))
             }
+            ViewCommand::Focus(change) => self.set_focus(change, ground),
             ViewCommand::Window { level, width, volume } => self.set_window(*volume, *level, *width),
             ViewCommand::Layer(layer) => self.set_layer(layer),
             // What was seen before is not the scene's to know.

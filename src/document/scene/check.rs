@@ -195,6 +195,7 @@ impl Scene {
         self.views.check(bounds).map_err(|e| e.within("views"))?;
         self.look.check().map_err(|e| e.within("look"))?;
         check_layers(&self.layers)?;
+        self.focus.check().map_err(|e| e.within("focus"))?;
         self.shown.iter().try_for_each(|(id, shown)| shown.check().map_err(of_volume(*id)))?;
         self.volumes.all.iter().try_for_each(|(id, volume)| volume.check().map_err(of_volume(*id)))?;
         self.own_looks.check().map_err(|e| e.within("own_looks"))?;
@@ -255,6 +256,9 @@ impl Scene {
         }
         if tell(check_layers(&self.layers), "layers are shown as in a new document") {
             self.layers = fresh.layers;
+        }
+        if tell(self.focus.check().map_err(|e| e.within("focus")), "the 3D view has no focus") {
+            self.focus = fresh.focus;
         }
         for (id, volume) in &mut self.volumes.all {
             let checked = check_segments(&volume.segments).map_err(of_volume(*id));

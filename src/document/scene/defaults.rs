@@ -21,8 +21,14 @@ impl Scene {
 impl Scene {
     /// How everything is shown.
     pub fn looks(&self) -> Looks {
-        let Self { transfer, look, shown, layers, .. } = self;
-        Looks { transfer: transfer.clone(), look: look.clone(), shown: shown.clone(), layers: layers.clone() }
+        let Self { transfer, look, shown, layers, focus, .. } = self;
+        Looks {
+            transfer: transfer.clone(),
+            look: look.clone(),
+            shown: shown.clone(),
+            layers: layers.clone(),
+            focus: focus.clone(),
+        }
     }
 }
 
@@ -32,6 +38,7 @@ impl Looks {
         self.transfer == scene.transfer
             && self.look == scene.look
             && self.layers == scene.layers
+            && self.focus == scene.focus
             && self.shown.iter().all(|(id, shown)| scene.shown.get(id).is_none_or(|now| now == shown))
     }
 
@@ -40,6 +47,7 @@ impl Looks {
         std::mem::swap(&mut self.transfer, &mut scene.transfer);
         std::mem::swap(&mut self.look, &mut scene.look);
         std::mem::swap(&mut self.layers, &mut scene.layers);
+        std::mem::swap(&mut self.focus, &mut scene.focus);
         for (id, shown) in self.shown.iter_mut() {
             if let Some(now) = scene.shown.get_mut(id) {
                 std::mem::swap(shown, now);

@@ -5,6 +5,7 @@ pub(crate) mod check;
 pub(crate) mod components;
 pub(crate) mod defaults;
 pub(crate) mod first_look;
+pub mod focus;
 pub(crate) mod histogram;
 pub(crate) mod kept_poses;
 pub(crate) mod outliers;
@@ -17,6 +18,7 @@ pub(crate) mod volumes;
 
 use crate::document::scene::components::components;
 use crate::document::scene::defaults::brush_for;
+use crate::document::scene::focus::ViewFocus;
 use crate::document::scene::own_looks::OwnLooks;
 use crate::document::scene::shared::Shared;
 use crate::document::scene::volumes::{VolumeLook, VolumeSettings, Volumes};
@@ -126,6 +128,9 @@ pub struct Looks {
     pub look: Shared<ViewLook>,
     /// Fields' display.
     pub layers: Shared<Vec<Layer>>,
+    /// What the 3D view looks at.
+    #[serde(default)]
+    pub focus: Shared<ViewFocus>,
     /// How each volume is shown.
     pub shown: Shared<BTreeMap<VolumeId, VolumeLook>>,
 }
@@ -173,6 +178,9 @@ components! {
     views: Views, Views, Views::new(grid);
     /// Fields' display.
     layers: Vec<Layer>, Looks, FieldKind::ALL.map(Layer::new).to_vec();
+    /// What the 3D view looks at.
+    #[serde(default)]
+    focus: ViewFocus, Looks, ViewFocus::of(grid);
     /// The brush.
     brush: Brush, Tool, brush_for(grid);
     /// What strokes that name no volume paint besides the active one.

@@ -248,6 +248,9 @@ impl Scene {
         if self.also.is_empty() {
             parts.remove("also");
         }
+        if !self.focus.on {
+            parts.remove("focus");
+        }
         let path = active.origin.path.to_string_lossy();
         parts.insert(
             "origin".into(),

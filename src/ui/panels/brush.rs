@@ -147,6 +147,7 @@ impl App {
         row(ui, "In 3D", |ui| {
             let tip = "Strokes in the 3D view keep to the surface that is seen: nothing behind it is painted";
             tick(ui, &mut new.visible_only, "Only what is visible", tip);
+            self.focus_menu(ui, voxel);
         });
         range_row(ui, &mut new, ends);
         if let Some(command) = brush_change(&old, &new) {

@@ -8,6 +8,7 @@ pub(crate) mod brush;
 pub(crate) mod brush_limits;
 pub(crate) mod explosion;
 pub(crate) mod falloff;
+pub(crate) mod focus;
 pub(crate) mod history;
 pub(crate) mod keys;
 pub(crate) mod layers;

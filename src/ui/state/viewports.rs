@@ -1,6 +1,6 @@
 //! Which views are shown and what the pointer is doing over them.
 
-use crate::document::ViewName;
+use crate::document::{Aim, ViewName};
 use crate::interact::Button;
 use crate::math::DVec2;
 use std::collections::BTreeMap;
@@ -13,6 +13,8 @@ pub(crate) struct Viewports {
     pub(crate) last_used: ViewName,
     pub(crate) hovered: Option<(ViewName, DVec2)>,
     pub(crate) captured: Option<(Button, ViewName)>,
+    /// Where the brush was told to be last.
+    pub(crate) aimed: Option<Aim>,
     pub(crate) pressure: f32,
     pub(crate) shown: Vec<ViewName>,
     pub(crate) sizes: BTreeMap<ViewName, [u32; 2]>,
@@ -25,6 +27,7 @@ impl Default for Viewports {
             last_used: ViewName::ThreeD,
             hovered: None,
             captured: None,
+            aimed: None,
             pressure: 1.0,
             shown: Vec::new(),
             sizes: BTreeMap::new(),
@@ -56,6 +59,7 @@ impl Viewports {
     /// For another volume, which knows nothing of this window's sizes.
     pub(crate) fn forget_sizes(&mut self) {
         self.sizes.clear();
+        self.aimed = None;
         self.shown.clear();
     }
 }

@@ -5,7 +5,7 @@
 
 use crate::document::answers::Answer;
 use crate::document::answers_ask::VoxelSaid;
-use crate::document::{Command, Ground, RenderCommand, Scene, ViewName};
+use crate::document::{Aim, Command, Ground, RenderCommand, Scene, ViewName};
 use crate::explode::Poses;
 use crate::gpu::ObjectId;
 use crate::interact::boxes::BoxCorners;
@@ -36,6 +36,8 @@ pub enum Request {
     Show(Vec<ViewName>),
     /// The view that something is held in: pictures may be coarse meanwhile, and this one comes first.
     Held(Option<ViewName>),
+    /// Where the brush is: pictures with a focus follow it.
+    Aim(Option<Aim>),
     /// A small picture that shows what a large one will be; its path is not looked at.
     Sketch(RenderCommand),
     /// The window is closed in order; what is not saved may be thrown away.

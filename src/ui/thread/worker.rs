@@ -219,6 +219,11 @@ impl Worker {
             Request::Show(views) => self.shown = views,
             Request::Sketch(command) => self.sketch(command),
             Request::Held(held) => self.held = held,
+            Request::Aim(aim) => {
+                if self.document.aim(aim) {
+                    self.scheduler.note(Redraws::THREE_D);
+                }
+            }
             Request::Quit => return false,
         }
         true

@@ -1,9 +1,10 @@
 //! The brush's footprint in every view before the click: where the dab under the pointer meets each slice, and its silhouette in 3D.
 
-use crate::document::{SlicePlane, ViewName};
+use crate::document::{Aim, SlicePlane, ViewName};
 use crate::interact::{Form, Tool};
 use crate::math::{DVec2, DVec3};
 use crate::ui::style::theme;
+use crate::ui::thread::session::Request;
 use crate::ui::views::overlay::paint_colour;
 use crate::ui::window::app::App;
 use egui::{Color32, Painter, Pos2, Stroke};
@@ -56,6 +57,30 @@ impl App {
                 corners.iter().map(|c| middle + DVec2::new(c.x, -c.y) / per_px).collect()
             }
         }
+    }
+
+    /// Tells where the brush is, if pictures follow it. A hand that holds something else moves no brush, and a stroke says itself where
+    /// it is.
+    pub(crate) fn tell_aim(&mut self) {
+        let follows = self.scene.as_ref().is_some_and(|s| s.focus.on && s.focus.at.is_none());
+        if !follows || self.interaction.tool() != Tool::Brush || self.viewports.captured.is_some() {
+            return;
+        }
+        let Some(aim) = self.aimed() else { return };
+        if self.viewports.aimed.replace(aim) != Some(aim) {
+            self.request(Request::Aim(Some(aim)));
+        }
+    }
+
+    /// Where a click would paint now.
+    fn aimed(&self) -> Option<Aim> {
+        let rest = self.aimed_form()?.centre;
+        let (view, px) = self.viewports.hovered?;
+        let part = match view {
+            ViewName::ThreeD => self.hit(px, *self.viewports.sizes.get(&view)?)?.part,
+            _ => self.scene.as_ref()?.explosion.of_body(0, rest),
+        };
+        Some(Aim { rest, part })
     }
 
     /// The form of the dab that a click would paint now.

@@ -128,6 +128,9 @@ impl App {
         let (px, size) = (pixel(rect, pos, scale), pixels(rect, scale));
         let entered = self.viewports.hovered.is_none_or(|(v, _)| v != view);
         self.viewports.hovered = Some((view, px));
+        if moved || entered {
+            self.tell_aim();
+        }
         if (moved || entered || std::mem::take(&mut self.probe_again)) && self.opened().is_some() {
             self.request(Request::Probe { view, px, size });
         }
