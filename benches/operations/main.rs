@@ -45,6 +45,7 @@ const BENCHES: &[Bench] = &[
     ("draw/ten", ten::volumes),
     ("paint/dab", paint::dab),
     ("paint/click", paint::click),
+    ("paint/box_click", paint::click_in_box),
     ("paint/stamp", paint::stamp),
     ("paint/stroke", stroke::running),
     ("undo/stroke", undo::undo),

@@ -1,6 +1,6 @@
 //! Dabs and what follows: the brush alone by the volume's size, and a stamp with the picture after it.
 
-use super::cube::{apply, document};
+use super::cube::{apply, document, over};
 use super::head::{Failure, Volume, frame};
 use super::measure::{Report, measure, measure_by_turns};
 use burin::gpu::{Body, Caster, FieldPools, Frame, Gpu, Painter};
@@ -114,6 +114,41 @@ pub fn click(report: &mut Report) -> Result<(), Failure> {
         report.row(&format!("click of 64 voxels on {name}, 128³"), small, "");
         let ratio = large.cpu / small.cpu;
         report.row(&format!("click of 64 voxels on {name}, 512³"), large, &format!("{ratio:.2} of 128³ (CPU)"));
+    }
+    Ok(())
+}
+
+/// The same click on a sub-volume, and on a volume that has its samples as voxels.
+pub fn click_in_box(report: &mut Report) -> Result<(), Failure> {
+    let folder = tempfile::tempdir()?;
+    let mut boxed = document(65, folder.path())?;
+    apply(&mut boxed, json!({"sub_volume": {"add": {"lo": [0, 0, 0], "hi": [64, 64, 64], "scale": 2}}}))?;
+    let samples = {
+        let state = boxed.state().ok_or("nothing is open")?;
+        let density = &state.at(Some(burin::volume::VolumeId(1)))?.volume.density;
+        let texels = density.read(0, [0; 3], density.dims(0))?;
+        let texels = texels.chunks_exact(density.format().bytes());
+        let value = |t: &[u8]| density.map().decode(std::array::from_fn(|i| t.get(i).copied().unwrap_or(0)));
+        texels.map(|t| value(t).round() as u8).collect::<Vec<u8>>()
+    };
+    let mut documents = [over(samples, 129, folder.path())?, boxed];
+    for (name, target) in [("density", json!({"density": 200.0})), ("selection", json!({"selection": 1.0}))] {
+        for (document, radius) in documents.iter_mut().zip([32.0, 16.0]) {
+            let brush = json!({"radius_mm": radius, "falloff": "smooth", "shape": "sphere", "target": target});
+            apply(document, json!({"brush": {"set": brush}}))?;
+        }
+        let [plain, boxed] = measure_by_turns(5, 40, |which, i| -> Result<(), Failure> {
+            let at = (DVec3::splat(64.0) + path(24.0, i, 4.0) - 12.0) * [1.0, 0.5][which];
+            let paint = json!({"points": [{"at": {"mm": at.to_array()}}], "volume": which});
+            apply(&mut documents[which], json!({"stroke": {"paint": paint}})).map(|_| ())
+        })?;
+        report.row(&format!("click of 64 voxels on {name}, 129³"), plain, "");
+        let ratio = boxed.cpu / plain.cpu;
+        report.row(
+            &format!("click of 64 samples on {name}, a box of 129³"),
+            boxed,
+            &format!("{ratio:.2} of the plain volume (CPU)"),
+        );
     }
     Ok(())
 }

@@ -42,7 +42,7 @@ fn texel(document: &Document, kind: FieldKind, (volume, voxel): Node) -> u16 {
 }
 
 /// Puts a texel of `f` at every voxel of a volume's field.
-fn fill(document: &mut Document, volume: usize, kind: FieldKind, mut f: impl FnMut([u32; 3]) -> f64) {
+pub(super) fn fill(document: &mut Document, volume: usize, kind: FieldKind, mut f: impl FnMut([u32; 3]) -> f64) {
     let mut state = document.state().unwrap().clone();
     let field = state.volume_mut(VolumeId(volume as u32)).unwrap().field_mut(kind);
     let (bytes, map, dims) = (field.format().bytes(), *field.map(), field.dims(0));

@@ -10,7 +10,10 @@ use crate::mesh::{label_surface, selection_surface};
 use crate::volume::FieldKind;
 use std::path::Path;
 
-/// Writes a field. `label` is the segment whose surface is meant.
+/// What is said of a volume whose sub-volumes are written with it.
+const BAKED: &str = "what its sub-volumes hold is written at the volume's own resolution; sub_volume.export writes a sub-volume at its own";
+
+/// Writes a field. `label` is the segment whose surface is meant; `is_baked` says that edits of sub-volumes are in the volume.
 ///
 /// # Errors
 /// If the name's ending has no room for the field, if there is nothing to write or nothing to read, or `watch` said no.
@@ -20,9 +23,10 @@ pub(super) fn export(
     label: Option<u16>,
     path: &Path,
     watch: &Watch,
+    is_baked: bool,
 ) -> Result<Said, DocumentError> {
     if io::is_mesh(path) {
-        return export_surface(subject, field, label, path, watch);
+        return export_surface(subject, (field, label), path, watch, is_baked);
     }
     if let Some(label) = label {
         let expected =
@@ -32,16 +36,16 @@ pub(super) fn export(
     let (compression, proceed) = (Compression::default(), |x| watch.proceed(x));
     let exported =
         io::export(path, subject.field(field), subject.volume.grid(), subject.segments(), compression, &proceed)?;
-    let warnings = exported.warnings.clone();
+    let warnings = exported.warnings.iter().cloned().chain(is_baked.then(|| BAKED.to_owned())).collect();
     Ok(ExportedSaid { exported, warnings }.into())
 }
 
 fn export_surface(
     subject: &Subject<'_>,
-    field: FieldKind,
-    label: Option<u16>,
+    (field, label): (FieldKind, Option<u16>),
     path: &Path,
     watch: &Watch,
+    is_baked: bool,
 ) -> Result<Said, DocumentError> {
     let (segments, world_from_index) = (subject.segments(), &subject.grid().world_from_index);
     let proceed = |x: f32| watch.proceed(x * 0.9);
@@ -79,5 +83,6 @@ fn export_surface(
         return Err(DocumentError::invalid("field", found, "something that has a surface"));
     }
     let exported = io::export_mesh(path, &mesh, &name, colour)?;
-    Ok(ExportedMeshSaid { exported, warnings: Vec::new() }.into())
+    let warnings = is_baked.then(|| BAKED.to_owned()).into_iter().collect();
+    Ok(ExportedMeshSaid { exported, warnings }.into())
 }

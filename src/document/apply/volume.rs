@@ -1,6 +1,7 @@
 //! Commands on the volume as a whole.
 
 use crate::document::Document;
+use crate::document::apply::bake::as_baked;
 use crate::document::apply::export::export;
 use crate::document::apply::open::ReadDocument;
 use crate::document::apply::sub_volume;
@@ -36,9 +37,12 @@ impl Document {
             }
             VolumeCommand::Export { field, label, path, volume } => {
                 let state = self.open()?;
-                let subject = state.at(volume)?;
+                let id = state.at(volume)?.id;
                 check_target(&path, &state.files)?;
-                Ok(export(&subject, field, label, &path, &self.watch)?.into())
+                // What was edited in its sub-volumes is seen in its place.
+                let baked = as_baked(state, id)?;
+                let subject = baked.as_ref().unwrap_or(state).at(Some(id))?;
+                Ok(export(&subject, field, label, &path, &self.watch, baked.is_some())?.into())
             }
         }
     }
