@@ -196,6 +196,12 @@ impl Document {
         let (views, looks) = ((*state.scene.views).clone(), state.scene.looks());
         let bounds = state.bounds();
         let ground = match state.at(command.volume()) {
+            // A sub-volume is measured where that is asked for, and not by every command.
+            Ok(subject) if command.reads_values() => match subject.measured() {
+                Ok(Some(own)) => Ok((*subject.grid(), own.histogram.clone())),
+                Ok(None) => Ok((*subject.grid(), subject.histogram.clone())),
+                Err(error) => Err(error),
+            },
             Ok(subject) => Ok((*subject.grid(), subject.histogram.clone())),
             // Cameras and tools need nothing that is in a volume.
             Err(DocumentError::NoVolume) if !command.needs_volume() => {
@@ -276,14 +282,22 @@ impl Document {
         new_looks
     }
 
-    /// Reads ahead what the explosion's first move would wait for; for a moment in which there is nothing else to do.
+    /// Reads ahead what the explosion's first move would wait for, and measures the active volume if it is a sub-volume of few samples; for a
+    /// moment in which there is nothing else to do. Answers whether it measured.
     ///
     /// # Errors
     /// If the source fails.
-    pub fn prepare_motion(&mut self) -> Result<(), DocumentError> {
-        match &self.state {
-            Some(state) if self.running.is_none() => self.motion.prepare(state),
-            _ => Ok(()),
+    pub fn prepare(&mut self) -> Result<bool, DocumentError> {
+        /// So many are measured within a tenth of a second or two.
+        const FEW: u64 = 1 << 22;
+        let (Some(state), false) = (&self.state, self.is_painting()) else { return Ok(false) };
+        self.motion.prepare(state)?;
+        let new = |subject: &Subject<'_>| {
+            subject.grid().voxel_count() <= FEW && subject.volume.density.known_measures().is_none()
+        };
+        match state.at(None).ok().filter(new) {
+            Some(subject) => Ok(subject.measured()?.is_some()),
+            None => Ok(false),
         }
     }
 

@@ -5,11 +5,14 @@
 
 use crate::document::error::DocumentError;
 use crate::document::scene::Scene;
+use crate::document::scene::histogram::histogram;
 use crate::document::scene::volumes::VolumeSettings;
 use crate::document::state::State;
+use crate::io;
 use crate::math::{Aabb, DAffine3, DVec3};
-use crate::volume::{Grid, Mode, Segments, TransferFunction, Volume, VolumeId};
+use crate::volume::{BrickSource, Grid, Measured, Mode, Segments, TransferFunction, Volume, VolumeId};
 use std::ops::Deref;
+use std::sync::Arc;
 
 /// One volume of the document with its settings; derefs to the volume, its grid has the volume's own pose.
 #[derive(Clone, Copy, Debug)]
@@ -95,6 +98,23 @@ impl<'a> Subject<'a> {
     /// What its labels mean.
     pub fn segments(&self) -> &'a Segments {
         self.scene.segments_of(self.id)
+    }
+
+    /// What is known of a sub-volume's own samples as they are now, edited ones among them: found when it is asked for. Nothing of another
+    /// volume, of which its source is measured when it is opened.
+    ///
+    /// # Errors
+    /// If what it is cut out of cannot be read.
+    pub(crate) fn measured(&self) -> Result<Option<Arc<Measured>>, DocumentError> {
+        let find = |source: &dyn BrickSource| -> Result<Measured, DocumentError> {
+            let statistics = io::statistics(source, &|_| true)?;
+            let histogram = histogram(source, &statistics, &|_| true)?;
+            Ok(Measured { statistics, histogram })
+        };
+        match self.volume.sub_box() {
+            Some(_) => Ok(Some(self.volume.density.measured(self.volume.source.as_ref(), find)?)),
+            None => Ok(None),
+        }
     }
 
     /// Colours and opacities that it is shown with.

@@ -9,6 +9,7 @@ use crate::volume::brick::{BRICK, Brick, BrickIndex, BrickKey};
 use crate::volume::computed::SubBox;
 use crate::volume::field::{Field, FieldKind};
 use crate::volume::source::SourceError;
+use crate::volume::texel::{DensityMap, TexelFormat};
 
 /// A brick of a sub-volume that lies in its band, and what of the parent's field it goes by, as it was.
 #[derive(Debug)]
@@ -68,6 +69,20 @@ impl BandBrick {
             }
         }
         Ok(all)
+    }
+
+    /// Whether the parent's density holds values there by now for which a map has no codes.
+    ///
+    /// # Errors
+    /// If the parent cannot be read.
+    pub fn is_beyond(&self, map: &DensityMap, parent: &Field) -> Result<bool, SourceError> {
+        if map.format == TexelFormat::R32Float || parent.format() != TexelFormat::R32Float {
+            return Ok(false);
+        }
+        let now = parent.read(0, self.lo.map(i64::from), self.size)?;
+        let values = now.as_chunks::<4>().0.iter().map(|texel| parent.map().decode(*texel));
+        let (lo, hi) = (map.lo - map.half_step(), map.hi() + map.half_step());
+        Ok(values.into_iter().any(|value| value < lo || value > hi))
     }
 
     /// The brick as it follows what changed of the parent since; `None` if nothing of it does.

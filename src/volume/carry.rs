@@ -92,13 +92,8 @@ fn map_of(from: &Volume, new: &Volume) -> DensityMap {
     let [lo, hi] = new
         .painted
         .map_or([statistics.min, statistics.max], |[lo, hi]| [statistics.min.min(lo), statistics.max.max(hi)]);
-    match (old.format, own.format) {
-        _ if old == own => old,
-        (TexelFormat::R32Float, _) => old,
-        _ if old.lo <= lo && hi <= old.hi() => old,
-        (_, TexelFormat::R32Float) => own,
-        _ => DensityMap::FLOAT,
-    }
+    let holds = old.format == TexelFormat::R32Float || old.lo <= lo && hi <= old.hi();
+    if old == own || holds { old } else { old.in_floats() }
 }
 
 /// One kind of field of a box that becomes another.
@@ -237,7 +232,8 @@ impl Fields<'_> {
             false => texel,
         };
         let mut some = false;
-        let brick = self.new.base_brick(index)?.edited(bytes, |out| {
+        let base = self.new.base_brick(index)?;
+        let brick = base.edited(bytes, |out| {
             each(valid, |at| {
                 let p: [f64; 3] = std::array::from_fn(|a| self.old_place(a, origin[a] + at[a]));
                 let to = (at[0] + BRICK * (at[1] + BRICK * at[2])) as usize * bytes;
@@ -245,11 +241,11 @@ impl Fields<'_> {
                 let new = match is_density && !same_samples {
                     false => near.and_then(|near| Some(as_it_is(block.own(near)?.0))),
                     true => {
-                        let base = map.decode(padded(&out[to..to + bytes]));
+                        let given = map.decode(padded(&out[to..to + bytes]));
                         let value = |near| Some(old_map.decode(block.own(near)?.0));
-                        let sum = base + added(&block, p, dims, &old_map);
+                        let sum = given + added(&block, p, dims, &old_map);
                         match sum.is_finite() {
-                            true => (sum != base).then_some(sum),
+                            true => (sum != given).then_some(sum),
                             // There is no difference from what is no number.
                             false => near.and_then(value),
                         }
@@ -262,7 +258,7 @@ impl Fields<'_> {
                 }
             });
         });
-        Ok(some.then_some((index, brick)))
+        Ok((some && brick != base).then_some((index, brick)))
     }
 }
 

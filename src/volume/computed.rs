@@ -44,7 +44,7 @@ impl SubBox {
 
     /// How many samples that are.
     pub fn samples(&self) -> u64 {
-        self.dims().iter().map(|&d| u64::from(d)).product()
+        self.dims().iter().fold(1, |all: u64, &d| all.saturating_mul(u64::from(d)))
     }
 
     /// Where its samples lie: number j along an axis at `lo + j / scale` of the parent's index.

@@ -11,6 +11,7 @@ use crate::volume::cells::Cells;
 use crate::volume::computed::{Computed, SubBox};
 use crate::volume::grid::Grid;
 use crate::volume::grid::level_dims;
+use crate::volume::histogram::Measured;
 use crate::volume::pyramid::texel_value;
 use crate::volume::source::{BrickSource, SourceError};
 use crate::volume::texel::{DensityMap, TexelFormat};
@@ -110,6 +111,8 @@ pub struct Field {
     pub(super) about: HashMap<BrickKey, (BrickSummary, Cells)>,
     /// Of level 0, once asked for; followed by edits.
     pub(super) extremes: OnceLock<[f32; 2]>,
+    /// Of its values, once asked for; forgotten by edits.
+    pub(super) measured: OnceLock<Arc<Measured>>,
 }
 
 const EMPTY: (BrickSummary, Cells) =
@@ -135,6 +138,7 @@ impl Field {
             coarse: HashMap::new(),
             about: HashMap::new(),
             extremes: OnceLock::new(),
+            measured: OnceLock::new(),
         }
     }
 

@@ -1,5 +1,6 @@
 //! Counts of a volume's values, and what they say of it: shares and two classes.
 
+use crate::volume::voxels::Statistics;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -19,6 +20,15 @@ pub struct Histogram {
     /// Voxels below and above the range that stand where nothing was measured.
     #[serde(default)]
     pub voids: [u64; 2],
+}
+
+/// What is known of all values of a volume.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// Ends, sum and what is no number.
+    pub statistics: Statistics,
+    /// Counts.
+    pub histogram: Histogram,
 }
 
 /// The two classes of greatest distance (Otsu 1979).

@@ -110,6 +110,7 @@ impl Field {
             coarse: Default::default(),
             about: Default::default(),
             extremes: Default::default(),
+            measured: Default::default(),
             base: self.base.clone(),
             ..*self
         }
@@ -117,7 +118,7 @@ impl Field {
 
     /// A field without edits and levels by another map.
     pub(super) fn by_map(self, map: DensityMap) -> Self {
-        Self { format: map.format, map, ..self }
+        Self { format: map.format, map, measured: Default::default(), ..self }
     }
 
     /// The density that it is where nobody edited it, by another map.
@@ -160,7 +161,12 @@ impl Field {
             before.push((index, old));
         }
         match self.changed(&before, &old).and_then(|changed| self.refresh(changed)) {
-            Ok(refresh) => Ok((before, refresh)),
+            Ok(refresh) => {
+                if !before.is_empty() {
+                    self.measured.take();
+                }
+                Ok((before, refresh))
+            }
             Err(error) => {
                 for (index, old) in before {
                     match old {

@@ -44,7 +44,7 @@ pub use computed::{Lies, SubBox};
 pub use distance::squared_distances;
 pub use field::{Changes, Field, FieldKind, Refresh};
 pub use grid::Grid;
-pub use histogram::Histogram;
+pub use histogram::{Histogram, Measured};
 pub use live::{LiveCells, SelectedCell, selected_cells};
 pub use look::{Lighting, Mode};
 pub use number::Number;

@@ -230,7 +230,8 @@ impl Computed for FieldOfBox {
 
 impl Volume {
     /// A box of a parent as it is now, at its own resolution: nothing is computed or stored before it is looked at or edited.
-    /// Statistics and histogram are the parent's; its density has the parent's codes.
+    /// Statistics and histogram are the parent's, within which its samples lie (see [`Field::measured`] for its own); its density has the
+    /// parent's codes.
     pub fn refined(parent: &Arc<Self>, of: SubBox) -> Self {
         let refined = Arc::new(RefinedBox::new(parent.clone(), of));
         let field = |kind| {

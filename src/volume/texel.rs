@@ -59,6 +59,12 @@ impl DensityMap {
         Self { codes_per_unit: 2.0_f64.powi(100 - largest.log2().ceil() as i32), ..Self::FLOAT }
     }
 
+    /// Floats of the same numbers: every code is one, so that what was held in codes is the same to the last digit, and there is no end.
+    #[must_use]
+    pub const fn in_floats(self) -> Self {
+        Self { format: TexelFormat::R32Float, ..self }
+    }
+
     /// 16-bit codes over `[min, max]`. `unit` is the distance between neighbouring values of integer data (its slope); with
     /// it integers map one to one as long as they span at most 65,535. `None`: data with a fraction, spread over all codes.
     pub fn codes(min: f64, max: f64, unit: Option<f64>) -> Self {

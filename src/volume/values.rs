@@ -6,8 +6,12 @@
 use crate::volume::Voxels;
 use crate::volume::brick::{BRICK, BrickIndex};
 use crate::volume::field::{Field, FieldKind};
+use crate::volume::grid::Grid;
+use crate::volume::histogram::Measured;
 use crate::volume::number::Number;
 use crate::volume::source::{BrickSource, SourceError};
+use crate::volume::voxel_type::VoxelType;
+use std::sync::Arc;
 
 /// A box of density.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +66,61 @@ impl Field {
     pub fn number(&self, voxel: [u32; 3]) -> Result<Number, SourceError> {
         let values = self.values(voxel, [1; 3])?;
         Ok(values.painted.first().map_or_else(|| values.unpainted(0), |&(_, value)| Number::Real(value)))
+    }
+}
+
+/// The values of a density as they are now, as a source.
+#[derive(Debug)]
+struct AsPainted<'a> {
+    density: &'a Field,
+    source: &'a dyn BrickSource,
+}
+
+impl BrickSource for AsPainted<'_> {
+    fn grid(&self) -> &Grid {
+        self.source.grid()
+    }
+
+    fn voxel_type(&self) -> VoxelType {
+        VoxelType::F64
+    }
+
+    fn scaling(&self) -> (f64, f64) {
+        (1.0, 0.0)
+    }
+
+    fn name(&self) -> &str {
+        self.source.name()
+    }
+
+    fn read(&self, lo: [u32; 3], size: [u32; 3]) -> Result<Voxels, SourceError> {
+        let values = self.density.values(lo, size)?;
+        let mut all = Vec::with_capacity(values.own.len());
+        values.each(|_, number| all.push(number.to_f64()));
+        Ok(Voxels::F64(all))
+    }
+}
+
+impl Field {
+    /// What `find` finds of density as it is now, painted values among it: once, until something is painted.
+    ///
+    /// # Errors
+    /// Those of `find`.
+    pub fn measured<E>(
+        &self,
+        source: &dyn BrickSource,
+        find: impl FnOnce(&dyn BrickSource) -> Result<Measured, E>,
+    ) -> Result<Arc<Measured>, E> {
+        if let Some(known) = self.measured.get() {
+            return Ok(known.clone());
+        }
+        let found = Arc::new(find(&AsPainted { density: self, source })?);
+        Ok(self.measured.get_or_init(|| found).clone())
+    }
+
+    /// The same if it is known.
+    pub fn known_measures(&self) -> Option<&Arc<Measured>> {
+        self.measured.get()
     }
 }
 

@@ -63,7 +63,14 @@ pub fn bytes_of(numbers: Vec<f64>) -> Voxels {
 /// Paints texels, as no brush does: where `to` says one, at voxels of a volume. Forgets history.
 pub fn paint(document: &mut Document, volume: u32, kind: FieldKind, to: impl Fn([u32; 3]) -> Option<f64>) {
     let mut state = document.state().unwrap().clone();
-    let field = state.volumes[&VolumeId(volume)].field(kind).clone();
+    let mut field = state.volumes[&VolumeId(volume)].field(kind).clone();
+    let map = *field.map();
+    let values: Vec<f64> = each(field.dims(0), &to).into_iter().flatten().collect();
+    if kind == FieldKind::Density && values.iter().any(|v| *v < map.lo || *v > map.hi()) && map.format.bytes() == 2 {
+        assert!(field.edits().is_empty(), "codes that have an end");
+        field = field.unedited(map.in_floats(), &|_| true).unwrap().unwrap();
+        state.volumes.get_mut(&VolumeId(volume)).unwrap().density = field.clone();
+    }
     let bytes = field.format().bytes();
     let mut changes = Vec::new();
     for index in field.brick_indices(0) {
@@ -109,23 +116,39 @@ pub fn texels(document: &Document, volume: u32, kind: FieldKind) -> Vec<u8> {
     field.read(0, [0; 3], field.dims(0)).unwrap()
 }
 
-/// Every byte of all volumes, of what sub-volumes are computed from too, and what was decided about them.
+/// Every byte that was ever painted in all volumes, in what sub-volumes are computed from too, and what was decided about them: all that
+/// the rest follows from.
 pub fn everything(document: &Document) -> Vec<(String, Vec<u8>)> {
     let state = document.state().unwrap();
     let mut all = Vec::new();
     for (id, volume) in &state.volumes {
+        let of = (volume.sub_box(), *volume.density.map(), volume.grid().dims);
+        all.push((format!("{id} {of:?}"), Vec::new()));
         for kind in FieldKind::ALL {
             let field = volume.field(kind);
-            let levels = if id.is_of_before() { 1 } else { field.level_count() };
-            for level in 0..levels {
-                let texels = field.read(level, [0; 3], field.dims(level)).unwrap();
-                all.push((format!("{id} {kind:?} level {level}"), texels));
+            for (index, brick) in field.edits() {
+                all.push((format!("{id} {kind:?} {index:?}"), brick.to_texels(field.format().bytes())));
             }
-            all.push((format!("{id} {kind:?} {:?} {:?}", field.map(), field.edits().keys()), Vec::new()));
         }
     }
     let volumes = serde_json::to_string(&state.scene.volumes.all).unwrap();
     all.push((format!("{:?} {volumes}", state.scene.shown.keys()), Vec::new()));
+    all
+}
+
+/// The same with all texels of all levels, as pictures show them.
+pub fn every_texel(document: &Document) -> Vec<(String, Vec<u8>)> {
+    let mut all = everything(document);
+    let volumes = &document.state().unwrap().volumes;
+    for (id, volume) in volumes.iter().filter(|(id, _)| !id.is_of_before()) {
+        for kind in FieldKind::ALL {
+            let field = volume.field(kind);
+            for level in 0..field.level_count() {
+                let texels = field.read(level, [0; 3], field.dims(level)).unwrap();
+                all.push((format!("{id} {kind:?} level {level}"), texels));
+            }
+        }
+    }
     all
 }
 

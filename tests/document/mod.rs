@@ -2,7 +2,9 @@
 
 mod answers;
 mod around;
+mod baked;
 mod before_many_volumes;
+mod box_pictures;
 mod boxes;
 mod brushes;
 mod colours;
@@ -80,5 +82,6 @@ mod values_support;
 mod views;
 mod visible;
 mod volumes;
+mod walk_of_boxes;
 mod walk_of_brushes;
 mod weak;

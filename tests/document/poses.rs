@@ -118,7 +118,7 @@ fn a_saved_project_shows_its_poses_at_once_and_has_nowhere_to_move() {
     assert_eq!(parts(&mut document), stand);
     assert!(!document.must_move() && picture(&mut document) == shown && !document.is_unsaved());
     // Reading ahead is no reason to move.
-    document.prepare_motion().unwrap();
+    document.prepare().unwrap();
     assert!(!document.must_move());
     // What it was found for is known with it: nothing moves before something is another way.
     let at = poses(&document);

@@ -2,7 +2,7 @@
 
 use super::maker::{labelled, run};
 use burin::document::Document;
-use burin::volume::{FieldKind, VolumeId};
+use burin::volume::{DensityMap, FieldKind, VolumeId, Voxels};
 use serde_json::{Value, json};
 
 fn does(document: &mut Document, command: Value) -> Value {
@@ -69,6 +69,104 @@ fn boxes_that_cannot_be_are_refused_with_the_field_that_is_wrong() {
     assert_eq!((&inner["parent"], &inner["scale"], &inner["lo"]), (&json!(1), &json!([4, 4, 4]), &json!([4, 4, 4])));
     let said = refusal(&mut document, json!({"sub_volume": {"remove": {"volume": 0}}}));
     assert!(said.contains("one of the sub-volumes: 1"), "{said}");
+}
+
+#[test]
+fn what_a_box_may_take_is_told_and_refused_where_it_does_not_fit() {
+    use super::boxes::{bytes_of, noisy};
+    for (numbers, texel) in
+        [(bytes_of as fn(Vec<f64>) -> Voxels, 9), (|n| Voxels::F64(n.iter().map(|v| v / 3.0).collect()), 11)]
+    {
+        let mut document = noisy(numbers);
+        if texel == 11 {
+            // Doubles whose steps codes would lose.
+            let mut state = document.state().unwrap().clone();
+            let volume = state.volumes.get_mut(&VolumeId(0)).unwrap();
+            volume.density = volume.density.unedited(DensityMap::FLOAT, &|_| true).unwrap().unwrap();
+            document.adopt(state);
+        }
+        let fit = |document: &mut Document, volume: u32, hi: [u32; 3], scale: Value| {
+            does(
+                document,
+                json!({"ask": {"sub_volume_fit": {"volume": volume, "lo": [0, 0, 0], "hi": hi, "scale": scale}}}),
+            )
+        };
+        let said = fit(&mut document, 0, [10, 9, 8], json!([8, 1, 3]));
+        assert_eq!(said["most_bytes"], json!(81 * 10 * 25 * texel), "{said}");
+        let said = fit(&mut document, 0, [39, 35, 33], json!(8));
+        assert_eq!(said["most_bytes"], json!(313_u64 * 281 * 265 * texel), "{said}");
+        assert!(said["available_bytes"].is_null() || said["available_bytes"].as_u64().unwrap() > 1 << 20);
+        does(&mut document, json!({"sub_volume": {"add": {"lo": [0, 0, 0], "hi": [39, 35, 33], "scale": 8}}}));
+        let before = texels_of_first(&document);
+        // Eight times as fine again: a hundred gigabytes.
+        let inner = json!({"volume": 1, "lo": [0, 0, 0], "hi": [311, 280, 264], "scale": 8});
+        for command in [json!({"sub_volume": {"add": inner}}), json!({"ask": {"sub_volume_fit": inner}})] {
+            let said = refusal(&mut document, command.clone());
+            let words = ["lo, hi, scale", "samples, up to", "MB of memory that are free", "a smaller box or scale"];
+            assert!(words.iter().all(|word| said.contains(word)), "{command}: {said}");
+        }
+        does(
+            &mut document,
+            json!({"sub_volume": {"add": {"volume": 1, "lo": [0, 0, 0], "hi": [2, 3, 4], "scale": 8}}}),
+        );
+        let said = refusal(&mut document, json!({"sub_volume": {"set": {"volume": 2, "hi": [311, 280, 264]}}}));
+        assert!(said.contains("a smaller box or scale"), "{said}");
+        assert!(texels_of_first(&document) == before);
+    }
+}
+
+fn texels_of_first(document: &Document) -> Vec<u8> {
+    let density = &document.state().unwrap().volumes[&VolumeId(0)].density;
+    density.read(0, [0; 3], density.dims(0)).unwrap()
+}
+
+#[test]
+fn boxes_that_are_no_boxes_are_refused_by_what_is_wrong_with_them() {
+    let mut document = labelled();
+    let whole =
+        |lo: Value, hi: Value, scale: Value| json!({"sub_volume": {"add": {"lo": lo, "hi": hi, "scale": scale}}});
+    // Of no extent, turned about, outside, not whole, not of this world.
+    for (lo, hi, scale, words) in [
+        (json!([2, 3, 4]), json!([2, 3, 4]), json!(2), "below hi"),
+        (json!([2, 3, 4]), json!([12, 3, 14]), json!(2), "below hi"),
+        (json!([12, 13, 14]), json!([2, 3, 4]), json!(2), "below hi"),
+        (json!([69, 39, 32]), json!([70, 40, 33]), json!(2), "at most 69 along i"),
+        (json!([0, 0, 0]), json!([69, 40, 32]), json!(2), "at most 39 along j"),
+        (json!([0, 0, 0]), json!([u32::MAX, 4, 4]), json!(2), "at most 69 along i"),
+        (json!([2, 3, 4]), json!([12, 13, 14]), json!(0), "1 to 8 samples"),
+        (json!([2, 3, 4]), json!([12, 13, 14]), json!(9), "1 to 8 samples"),
+        (json!([2, 3, 4]), json!([12, 13, 14]), json!([1, 8, u32::MAX]), "1 to 8 samples"),
+    ] {
+        let command = whole(lo, hi, scale);
+        let said = refusal(&mut document, command.clone());
+        assert!(said.contains(words), "{command}: {said}");
+    }
+    for (lo, hi, scale, words) in [
+        (json!([-1, 3, 4]), json!([12, 13, 14]), json!(2), "u32"),
+        (json!([1.5, 3, 4]), json!([12, 13, 14]), json!(2), "u32"),
+        (json!([null, 3, 4]), json!([12, 13, 14]), json!(2), "u32"),
+        (json!([3, 4]), json!([12, 13, 14]), json!(2), "array of length 3"),
+        (json!([2, 3, 4]), json!([12, 13, 14]), json!(2.5), "a whole number from 1 to 8"),
+        (json!([2, 3, 4]), json!([12, 13, 14]), json!([2, 2]), "a whole number from 1 to 8"),
+        (json!([2, 3, 4]), json!([12, 13, 14]), json!(-2), "a whole number from 1 to 8"),
+    ] {
+        let command = whole(lo, hi, scale).to_string();
+        let said = serde_json::from_str::<burin::document::Command>(&command).unwrap_err().to_string();
+        assert!(said.contains(words), "{command}: {said}");
+    }
+    assert_eq!(document.state().unwrap().volumes.len(), 1);
+    // Faces, edges and corners may touch; one voxel is enough, and so is all of a volume.
+    for (lo, hi) in [
+        ([10, 10, 10], [11, 11, 11]),
+        ([11, 10, 10], [12, 11, 11]),
+        ([11, 11, 10], [12, 12, 11]),
+        ([9, 9, 9], [10, 10, 10]),
+    ] {
+        does(&mut document, add(lo, hi, 8));
+    }
+    does(&mut document, add([0, 0, 0], [69, 39, 32], 1));
+    let listed = does(&mut document, json!({"ask": {"sub_volumes": {"volume": 5}}}));
+    assert_eq!(listed["sub_volumes"].as_array().unwrap().len(), 4, "all of them in the last one");
 }
 
 #[test]
@@ -141,6 +239,47 @@ fn what_was_painted_on_the_parent_later_changes_of_a_box_its_faces_alone() {
 fn inside(document: &Document) -> Vec<Vec<u8>> {
     let volume = &document.state().unwrap().volumes[&VolumeId(1)];
     FieldKind::ALL.map(|kind| volume.field(kind).read(0, [1; 3], volume.grid().dims.map(|d| d - 2)).unwrap()).into()
+}
+
+#[test]
+fn what_is_told_of_a_box_is_of_its_own_samples_as_they_are_now() {
+    use super::boxes::{bytes_of, noisy, paint};
+    let mut document = noisy(bytes_of);
+    // Half of the box is even.
+    paint(&mut document, 0, FieldKind::Density, |[x, ..]| (x < 16).then_some(90.0));
+    let look =
+        json!({"mode": "dvr", "transfer": {"colour": [[0, [1, 1, 1]]], "opacity": [[0, 0], [1, 1]], "unit_mm": 1}});
+    does(&mut document, add([2, 2, 2], [12, 10, 9], 3));
+    does(&mut document, json!({"volume": {"set": {"volume": 1, "look": look}}}));
+    let told = |document: &mut Document| {
+        let said = does(document, json!({"ask": {"volume": {"volume": 1}}}));
+        ["min", "max", "sum"].map(|name| said[name].as_f64().unwrap())
+    };
+    let expected = |document: &Document| {
+        let density = &document.state().unwrap().volumes[&VolumeId(1)].density;
+        let all: Vec<f64> = crate::common::volumes::each(density.dims(0), |v| density.number(v).unwrap().to_f64());
+        let fold = |f: fn(f64, f64) -> f64| all.iter().copied().reduce(f).unwrap();
+        [fold(f64::min), fold(f64::max), all.iter().sum()]
+    };
+    let near = |a: [f64; 3], b: [f64; 3]| (0..3).all(|i| (a[i] - b[i]).abs() <= 1e-9 * b[i].abs());
+    assert!(document.state().unwrap().volumes[&VolumeId(1)].density.known_measures().is_none(), "nobody has asked");
+    let even = told(&mut document);
+    assert_eq!(even[..2], [90.0; 2], "as even as its parent is there, which goes from 0 to 200");
+    assert!(near(even, expected(&document)), "{even:?} {:?}", expected(&document));
+    // What is edited counts.
+    paint(&mut document, 1, FieldKind::Density, |[x, y, z]| (x < 9 && y < 5 && z < 7).then_some(150.0));
+    assert!(document.state().unwrap().volumes[&VolumeId(1)].density.known_measures().is_none());
+    let edited = told(&mut document);
+    assert_eq!(edited[..2], [90.0, 150.0]);
+    assert!(near(edited, expected(&document)), "{edited:?} {:?}", expected(&document));
+    let reset = |document: &mut Document, volume: u32| {
+        let said = does(document, json!({"transfer": {"reset": {"volume": volume}}}));
+        [0, 1].map(|i| said["domain"][i].as_f64().unwrap())
+    };
+    let [lo, hi] = reset(&mut document, 1);
+    assert!((89.0..=150.0).contains(&lo) && (140.0..=151.0).contains(&hi), "{lo} to {hi}");
+    let [lo, hi] = reset(&mut document, 0);
+    assert!(hi > 180.0, "{lo} to {hi}: its parent's own");
 }
 
 #[test]

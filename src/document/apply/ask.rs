@@ -18,14 +18,20 @@ use crate::document::state::State;
 use crate::document::subject::Subject;
 use crate::explode::{Part, PartRecord};
 use crate::math::{DVec2, DVec3};
-use crate::volume::{Asked, BrickIndex, Field, FieldKind, Number, SourceError, SubBox, Total};
+use crate::volume::{Asked, BrickIndex, Field, FieldKind, Number, SourceError, Statistics, SubBox, Total};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 impl Document {
     pub(crate) fn ask(&mut self, question: &Question) -> Result<Said, DocumentError> {
         Ok(match *question {
-            Question::Volume { volume: id } => volume(&self.open()?.at(id)?).into(),
+            Question::Volume { volume: id } => {
+                let subject = self.open()?.at(id)?;
+                match subject.measured()? {
+                    Some(own) => volume_with(&subject, &own.statistics).into(),
+                    None => volume(&subject).into(),
+                }
+            }
             Question::SubVolumes { volume: id } => sub_volume::list(self.open()?, id)?.into(),
             Question::SubVolumeFit { volume: id, lo, hi, scale } => {
                 sub_volume::fit(self.open()?, id, SubBox { lo, hi, scale: scale.each() })?.into()
@@ -114,14 +120,19 @@ impl Document {
     }
 }
 
+/// What is said of a volume, with what was measured when it was opened; of a sub-volume that of what it is cut out of.
 pub(crate) fn volume(subject: &Subject<'_>) -> VolumeSaid {
+    volume_with(subject, &subject.statistics)
+}
+
+fn volume_with(subject: &Subject<'_>, statistics: &Statistics) -> VolumeSaid {
     let grid = subject.grid();
     let m = grid.world_from_index;
     let rows: [[f64; 4]; 3] = std::array::from_fn(|r| {
         let row = m.matrix3.row(r);
         [row.x, row.y, row.z, m.translation[r]]
     });
-    let [min, max, sum] = subject.statistics.numbers();
+    let [min, max, sum] = statistics.numbers();
     // Of a volume without a finite value there is neither.
     let [min, max] = [min, max].map(|n| (!n.is_nan()).then_some(n));
     VolumeSaid {
@@ -133,7 +144,7 @@ pub(crate) fn volume(subject: &Subject<'_>) -> VolumeSaid {
         min,
         max,
         sum,
-        nan_count: subject.statistics.nan_count,
+        nan_count: statistics.nan_count,
         texels: subject.density.format(),
         half_step: subject.half_step(),
         levels: subject.density.level_count(),

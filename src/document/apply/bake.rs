@@ -11,7 +11,7 @@ use crate::document::scene::volumes::SubVolume;
 use crate::document::state::State;
 use crate::document::subject::Subject;
 use crate::volume::{
-    BRICK, Brick, BrickIndex, BrickKey, DensityMap, Field, FieldKey, FieldKind, SubBox, Volume, VolumeId,
+    BRICK, Brick, BrickIndex, BrickKey, Field, FieldKey, FieldKind, SubBox, TexelFormat, Volume, VolumeId,
 };
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -204,10 +204,12 @@ fn brick_with(
                 [straight(0), straight(1), straight(2), channel(alpha)]
             }
             FieldKind::Labels => {
-                let most = cell.labels.iter().max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(a.0)));
+                let of_voxel = u16::from_le_bytes([own[0], own[1]]);
+                let others = cell.labels.iter().filter(|(label, _)| **label != of_voxel);
+                let most = others.clone().max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(a.0)));
                 // What is not edited of a cell keeps its label.
-                let unedited = 1.0 - cell.labels.values().sum::<f64>();
-                match most.filter(|(_, weight)| **weight > unedited) {
+                let keeps = 1.0 - others.map(|(_, weight)| weight).sum::<f64>();
+                match most.filter(|(_, weight)| **weight > keeps) {
                     Some((label, _)) => {
                         let [a, b] = label.to_le_bytes();
                         [a, b, 0, 0]
@@ -232,9 +234,9 @@ fn make_room(state: &mut State, parent: VolumeId, cells: &Cells, edit: &mut Edit
         span = Some([lo.min(value), hi.max(value)]);
     }
     let Some([lo, hi]) = span.filter(|s| s.iter().all(|v| v.is_finite())) else { return Ok(()) };
-    let fits = map == DensityMap::FLOAT || (map.lo <= lo && hi <= map.hi());
-    if !fits && map.format != DensityMap::FLOAT.format {
-        edit.remap(state, parent, DensityMap::FLOAT)?;
+    let fits = map.format == TexelFormat::R32Float || (map.lo <= lo && hi <= map.hi());
+    if !fits {
+        edit.remap(state, parent, map.in_floats())?;
     }
     if let Some(volume) = state.volumes.get_mut(&parent) {
         let [a, b] = volume.painted.unwrap_or([lo, hi]);

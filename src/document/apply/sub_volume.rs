@@ -112,7 +112,7 @@ fn said(state: &State, id: VolumeId) -> Result<SubVolumeSaid, DocumentError> {
 
 /// Bytes of all four fields once all of a box is edited.
 fn most_bytes(of: SubBox, like: &Volume) -> u64 {
-    of.samples() * like.sample_bytes()
+    of.samples().saturating_mul(like.sample_bytes())
 }
 
 /// Memory that the system can give, where it says so.

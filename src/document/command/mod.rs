@@ -95,6 +95,11 @@ impl Command {
             | Self::Render(_) => None,
         }
     }
+
+    /// Whether what it does to the scene hangs on the values of its volume.
+    pub(crate) fn reads_values(&self) -> bool {
+        matches!(self, Self::Transfer(TransferCommand::Reset { .. }))
+    }
 }
 
 impl Command {

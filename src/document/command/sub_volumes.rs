@@ -73,7 +73,7 @@ pub enum SubVolumeCommand {
 
 /// Samples a voxel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "samples a voxel expected: a whole number from 1 to 8, or three of them along i, j, k")]
 pub enum Scale {
     /// Along every axis.
     All(u32),

@@ -113,6 +113,9 @@ impl Edit {
         bands.retain(|(id, ..)| !among.contains(id));
         self.swap_alone(state, key, changes)?;
         for (id, of, bricks) in bands {
+            if key.kind == FieldKind::Density {
+                self.make_room(state, (key.volume, id), &bricks)?;
+            }
             let (Some(parent), Some(fine)) = (state.field(key), state.volumes.get(&id)) else { continue };
             let own = fine.field(key.kind);
             let followed = bricks.par_iter().map(|brick| brick.followed(&of, own, parent));
@@ -122,6 +125,23 @@ impl Edit {
             let counts = (self.voxels, self.bricks);
             self.swap(state, FieldKey::new(id, key.kind), followed)?;
             (self.voxels, self.bricks) = counts;
+        }
+        Ok(())
+    }
+
+    /// Lets a sub-volume hold what its band follows, where its codes end before.
+    fn make_room(
+        &mut self,
+        state: &mut State,
+        (parent, id): (VolumeId, VolumeId),
+        bricks: &[BandBrick],
+    ) -> Result<(), SourceError> {
+        let (Some(coarse), Some(fine)) = (state.volumes.get(&parent), state.volumes.get(&id)) else { return Ok(()) };
+        let map = *fine.density.map();
+        for brick in bricks {
+            if brick.is_beyond(&map, &coarse.density)? {
+                return self.remap(state, id, map.in_floats());
+            }
         }
         Ok(())
     }

@@ -12,9 +12,13 @@ use std::sync::Arc;
 pub(super) fn open_document(document: &Document, known: Option<&Arc<Histogram>>) -> Option<OpenDocument> {
     let state = document.state()?;
     let subject = state.at(None).ok()?;
+    // Of a sub-volume its own, once that is known.
+    let own = subject.volume.density.known_measures();
+    let (now, statistics) =
+        own.map_or((&subject.histogram, subject.statistics), |own| (&own.histogram, own.statistics));
     let histogram = match known {
-        Some(known) if **known == subject.histogram => known.clone(),
-        _ => Arc::new(subject.histogram.clone()),
+        Some(known) if **known == *now => known.clone(),
+        _ => Arc::new(now.clone()),
     };
     Some(OpenDocument {
         opening: document.opening(),
@@ -25,7 +29,7 @@ pub(super) fn open_document(document: &Document, known: Option<&Arc<Histogram>>)
         boxes: Arc::new(state.box_corners()),
         sample_bytes: state.subjects().map(|s| (s.id, s.volume.sample_bytes())).collect(),
         voxel_type: subject.source.voxel_type(),
-        statistics: subject.statistics,
+        statistics,
         histogram,
     })
 }

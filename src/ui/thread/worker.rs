@@ -175,8 +175,14 @@ impl Worker {
         if !self.moving && self.probe.is_none() && !self.scheduler.has_work(&self.document, &self.shown, self.rough()) {
             let next = match self.worker_end.requests.try_recv() {
                 Err(TryRecvError::Empty) => {
-                    if let Err(error) = self.document.prepare_motion() {
-                        tracing::warn!("{error}");
+                    match self.document.prepare() {
+                        // There is something new to be told.
+                        Ok(true) => {
+                            self.told = None;
+                            return Next::Go;
+                        }
+                        Ok(false) => {}
+                        Err(error) => tracing::warn!("{error}"),
                     }
                     // While a hash is taken somebody has to look whether it is the right one.
                     if self.document.is_comparing() || self.document.source_trouble(false) != self.source_trouble {
