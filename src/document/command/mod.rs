@@ -284,7 +284,7 @@ fn one_step() -> u32 {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Question {
-    /// Grid, type, statistics of the volume.
+    /// Grid, type, statistics of the volume: those of its file; of a sub-volume of its own samples as they are now.
     Volume {
         /// Which volume, the active one if left out.
         #[serde(default, skip_serializing_if = "Option::is_none")]
