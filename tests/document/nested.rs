@@ -159,7 +159,7 @@ fn what_has_changed_around_a_box_since_it_was_made_does_not_change_it_later() {
     let own = texels(&document, 1, FieldKind::Selection);
     let labels = texels(&document, 1, FieldKind::Labels);
     assert!(own.iter().any(|s| *s > 0));
-    does(&mut document, json!({"selection": {"clear": {"volume": 0}}}));
+    paint(&mut document, 0, FieldKind::Selection, |_| Some(0.0));
     // Half a voxel from the faces on.
     let deep = |all: &[u8], bytes: usize| -> Vec<u8> {
         let place = |i: usize| [i % 25, i / 25 % 21, i / 525];
