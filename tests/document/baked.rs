@@ -169,6 +169,10 @@ fn selections_colours_and_labels_are_baked_each_in_its_way() {
         does(&mut document, add(LO, HI, scale));
         let of = f64::from(scale);
         paint_all(&mut document, 1, [4.0 * of, 3.5 * of, 3.6 * of], 2.4 * of);
+        paint(&mut document, 1, FieldKind::Labels, |[x, y, z]| {
+            let label = if x < 3 * scale { 2.0 } else { (noise(9, [x, y, z]) * 3.0).floor() };
+            (y < 5 * scale && z < 6 * scale).then_some(label)
+        });
         let (before, coarse, fine) = (everything(&document), volume(&document, 0), volume(&document, 1));
         does(&mut document, bake(1));
         let baked = volume(&document, 0);

@@ -235,7 +235,7 @@ fn walks_over_boxes_come_back_by_undo_redo_crashes_and_saves() {
     let first: u64 = std::env::var("BURIN_FIRST_WALK").map_or(0, |n| n.parse().unwrap());
     for seed in first..first + walks {
         for kind in 0..4 {
-            if !walk(kind, seed * 4 + kind as u64, 32) {
+            if !walk(kind, seed * 4 + kind as u64, 24) {
                 return;
             }
         }
