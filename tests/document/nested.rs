@@ -285,17 +285,20 @@ fn groups_of_changes_of_boxes_are_undone_whole_and_a_crash_within_loses_nothing(
     ];
     for (at, group) in groups.into_iter().enumerate() {
         does(&mut document, begin());
-        for command in group {
+        let last = group.len() - 1;
+        for (n, command) in group.into_iter().enumerate() {
             does(&mut document, command.clone());
-            let there = everything(&document);
-            let copy = folder.path().join(format!("found-{at}.burin"));
-            std::fs::remove_dir_all(&copy).ok();
-            copy_folder(&path, &copy);
-            same(&everything(&opened(&copy)), &there, &format!("group {at}, lost after {command}"));
+            if at < 2 || n == last {
+                let copy = folder.path().join(format!("found-{at}.burin"));
+                std::fs::remove_dir_all(&copy).ok();
+                copy_folder(&path, &copy);
+                let when = format!("group {at}, lost after {command}");
+                same(&everything(&opened(&copy)), &everything(&document), &when);
+            }
         }
         does(&mut document, end());
         let after = everything(&document);
-        for round in 0..2 {
+        for round in 0..if at < 2 { 2 } else { 1 } {
             undo(&mut document, 1);
             same(&everything(&document), &before, &format!("group {at} undone, {round}"));
             let copy = folder.path().join("undone.burin");
