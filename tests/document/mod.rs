@@ -71,6 +71,7 @@ mod selection;
 mod strokes;
 mod strokes_across;
 mod sub_limits;
+mod sub_seen;
 mod sub_strokes;
 mod sub_surfaces;
 mod sub_volumes;

@@ -6,6 +6,7 @@ use crate::common::volumes::each;
 use burin::gpu::{Body, Caster, FieldPools, Fields, FineBox, Frame, Gpu, Image, VolumeFields};
 use burin::math::DVec3;
 use burin::volume::*;
+use std::cell::RefCell;
 use std::sync::Arc;
 
 /// A volume, boxes of it and boxes of those: `boxes[i]` is filled by `volumes[i + 1]`, whose id is i + 1. Volumes beyond those have
@@ -29,6 +30,11 @@ pub fn waves([x, y, z]: [u32; 3]) -> u16 {
     let [x, y, z] = [x, y, z].map(f64::from);
     let wave = (x * 0.31).sin() + (y * 0.27 + 1.0).sin() + (z * 0.35 + x * 0.1).sin();
     (2000.0 + 600.0 * wave + 60.0 * (x * 1.7 + y * 2.3).sin()) as u16
+}
+
+thread_local! {
+    /// Of one test: making its pipelines costs more than its pictures.
+    static CASTER: RefCell<Option<Caster>> = const { RefCell::new(None) };
 }
 
 impl Family {
@@ -67,7 +73,10 @@ impl Family {
 
     pub fn draw(&self, gpu: &Gpu, frame: &Frame) -> Image {
         let mut pools = FieldPools::empty(gpu, 256 << 20).unwrap();
-        Caster::new(gpu).unwrap().image(gpu, &mut pools, &self.fields(), frame).unwrap()
+        CASTER.with_borrow_mut(|caster| {
+            let caster = caster.get_or_insert_with(|| Caster::new(gpu).unwrap());
+            caster.image(gpu, &mut pools, &self.fields(), frame).unwrap()
+        })
     }
 }
 

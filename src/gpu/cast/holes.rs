@@ -95,12 +95,15 @@ pub(crate) fn posed_boxes(frame: &Frame, fields: &Fields<'_>) -> Vec<PosedBox> {
 
 /// For every body the first of those that are one with it but for boxes of finer volumes.
 pub(crate) fn kin_of(frame: &Frame, drawn: &[MergedBody]) -> Vec<usize> {
+    if frame.boxes.is_empty() {
+        return (0..drawn.len()).collect();
+    }
     let like = |d: &MergedBody, e: &MergedBody| {
-        (d.mask == Mask::Selection, &d.tint, d.look, &d.labels, d.own_colours)
-            == (e.mask == Mask::Selection, &e.tint, e.look, &e.labels, e.own_colours)
-            && d.pose == e.pose
+        d.pose == e.pose
             && d.shares_member(e)
             && frame.root_of(d.volume) == frame.root_of(e.volume)
+            && (d.mask == Mask::Selection, &d.tint, d.look, &d.labels, d.own_colours)
+                == (e.mask == Mask::Selection, &e.tint, e.look, &e.labels, e.own_colours)
     };
     drawn.iter().enumerate().map(|(i, d)| drawn[..i].iter().position(|e| like(d, e)).unwrap_or(i)).collect()
 }
