@@ -109,7 +109,12 @@ impl Scene {
         let volume = self.meant(volume)?;
         let window = Window { level, width };
         window.check()?;
-        self.show_in(volume, window);
+        // What is cut out of it is shown alike until it has a window of its own.
+        let before = self.window_of(volume);
+        let alike = self.cut_out_of(volume).into_iter().filter(|inner| self.window_of(*inner) == before);
+        for id in alike.collect::<Vec<_>>().into_iter().chain([volume]) {
+            self.show_in(id, window);
+        }
         Ok(Changed::new("Window", WindowSaid { window }))
     }
 
