@@ -190,7 +190,7 @@ fn reaches_over(r: BodyRay, k: f32) -> bool {
     return r.joins.x && k - 1.0 / r.steps < r.within.x;
 }
 
-// Where a ray came to the matter that it is in up to a place, or where the finest sight of it begins.
+// Where a ray came to the matter of a hole, or of the host that fills none, that it is in up to a place.
 fn start_of(body: u32, ray: Ray, inside: u32, place: f32) -> f32 {
     let first = bodies[body].first_hole;
     let end = first + bodies[body].hole_count;

@@ -1,9 +1,9 @@
-//! What picks and the channels of pictures say of a box that has its own resolution and fields.
+//! What picks, pictures' channels and slices say of a box that has its own resolution, fields and look.
 
 use super::maker::run;
 use super::maker_gpu::block;
 use super::pictures::channel;
-use burin::document::Document;
+use burin::document::{Document, ViewName};
 use burin::math::DVec3;
 use serde_json::{Value, json};
 
@@ -75,4 +75,42 @@ fn channels_of_a_picture_name_the_box_where_its_voxels_show() {
     assert_eq!(all([33.0, 22.0, 31.25]), [2.0, 1.0, 0.0], "beside it in the box");
     assert_eq!(all([40.0, 22.0, 31.25]), [1.0, 1.0, 0.0], "beside the box");
     assert!((at("Z", [28.0, 22.0, 31.25]) - at("Z", [40.0, 22.0, 31.25])).abs() < 3.0, "one surface");
+}
+
+#[test]
+fn slices_show_a_box_by_its_own_voxels_and_its_own_window() {
+    let Some(mut document) = seen() else { return };
+    // Half a voxel of the parent wide: no voxel of that could show it.
+    let brush = json!({"target": {"density": 40}, "operation": "replace", "falloff": "hard", "radius_mm": 0.4});
+    for command in [
+        json!({"brush": {"set": brush}}),
+        json!({"stroke": {"paint": {"points": [{"at": {"mm": [28.5, 22.5, 20.0]}}], "volume": 1}}}),
+        json!({"view": {"window": {"volume": 0, "level": 125, "width": 250}}}),
+        json!({"view": {"crosshair": {"at": {"mm": [28.5, 22.5, 20.0]}}}}),
+    ] {
+        does(&mut document, command);
+    }
+    let grey = |document: &mut Document, mm: [f64; 3]| {
+        let picture = document.picture(ViewName::Axial, SIZE, None).unwrap();
+        let state = document.state().unwrap();
+        let grid = *state.at(None).unwrap().grid();
+        let plane = burin::document::SlicePlane::new(&grid, &state.scene.views, ViewName::Axial).unwrap();
+        // The pixel nearest to the place.
+        let centre = |i: usize| burin::math::DVec2::new((i % 120) as f64 + 0.5, (i / 120) as f64 + 0.5);
+        let off = |i: usize| plane.world(centre(i)).distance(DVec3::from_array(mm));
+        let nearest = (0..picture.colour.len()).min_by(|&a, &b| off(a).total_cmp(&off(b))).unwrap();
+        f64::from(picture.colour[nearest][1]) * 250.0
+    };
+    let [inside, beside] = [[28.5, 22.5, 20.0], [30.0, 22.5, 20.0]];
+    assert!(grey(&mut document, inside) < 120.0, "the dab shows: {}", grey(&mut document, inside));
+    assert!(
+        (grey(&mut document, beside) - 200.0).abs() < 1.0,
+        "the parent's window is its own: {}",
+        grey(&mut document, beside)
+    );
+    does(&mut document, json!({"view": {"window": {"volume": 1, "level": 250, "width": 500}}}));
+    assert!((grey(&mut document, beside) - 100.0).abs() < 1.0, "its own window: {}", grey(&mut document, beside));
+    assert!((grey(&mut document, [45.0, 22.5, 20.0]) - 200.0).abs() < 1.0, "the parent's stays");
+    does(&mut document, json!({"volume": {"set": {"volume": 1, "visible": false}}}));
+    assert!((grey(&mut document, inside) - 200.0).abs() < 1.0, "hidden it hides nothing");
 }
