@@ -122,3 +122,42 @@ fn what_was_pushed_in_is_pulled_out_again() {
         assert!(worst <= 0.05 * 2.0, "{there} {back}: {worst}");
     }
 }
+
+/// Root of the mean square of what is left of a surface's way, of a point in it, after a stroke there and one back, in voxels.
+fn left_over(
+    document: &mut Document,
+    plain: &Document,
+    spacing: DVec3,
+    settings: &Value,
+    [there, back]: [&str; 2],
+) -> f64 {
+    for operation in [there, back] {
+        let mut settings = settings.clone();
+        settings["operation"] = json!(operation);
+        settings["target"] = json!({"density": 0});
+        swipe(document, settings);
+    }
+    let mut squares = Vec::new();
+    for along in -3..=3 {
+        for across in -4..=4 {
+            let d = toward(f64::from(along) * 4.0, f64::from(across) * 2.5);
+            squares.push((surface(document, spacing, d) - surface(plain, spacing, d)).powi(2));
+        }
+    }
+    (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+}
+
+#[test]
+fn a_stroke_there_and_one_back_leave_a_twentieth_of_the_height_at_most() {
+    let (pushed, raised) = (["push", "pull"], [["raise", "lower"], ["lower", "raise"]]);
+    for (radius, height, pairs) in [(9.0, 2.0, &raised[..]), (9.0, 4.0, &[pushed][..])] {
+        for pair in pairs {
+            let Some(mut document) = ball(2.5, DVec3::ONE) else { return };
+            let plain = ball(2.5, DVec3::ONE).unwrap();
+            let settings = json!({"radius_mm":radius,"falloff":"smooth","height_mm":height});
+            let left = left_over(&mut document, &plain, DVec3::ONE, &settings, *pair) / height;
+            println!("radius {radius}, height {height}: {} then {}: {left:.3} of the height", pair[0], pair[1]);
+            assert!(left <= 0.05, "{radius} {height} {pair:?}: {left}");
+        }
+    }
+}

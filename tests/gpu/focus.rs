@@ -7,7 +7,7 @@ use super::reference_boxes::{Boxes, OpaqueBox};
 use crate::common::gpu::gpu;
 use crate::common::volumes::*;
 use burin::gpu::{Ball, Body, Caster, Context, FieldPools, Focus, Form, Frame, Image, Keeps, Layers, Look, Mask};
-use burin::math::{Aabb, DVec2, DVec3, Pose};
+use burin::math::{Aabb, Camera, DVec2, DVec3, Pose};
 use burin::volume::*;
 
 const MODES: [Mode; 3] = [Mode::Dvr, Mode::Iso(20_000.0), Mode::Mip];
@@ -95,6 +95,23 @@ fn a_context_is_faded_as_a_whole_before_and_behind_what_is_in_focus() {
             assert!(apart(&image, &without).len() > 60);
         }
     }
+}
+
+#[test]
+fn what_lies_behind_a_focus_is_faded_and_shows_through_it() {
+    let Some(mut stage) = stage() else { return };
+    let mut plain = view(&stage.grid, vec![Body::whole(0)]);
+    // Past the lump to the wall.
+    let along = stage.grid.world_from_index.matrix3 * DVec3::new(-1.0, 0.1, 0.1);
+    plain.camera = Camera::framing(&stage.grid.world_bounds(), along, DVec3::Z).zoomed(0.5);
+    let focus = focus_of(&stage.grid, 12.0, 0.35, Context::Faded);
+    let image = stage.image(&Frame { focus: Some(focus), ..plain.clone() });
+    let none = Boxes::default();
+    let d = difference(&image, &by_the_book(&stage, &plain, &focus, &none), plain.step_mm);
+    assert!(d.beyond_one < 0.01 && d.mean <= 0.2 && d.misplaced < 0.01, "{d:?}");
+    let [inside, behind] = [Keeps::Inside, Keeps::Behind].map(|keeps| layer(&stage, &plain, &focus, keeps, &none));
+    let through = inside.iter().zip(&behind).filter(|(a, b)| b.colour[3] * (1.0 - a.colour[3]) > 0.1).count();
+    assert!(through > 20, "{through}");
 }
 
 #[test]
