@@ -505,3 +505,33 @@ fn fields_are_counted_as_boxes_have_them_in_place_of_what_they_stand_for() {
         assert!((said["sum"].as_f64().unwrap() - expected).abs() < 1e-6, "{n}: {said}, {expected} expected");
     }
 }
+
+#[test]
+fn small_pieces_go_wherever_they_lie_and_larger_ones_stay() {
+    let (fine, nests) = nests().remove(0);
+    let size = [1.05, 1.05 / 8.0];
+    for (what, is_small) in [
+        (
+            json!({"voxels": 9}),
+            Box::new(|piece: &BTreeSet<Node>| piece.len() < 9) as Box<dyn Fn(&BTreeSet<Node>) -> bool>,
+        ),
+        (
+            json!({"mm3": 2.0}),
+            Box::new(|piece: &BTreeSet<Node>| piece.iter().map(|node| size[node.0]).sum::<f64>() < 2.0),
+        ),
+    ] {
+        let mut document = noisy(&nests, 1);
+        let pieces = Raster::new(&nests, fine).components(1, |node| shows(number(&document, node)));
+        let (small, large): (Vec<_>, Vec<_>) = pieces.into_iter().partition(|piece| is_small(piece));
+        assert!(small.len() > 20 && !large.is_empty());
+        let said = say(&mut document, json!({"component": {"remove": {"smaller_than": what}}}));
+        assert_eq!(said["pieces"], json!(small.len()), "{what}");
+        assert_eq!(said["voxels_changed"], json!(small.iter().map(BTreeSet::len).sum::<usize>()), "{what}");
+        assert!(small.iter().flatten().all(|node| !shows(number(&document, *node))), "{what}");
+        assert!(large.iter().flatten().all(|node| shows(number(&document, *node))), "{what}");
+        let again = say(&mut document, json!({"component": {"remove": {"smaller_than": what}}}));
+        assert_eq!((&again["pieces"], &again["nothing"]), (&json!(0), &json!("No piece is smaller than that.")));
+        let at = json!({"component": {"remove": {"smaller_than": what, "at": {"index": [1, 1, 1]}}}});
+        assert!(super::maker::run(&mut document, &at.to_string()).unwrap_err().to_string().contains("smaller_than"));
+    }
+}

@@ -46,7 +46,8 @@ impl Document {
             (None, _) => Within::Volume,
         };
         let found = find(state, family, &connected, within, &|x| watch.proceed(x * 0.9))?;
-        let said = said(&found);
+        let small = connected.smaller_than.is_some();
+        let said = ComponentSaid { pieces: small.then(|| found.pieces()), ..said(&found) };
         let (said, nothing) = match command {
             ComponentCommand::Keep(removal) => {
                 let value = remove(state, removal, found.of_volumes(false), edit)?;
@@ -74,6 +75,7 @@ impl Document {
                 (said, nothing)
             }
         };
+        let nothing = if said.pieces == Some(0) { "No piece is smaller than that." } else { nothing };
         let nothing = (edit.counts().0 == 0).then_some(nothing);
         Ok(ComponentSaid { nothing, ..said }.into())
     }
@@ -105,7 +107,7 @@ fn ids(voxels: &OfVolumes) -> Vec<VolumeId> {
     voxels.iter().map(|(id, _)| *id).collect()
 }
 
-/// What is told of the component that was picked.
+/// What is told of what is meant.
 fn said(found: &Found) -> ComponentSaid {
     let of = |(volume, voxels): (VolumeId, u64)| ComponentOnSaid { volume, voxels };
     let volumes: Vec<_> = found.picked_voxels().into_iter().map(of).collect();
@@ -113,7 +115,8 @@ fn said(found: &Found) -> ComponentSaid {
         volume: found.volume(),
         voxels: volumes.iter().map(|on| on.voxels).sum(),
         components: found.components.len(),
-        mm3: found.amount(found.picked),
+        mm3: found.amount(),
+        pieces: None,
         volumes: if volumes.len() > 1 { volumes } else { Vec::new() },
         value: None,
         kept_locked: None,

@@ -5,7 +5,7 @@
 
 use crate::document::Document;
 use crate::document::apply::matter::{Meant, Voxels};
-use crate::document::command::component::{Connected, Matter, Within};
+use crate::document::command::component::{Connected, Matter, PieceSize, Within};
 use crate::document::error::DocumentError;
 use crate::document::family::Family;
 use crate::document::reduce::place::place_in;
@@ -18,13 +18,14 @@ use crate::volume::{BRICK, BrickIndex, VolumeId};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// What is connected in a volume and its sub-volumes, and which of it was picked.
+/// What is connected in a volume and its sub-volumes, and which of it is meant.
 pub(super) struct Found {
     family: Family,
     pub components: Joined,
     /// Of each component, mm³.
     amounts: Vec<f64>,
-    pub picked: ComponentId,
+    /// Of each whether it is meant.
+    picked: Vec<bool>,
 }
 
 impl Found {
@@ -33,27 +34,29 @@ impl Found {
         self.family.0[0].id
     }
 
-    /// The voxels of the picked component, or those of all others.
+    /// The voxels that are meant, or those of all other components, volume by volume.
     pub(super) fn of_volumes(&self, picked: bool) -> Vec<(VolumeId, Voxels)> {
-        self.voxels(|id| (id == self.picked) == picked)
-    }
-
-    /// The voxels of the components that `is_wanted`, volume by volume.
-    pub(super) fn voxels(&self, is_wanted: impl Fn(ComponentId) -> bool + Sync) -> Vec<(VolumeId, Voxels)> {
-        let of = |(at, id): (usize, VolumeId)| (id, self.components.voxels(at, &is_wanted));
+        let is_wanted = |id: ComponentId| self.picked[id.0 as usize] == picked;
+        let of = |(at, id): (usize, VolumeId)| (id, self.components.voxels(at, is_wanted));
         self.family.0.iter().map(|member| member.id).enumerate().map(of).collect()
     }
 
-    /// How much a component is, mm³: its voxels, each of its volume's size.
-    pub(super) fn amount(&self, id: ComponentId) -> f64 {
-        self.amounts[id.0 as usize]
+    /// How much is meant, mm³: its voxels, each of its volume's size.
+    pub(super) fn amount(&self) -> f64 {
+        self.amounts.iter().zip(&self.picked).filter(|(_, picked)| **picked).map(|(amount, _)| amount).sum()
     }
 
-    /// How many voxels of each volume the picked component has.
+    /// How many components are meant.
+    pub(super) fn pieces(&self) -> usize {
+        self.picked.iter().filter(|picked| **picked).count()
+    }
+
+    /// How many voxels of each volume are meant.
     pub(super) fn picked_voxels(&self) -> Vec<(VolumeId, u64)> {
         let count = |at: usize| {
             let each: Vec<f64> = (0..self.family.0.len()).map(|l| f64::from(u8::from(l == at))).collect();
-            self.components.amounts(&each)[self.picked.0 as usize] as u64
+            let counts = self.components.amounts(&each);
+            counts.iter().zip(&self.picked).filter(|(_, picked)| **picked).map(|(count, _)| *count as u64).sum()
         };
         self.family.0.iter().enumerate().map(|(at, member)| (member.id, count(at))).collect()
     }
@@ -102,6 +105,18 @@ pub(super) fn find(
     };
     let sizes: Vec<f64> = family.0.iter().map(|member| member.voxel_mm3).collect();
     let amounts = components.amounts(&sizes);
+    if let (Some(size), Some(at)) = (connected.smaller_than, connected.at) {
+        let found = format!("{} beside at: {}", serde_json::json!(size), serde_json::json!(at));
+        return Err(DocumentError::invalid("smaller_than", found, "either one component at a place or all small ones"));
+    }
+    if let Some(size) = connected.smaller_than {
+        let is_small = |(id, amount): (u32, &f64)| match size {
+            PieceSize::Mm3(mm3) => *amount < mm3,
+            PieceSize::Voxels(voxels) => components.size(ComponentId(id)) < voxels,
+        };
+        let picked = (0..).zip(&amounts).map(is_small).collect();
+        return Ok(Found { family, components, amounts, picked });
+    }
     let picked = match connected.at {
         Some(at) => {
             let sample = place_in(at, subject.scene, subject.grid())?.ok_or_else(|| DocumentError::of_picture("at"))?;
@@ -115,6 +130,7 @@ pub(super) fn find(
             largest.ok_or_else(|| DocumentError::invalid("matter", "none", format!("{what}{place}")))?.0
         }
     };
+    let picked = (0..components.len() as u32).map(|id| ComponentId(id) == picked).collect();
     Ok(Found { family, components, amounts, picked })
 }
 

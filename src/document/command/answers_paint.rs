@@ -77,6 +77,9 @@ pub struct ComponentSaid {
     pub components: usize,
     /// The component's size.
     pub mm3: f64,
+    /// How many pieces are meant, where it is not one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pieces: Option<usize>,
     /// Its voxels of the volume and of each sub-volume, where there are any.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub volumes: Vec<ComponentOnSaid>,

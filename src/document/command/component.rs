@@ -61,6 +61,16 @@ impl From<Neighbours> for u8 {
     }
 }
 
+/// A size that pieces are told by.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum PieceSize {
+    /// Of all its voxels together.
+    Mm3(f64),
+    /// Voxels, of whatever size.
+    Voxels(u64),
+}
+
 /// Which component is meant.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Connected {
@@ -69,6 +79,7 @@ pub(crate) struct Connected {
     pub matter: Matter,
     pub within: Option<Within>,
     pub neighbours: Neighbours,
+    pub smaller_than: Option<PieceSize>,
 }
 
 /// What a verb has for itself, beside what says which component is meant.
@@ -94,13 +105,16 @@ macro_rules! of_a_component {
                 /// 6 if left out; 18 or 26: voxels that share an edge, or a corner, are neighbours too.
                 #[serde(default)]
                 pub neighbours: Neighbours,
+                /// In place of one component all that are smaller: `{"mm3":2.5}`, `{"voxels":20}`. Without `at`.
+                #[serde(default, skip_serializing_if = "Option::is_none")]
+                pub smaller_than: Option<PieceSize>,
                 $($(#[$field])* pub $extra: $type,)*
             }
 
             impl $name {
                 fn connected(&self) -> Connected {
-                    let Self { at, volume, matter, within, neighbours, .. } = *self;
-                    Connected { at, volume, matter, within, neighbours }
+                    let Self { at, volume, matter, within, neighbours, smaller_than, .. } = *self;
+                    Connected { at, volume, matter, within, neighbours, smaller_than }
                 }
 
                 fn put(&mut self, at: Option<Place>, volume: Option<VolumeId>) {
@@ -135,7 +149,7 @@ impl Isolation {
     /// Of what is connected to a place under the present look.
     pub fn at(at: Place) -> Self {
         let (matter, neighbours) = (Matter::default(), Neighbours::default());
-        Self { at: Some(at), volume: None, matter, within: None, neighbours, value: None }
+        Self { at: Some(at), volume: None, matter, within: None, neighbours, smaller_than: None, value: None }
     }
 }
 
