@@ -36,8 +36,8 @@ fn matter_of_another_volume_beside_a_box_weighs_what_it_weighs_there() {
     family.volumes.push(beside());
     let other = Body { volume: VolumeId(3), ..Body::whole(0) };
     // Thin matter, and matter that hides what lies behind it within a step.
-    for most in [0.5, 0.97] {
-        let mut plain = Frame { bodies: vec![Body::whole(0), other.clone()], ..view() };
+    for (most, step_mm) in [(0.5, 1.0), (0.97, 3.0)] {
+        let mut plain = Frame { bodies: vec![Body::whole(0), other.clone()], step_mm, ..view() };
         plain.transfer.opacity = vec![(1500.0, 0.0), (3500.0, most)];
         let apart = compare(&family, &gpu, &plain);
         assert!(apart.through > 40 && apart.furthest <= 1.0, "{most}: {apart:?}");
