@@ -172,3 +172,31 @@ fn a_surface_takes_the_whole_of_the_colour_that_is_painted_on_what_shows() {
     let painted = |y: u32| (20..44).any(|x| colour.texel([x, y, 31]).unwrap()[3] != 0);
     assert!(painted(53) && painted(54) && !painted(52) && !painted(55));
 }
+
+#[test]
+fn what_is_painted_in_part_follows_the_transfer_function_that_is_set_afterwards() {
+    let Some(mut document) = plate(96) else { return };
+    let say = |document: &mut Document, line: Value| run(document, &line.to_string()).unwrap();
+    say(&mut document, json!({"view":{"look":{"mode":{"iso":110},"shaded":false}}}));
+    let (painted, share) = ([0.9, 0.1, 0.2], 0.4);
+    let set = json!({"target":{"colour":[0.9,0.1,0.2,1]},"strength":share,"radius_mm":12});
+    say(&mut document, json!({"brush":{"set":set}}));
+    let at = DVec3::new(31.5, 53.4, 31.5);
+    say(&mut document, json!({"stroke":{"paint":{"points":[{"at":{"mm":at.to_array()}}]}}}));
+    let camera = document.state().unwrap().scene.views.camera;
+    let px = camera.project(at, [96, 96]).unwrap().0.floor();
+    for matter in [[0.2, 0.3, 0.9], [0.9, 0.8, 0.1]] {
+        let function = json!({"colour":[[0,matter]],"opacity":[[0,0],[100,0],[110,1]],"unit_mm":1});
+        say(&mut document, json!({"transfer":{"set":{"function":function}}}));
+        let image = document.picture(ViewName::ThreeD, [96, 96], None).unwrap();
+        let shown = image.colour[px.x as usize + 96 * px.y as usize];
+        for c in 0..3 {
+            // Paint lies over matter by its opacity.
+            let expected = share * painted[c] + (1.0 - share) * matter[c];
+            assert!(
+                (f64::from(shown[c]) - expected).abs() < 3.0 / 255.0,
+                "{c}: {shown:?} where {matter:?} lies under it"
+            );
+        }
+    }
+}
