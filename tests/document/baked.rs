@@ -100,16 +100,6 @@ fn whatever_its_numbers_are_a_volume_gets_the_means_and_keeps_the_rest_to_the_la
             paint(&mut document, 0, FieldKind::Density, |v| {
                 (v[0] % 5 == 0).then_some(ends.min + span * noise(3, v) * 0.9 + 0.3 * step)
             });
-            let file = |name: &str| std::env::temp_dir().join(format!("burin-{name}-{}.nrrd", std::process::id()));
-            let exported = |document: &mut Document| {
-                let path = file(name);
-                does(document, json!({"volume": {"export": {"field": "density", "path": path, "volume": 0}}}));
-                let source = burin::io::open(&path).unwrap().source(0, 0, &|_| true).unwrap();
-                let all = source.read([0; 3], source.grid().dims).unwrap();
-                std::fs::remove_file(path).unwrap();
-                all
-            };
-            let file_before = exported(&mut document);
             does(&mut document, add(LO, HI, scale));
             let most = if beyond { 3.0 } else { 0.4 };
             let fine = volume(&document, 1);
@@ -121,12 +111,21 @@ fn whatever_its_numbers_are_a_volume_gets_the_means_and_keeps_the_rest_to_the_la
                 far.then_some(if beyond { new } else { new.min(ends.max) })
             });
             let (before, coarse, fine) = (everything(&document), volume(&document, 0), volume(&document, 1));
+            let file = |name: &str| std::env::temp_dir().join(format!("burin-{name}-{}.nrrd", std::process::id()));
             let values = fine.density.values([0; 3], dims).unwrap();
             let painted: BTreeMap<usize, f64> = values.painted.iter().copied().collect();
             let added = |i: usize, _, _| painted.get(&i).map_or(0.0, |value| value - values.unpainted(i).to_f64());
             let cells = by_cell(&fine.density, scale, added);
-            // Without the box: while it is there, what is edited in it leaves with its parent.
-            does(&mut document, json!({"sub_volume": {"bake": {"volume": 1, "remove": true}}}));
+            let exported = |document: &mut Document| {
+                let path = file(name);
+                does(document, json!({"volume": {"export": {"field": "density", "path": path, "volume": 0}}}));
+                let source = burin::io::open(&path).unwrap().source(0, 0, &|_| true).unwrap();
+                let all = source.read([0; 3], source.grid().dims).unwrap();
+                std::fs::remove_file(path).unwrap();
+                all
+            };
+            let file_before = exported(&mut document);
+            does(&mut document, bake(1));
             let file_after = exported(&mut document);
             let baked = volume(&document, 0);
             let [coarse, baked] = [numbers_of(&coarse), numbers_of(&baked)];

@@ -2,8 +2,7 @@
 
 use super::connected::say;
 use super::connected_across::fill;
-use super::maker::write_nrrd;
-use crate::common::volumes::each;
+use super::maker::{run, write_nrrd};
 use burin::document::Document;
 use burin::math::{DAffine3, DMat3, DQuat, DVec3, Pose};
 use burin::volume::*;
@@ -200,33 +199,35 @@ fn voxels_of_a_box_leave_with_their_own_directions_and_the_first_sample_at_the_b
 }
 
 #[test]
-fn a_volume_leaves_with_what_was_edited_in_its_boxes_and_says_so() {
+fn a_volume_leaves_as_it_is_and_says_what_is_finer_than_its_file() {
     let folder = tempfile::tempdir().unwrap();
     let (mut document, _) = boxed(folder.path(), DVec3::ONE, [12, 9, 11], [2; 3]);
-    let path = folder.path().join("whole.nrrd");
-    let export = json!({"volume": {"export": {"volume": 0, "field": "density", "path": path}}});
-    let said = say(&mut document, export.clone());
+    let file = |name: &str| folder.path().join(name);
+    let export = |document: &mut Document, name: &str| {
+        say(document, json!({"volume": {"export": {"volume": 0, "field": "density", "path": file(name)}}}))
+    };
+    let said = export(&mut document, "unedited.nrrd");
     assert_eq!(said["warnings"], json!([]), "nothing is edited");
-    let unedited = |[x, y, z]: [u32; 3]| f64::from(x) + 2.0 * f64::from(y) + 3.0 * f64::from(z);
-    let rise = |v: [u32; 3]| if v[0] >= 6 { 40.0 } else { 0.0 };
     let density = document.state().unwrap().volumes[&VolumeId(1)].density.clone();
-    fill(&mut document, 1, FieldKind::Density, |v| density.number(v).unwrap().to_f64() + rise(v));
-    let edits = document.state().unwrap().volumes[&VolumeId(0)].density.edits().len();
-    let said = say(&mut document, export);
+    fill(&mut document, 1, FieldKind::Density, |v| density.number(v).unwrap().to_f64() + 40.0);
+    let said = export(&mut document, "edited.nrrd");
     assert!(said["warnings"][0].as_str().unwrap().contains("sub_volume.export"), "{said}");
-    assert_eq!(document.state().unwrap().volumes[&VolumeId(0)].density.edits().len(), edits, "nothing is changed");
-    let mut other = Document::new();
-    other.keep_unsaved_in(folder.path().join("other"));
-    say(&mut other, json!({"volume": {"open": {"path": path}}}));
-    let written = &other.state().unwrap().volumes[&VolumeId(0)].density;
-    for v in each([22, 20, 21], |v| v) {
-        let inner = |a: usize| LO[a] < v[a] && v[a] < [12, 9, 11][a];
-        if !(inner(0) && inner(1) && inner(2)) {
-            continue;
-        }
-        // Of a cell's samples along x a quarter, a half and a quarter: the sixth sample is at the voxel three from the face.
-        let expected = unedited(v) + [0.0, 0.0, 0.0, 30.0, 40.0][(v[0] - LO[0]).min(4) as usize];
-        let found = written.number(v).unwrap().to_f64();
-        assert!((found - expected).abs() < 0.01, "{v:?}: {found}, {expected} expected");
-    }
+    let bytes = |name: &str| std::fs::read(file(name)).unwrap();
+    assert_eq!(bytes("edited.nrrd"), bytes("unedited.nrrd"), "the volume's own voxels");
+    // What is baked is in the file, and is there once whether the box stays or goes.
+    say(&mut document, json!({"sub_volume": {"bake": {"volume": 1}}}));
+    export(&mut document, "baked.nrrd");
+    say(&mut document, json!({"sub_volume": {"remove": {"volume": 1}}}));
+    let said = export(&mut document, "removed.nrrd");
+    assert_eq!(said["warnings"], json!([]));
+    assert_eq!(bytes("baked.nrrd"), bytes("removed.nrrd"));
+    assert_ne!(bytes("baked.nrrd"), bytes("unedited.nrrd"));
+    // A surface that only a box has is asked for there.
+    let label = |v: [u32; 3]| if v[0] > 4 { 3.0 } else { 0.0 };
+    say(&mut document, json!({"sub_volume": {"add": {"lo": LO, "hi": [12, 9, 11], "scale": 2}}}));
+    say(&mut document, json!({"segment": {"set": {"id": 3}}}));
+    fill(&mut document, 2, FieldKind::Labels, label);
+    let line = json!({"volume": {"export": {"volume": 0, "field": "labels", "label": 3, "path": file("a.stl")}}});
+    let refused = run(&mut document, &line.to_string()).unwrap_err().to_string();
+    assert!(refused.contains("no voxel") && refused.contains("sub_volume.export"), "{refused}");
 }

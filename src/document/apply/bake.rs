@@ -5,11 +5,9 @@
 //! no edit. Labels go by the most of the cell. Voxels in whose cell nothing was edited stay bit for bit.
 
 use crate::document::error::DocumentError;
-use crate::document::family::Member;
 use crate::document::history::edit::Edit;
 use crate::document::scene::volumes::SubVolume;
 use crate::document::state::State;
-use crate::document::subject::Subject;
 use crate::volume::{
     BRICK, Brick, BrickIndex, BrickKey, Field, FieldKey, FieldKind, SubBox, TexelFormat, Volume, VolumeId,
 };
@@ -50,25 +48,6 @@ pub(crate) fn bake(state: &mut State, id: VolumeId, edit: &mut Edit) -> Result<(
         edit.swap(state, FieldKey::new(parent, kind), changes)?;
     }
     Ok(())
-}
-
-/// A document in which the sub-volumes that are seen of a volume are baked into it, inner ones first; `None` where none is edited.
-///
-/// # Errors
-/// If a source fails.
-pub(crate) fn as_baked(state: &State, volume: VolumeId) -> Result<Option<State>, DocumentError> {
-    let family = state.family(volume)?;
-    let edited = |(_, subject): (&Member, Subject<'_>)| {
-        FieldKind::ALL.iter().any(|kind| !subject.field(*kind).edits().is_empty())
-    };
-    if !family.subjects(state).skip(1).any(edited) {
-        return Ok(None);
-    }
-    let mut baked = state.clone();
-    for member in family.0.iter().skip(1).rev() {
-        bake(&mut baked, member.id, &mut Edit::new(None))?;
-    }
-    Ok(Some(baked))
 }
 
 /// The share of a sample's volume in the cells of one axis that it lies in.

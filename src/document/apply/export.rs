@@ -3,17 +3,37 @@
 use crate::document::command::answers::{ExportedMeshSaid, ExportedSaid, Said};
 use crate::document::error::DocumentError;
 use crate::document::frame::SELECTION_COLOUR;
+use crate::document::state::State;
 use crate::document::subject::Subject;
 use crate::document::watch::Watch;
 use crate::io::{self, Compression};
 use crate::mesh::{label_surface, selection_surface};
-use crate::volume::FieldKind;
+use crate::volume::{FieldKind, VolumeId};
 use std::path::Path;
 
-/// What is said of a volume whose sub-volumes are written with it.
-const BAKED: &str = "what its sub-volumes hold is written at the volume's own resolution; sub_volume.export writes a sub-volume at its own";
+/// What is said of a field of a volume where some of what is seen in its place is edited in sub-volumes, which have files of their own.
+///
+/// # Errors
+/// If there is no such volume.
+pub(super) fn beside_the_file(
+    state: &State,
+    volume: VolumeId,
+    field: FieldKind,
+) -> Result<Option<String>, DocumentError> {
+    let family = state.family(volume)?;
+    let edited = family.subjects(state).skip(1).filter(|(_, subject)| !subject.field(field).edits().is_empty());
+    let names: Vec<String> = edited.map(|(_, subject)| subject.settings.name.clone()).collect();
+    let said = || {
+        format!(
+            "what is edited in {} is finer than this file and in it only as far as it was baked: sub_volume.bake puts it into the \
+             volume, sub_volume.export writes it as fine as it is",
+            names.join(", ")
+        )
+    };
+    Ok((!names.is_empty()).then(said))
+}
 
-/// Writes a field. `label` is the segment whose surface is meant; `is_baked` says that edits of sub-volumes are in the volume.
+/// Writes a field. `label` is the segment whose surface is meant; `beside` is said with what is written.
 ///
 /// # Errors
 /// If the name's ending has no room for the field, if there is nothing to write or nothing to read, or `watch` said no.
@@ -23,10 +43,10 @@ pub(super) fn export(
     label: Option<u16>,
     path: &Path,
     watch: &Watch,
-    is_baked: bool,
+    beside: Option<String>,
 ) -> Result<Said, DocumentError> {
     if io::is_mesh(path) {
-        return export_surface(subject, (field, label), path, watch, is_baked);
+        return export_surface(subject, (field, label), path, watch, beside);
     }
     if let Some(label) = label {
         let expected =
@@ -36,7 +56,7 @@ pub(super) fn export(
     let (compression, proceed) = (Compression::default(), |x| watch.proceed(x));
     let exported =
         io::export(path, subject.field(field), subject.volume.grid(), subject.segments(), compression, &proceed)?;
-    let warnings = exported.warnings.iter().cloned().chain(is_baked.then(|| BAKED.to_owned())).collect();
+    let warnings = exported.warnings.iter().cloned().chain(beside).collect();
     Ok(ExportedSaid { exported, warnings }.into())
 }
 
@@ -45,7 +65,7 @@ fn export_surface(
     (field, label): (FieldKind, Option<u16>),
     path: &Path,
     watch: &Watch,
-    is_baked: bool,
+    beside: Option<String>,
 ) -> Result<Said, DocumentError> {
     let (segments, world_from_index) = (subject.segments(), &subject.grid().world_from_index);
     let proceed = |x: f32| watch.proceed(x * 0.9);
@@ -76,13 +96,13 @@ fn export_surface(
     };
     let mesh = mesh.ok_or(DocumentError::Stopped)?;
     if mesh.triangles().is_empty() {
-        let found = match field {
+        let nothing = match field {
             FieldKind::Selection => "a selection that is a half nowhere".to_owned(),
             _ => format!("{name}, which has no voxel"),
         };
+        let found = beside.into_iter().fold(nothing, |found, beside| format!("{found} ({beside})"));
         return Err(DocumentError::invalid("field", found, "something that has a surface"));
     }
     let exported = io::export_mesh(path, &mesh, &name, colour)?;
-    let warnings = is_baked.then(|| BAKED.to_owned()).into_iter().collect();
-    Ok(ExportedMeshSaid { exported, warnings }.into())
+    Ok(ExportedMeshSaid { exported, warnings: beside.into_iter().collect() }.into())
 }

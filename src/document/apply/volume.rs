@@ -1,8 +1,7 @@
 //! Commands on the volume as a whole.
 
 use crate::document::Document;
-use crate::document::apply::bake::as_baked;
-use crate::document::apply::export::export;
+use crate::document::apply::export::{beside_the_file, export};
 use crate::document::apply::open::ReadDocument;
 use crate::document::apply::sub_volume;
 use crate::document::command::Command;
@@ -39,10 +38,8 @@ impl Document {
                 let state = self.open()?;
                 let id = state.at(volume)?.id;
                 check_target(&path, &state.files)?;
-                // What was edited in its sub-volumes is seen in its place.
-                let baked = as_baked(state, id)?;
-                let subject = baked.as_ref().unwrap_or(state).at(Some(id))?;
-                Ok(export(&subject, field, label, &path, &self.watch, baked.is_some())?.into())
+                let warning = beside_the_file(state, id, field)?;
+                Ok(export(&state.at(Some(id))?, field, label, &path, &self.watch, warning)?.into())
             }
         }
     }
