@@ -139,4 +139,7 @@ fn scripts_that_are_shipped_are_commands_and_make_the_pictures_that_the_readme_s
         }
     }
     assert!(scripts >= 7);
+    for line in readme.lines().map(str::trim).filter(|line| line.starts_with("{\"")) {
+        serde_json::from_str::<Command>(line).unwrap_or_else(|e| panic!("README.md: {line}: {e}"));
+    }
 }
