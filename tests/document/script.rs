@@ -4,7 +4,6 @@ use super::maker::labelled;
 use burin::document::{Command, Document, RenderCommand};
 use burin::script::{Outcome, run, schema};
 use serde_json::Value;
-use std::path::Path;
 
 fn answers(document: &mut Document, script: &str, keep_going: bool) -> (Outcome, Vec<Value>) {
     let mut out = Vec::new();
@@ -115,7 +114,7 @@ fn the_schema_knows_every_noun() {
 /// What is shipped is read by nobody until it is run, and running it takes a graphics device and minutes.
 #[test]
 fn scripts_that_are_shipped_are_commands_and_make_the_pictures_that_the_readme_shows() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = crate::common::root();
     let readme = std::fs::read_to_string(root.join("README.md")).unwrap();
     let mut scripts = 0;
     for entry in std::fs::read_dir(root.join("assets")).unwrap() {

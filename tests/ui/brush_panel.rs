@@ -34,7 +34,7 @@ fn the_whole_left_column_is_in_sight_in_a_small_window() {
             "Edge: Hard",
             "Overlap: Even",
             "Erase",
-            "Only what is visible",
+            "Visible only",
             "Paint only where the value is",
             "Highest value to paint",
             "Opacity of layer Segments",

@@ -146,7 +146,7 @@ impl App {
         erase_row(ui, ends, &mut new);
         row(ui, "In 3D", |ui| {
             let tip = "Strokes in the 3D view keep to the surface that is seen: nothing behind it is painted";
-            tick(ui, &mut new.visible_only, "Only what is visible", tip);
+            tick(ui, &mut new.visible_only, "Visible only", tip);
             self.focus_menu(ui, voxel);
         });
         range_row(ui, &mut new, ends);
