@@ -60,7 +60,7 @@ impl From<Layer> for LayerChange {
     }
 }
 
-/// See [`ViewCommand::Focus`]. What is left out stays.
+/// See [`ViewCommand::Focus`]. What is left out stays; where `as` becomes another, the opacity is that which suits it unless it is said.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FocusChange {

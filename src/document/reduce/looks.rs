@@ -154,11 +154,14 @@ impl Scene {
         }
         let place = |at| place_in(at, self, ground.grid)?.ok_or_else(|| DocumentError::of_picture("at"));
         let at = at.map(place).transpose()?.map(|sample| sample.position.to_array());
+        let far = far.unwrap_or(now.far);
+        // What is faint when it is faded is too faint for a line.
+        let usual = if far == now.far { now.opacity } else { far.usual_opacity() };
         let focus = ViewFocus {
             on: on.unwrap_or(true),
             distance_mm: distance_mm.unwrap_or(now.distance_mm),
-            opacity: opacity.unwrap_or(now.opacity),
-            far: far.unwrap_or(now.far),
+            opacity: opacity.unwrap_or(usual),
+            far,
             at: at.or(now.at.filter(|_| !follow)),
         };
         focus.check()?;

@@ -20,6 +20,16 @@ pub enum FarMatter {
     Contour,
 }
 
+impl FarMatter {
+    /// The opacity that it has until another is said.
+    pub(crate) fn usual_opacity(self) -> f32 {
+        match self {
+            Self::Faded => 0.25,
+            Self::Contour => 0.8,
+        }
+    }
+}
+
 /// Focus and context of the 3D view.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct ViewFocus {
@@ -39,7 +49,8 @@ pub struct ViewFocus {
 
 impl Default for ViewFocus {
     fn default() -> Self {
-        Self { on: false, distance_mm: 20.0, opacity: 0.25, far: FarMatter::Faded, at: None }
+        let far = FarMatter::default();
+        Self { on: false, distance_mm: 20.0, opacity: far.usual_opacity(), far, at: None }
     }
 }
 
