@@ -3,10 +3,10 @@
 //! Owns the arithmetic of "Direct Volume Editing" (2008), 4.1: density and selection by the tensor product of quadratic splines that
 //! quasi-interpolate (weights 1, 6, 1 of 8 at voxel centres), linear at the box's faces and blended with that over half a voxel of
 //! the parent; colour linear, labels of the nearest voxel. An axis at 1× is a copy. Keeps the parent as it was when the box was
-//! made; computes what is asked for and stores nothing.
+//! made; computes what is asked for and stores nothing but what was asked lately.
 
 use crate::volume::Voxels;
-use crate::volume::brick::{BRICK, BrickKey, CELL, CELLS_PER_BRICK, shared_texel};
+use crate::volume::brick::{BRICK, BrickKey, CELL, CELLS_PER_BRICK, SLOT, shared_texel};
 use crate::volume::cells::{BrickSummary, Cells};
 use crate::volume::computed::{Computed, SubBox};
 use crate::volume::field::{Field, FieldKind};
@@ -17,8 +17,10 @@ use crate::volume::source::{BrickSource, SourceError, check_box};
 use crate::volume::texel::DensityMap;
 use crate::volume::volume::Volume;
 use crate::volume::voxel_type::VoxelType;
+use lru::LruCache;
 use std::collections::HashMap;
-use std::sync::{Arc, RwLock};
+use std::num::NonZeroUsize;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 
 /// How a field goes between the parent's voxels.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -194,6 +196,14 @@ impl RefinedBox {
 
 type KnownBricks = HashMap<BrickKey, (BrickSummary, Cells)>;
 
+/// A level, the first sample, how many along each axis.
+type TexelBox = (u8, [u32; 3], [u32; 3]);
+
+type RecentTexels = (DensityMap, LruCache<TexelBox, Arc<[u8]>>);
+
+/// Boxes of texels that are held, none larger than a slot: a click of 64 samples needs a hundred.
+const MOST_RECENT: NonZeroUsize = NonZeroUsize::MIN.saturating_add(127);
+
 /// One kind of field of a box.
 #[derive(Debug)]
 struct FieldOfBox {
@@ -201,11 +211,43 @@ struct FieldOfBox {
     kind: FieldKind,
     /// Of bricks that were asked for, and by which map: pictures ask again and again.
     known: RwLock<(DensityMap, KnownBricks)>,
+    /// Texels of bricks that were computed lately, by this map: a stroke's end asks again for what its beginning had to have.
+    recent: Mutex<RecentTexels>,
+}
+
+impl FieldOfBox {
+    fn new(of: Arc<RefinedBox>, kind: FieldKind) -> Self {
+        let (known, recent) = (KnownBricks::new(), LruCache::new(MOST_RECENT));
+        let none_yet = DensityMap::FLOAT;
+        Self { of, kind, known: RwLock::new((none_yet, known)), recent: Mutex::new((none_yet, recent)) }
+    }
+
+    /// What is held of recent texels.
+    fn recent(&self, map: &DensityMap) -> MutexGuard<'_, RecentTexels> {
+        let mut recent = self.recent.lock().unwrap_or_else(PoisonError::into_inner);
+        if recent.0 != *map {
+            recent.0 = *map;
+            recent.1.clear();
+        }
+        recent
+    }
 }
 
 impl Computed for FieldOfBox {
-    fn texels(&self, map: &DensityMap, of: (u8, [u32; 3], [u32; 3]), out: &mut Vec<u8>) -> Result<(), SourceError> {
-        self.of.texels(self.kind, map, of, out)
+    fn texels(&self, map: &DensityMap, of: TexelBox, out: &mut Vec<u8>) -> Result<(), SourceError> {
+        if of.2.iter().any(|&size| size > SLOT) {
+            return self.of.texels(self.kind, map, of, out);
+        }
+        let held = self.recent(map).1.get(&of).cloned();
+        if let Some(texels) = held {
+            out.extend_from_slice(&texels);
+            return Ok(());
+        }
+        // Others go on meanwhile; who computes the same twice finds the same.
+        let from = out.len();
+        self.of.texels(self.kind, map, of, out)?;
+        self.recent(map).1.put(of, out[from..].into());
+        Ok(())
     }
 
     fn about(&self, map: &DensityMap, key: BrickKey) -> Result<(BrickSummary, Cells), SourceError> {
@@ -235,8 +277,7 @@ impl Volume {
     pub fn refined(parent: &Arc<Self>, of: SubBox) -> Self {
         let refined = Arc::new(RefinedBox::new(parent.clone(), of));
         let field = |kind| {
-            let computed =
-                FieldOfBox { of: refined.clone(), kind, known: RwLock::new((DensityMap::FLOAT, HashMap::new())) };
+            let computed = FieldOfBox::new(refined.clone(), kind);
             let source: Option<Arc<dyn BrickSource>> = match kind {
                 FieldKind::Density => Some(refined.clone()),
                 _ => None,
