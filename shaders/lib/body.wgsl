@@ -27,7 +27,7 @@ struct View {
     k_to: f32,
     width: u32,                 // pixels of the window
     height: u32,
-    hole_count: u32,            // of all bodies
+    unused_a: u32,
     above_a: vec3<u32>,         // first cell of the map of what lies above a texel: maxima
     from_a: f32,                // that texel; FAR where there is no such map
     above_b: vec3<u32>,
@@ -37,9 +37,9 @@ struct View {
     ball_centre: vec3<f32>,     // of a ball that divides rays, world mm as seen from the eye
     ball_radius: f32,           // mm
     ball_keeps: u32,            // what of a ray is drawn: KEEPS_BEFORE, KEEPS_INSIDE or KEEPS_BEHIND it
-    unused_a: u32,
     unused_b: u32,
     unused_c: u32,
+    unused_d: u32,
 }
 
 struct CastBody {
@@ -62,7 +62,7 @@ struct CastBody {
 // A box of a volume that a finer one fills, as its host is posed.
 struct Hole {
     column_x: vec3<f32>,        // index_from_world of the host's body, by columns
-    steps: f32,                 // samples of the finer one in a step of the lattice
+    steps: f32,                 // samples of the finer one in a step of the lattice; 0 behind the last
     column_y: vec3<f32>,
     host_hole: u32,             // the hole that its host fills; NO_HOLE if it fills none
     column_z: vec3<f32>,

@@ -37,9 +37,27 @@ fn resident_kb() -> u64 {
 #[test]
 #[ignore = "a child process of an_hour_of_pictures_and_strokes_takes_no_more_memory_than_its_first_minute"]
 fn draws_paints_and_says_its_memory() {
-    let Some(mut document) = block() else { return };
+    let (Some(mut document), Some(mut boxed)) = (block(), block()) else { return };
     cut(&mut document);
+    let add = json!({"sub_volume": {"add": {"lo": [20, 8, 20], "hi": [40, 30, 36], "scale": 2}}});
+    run(&mut boxed, &add.to_string()).unwrap();
     for round in 1..=ROUNDS {
+        // Every fourth time one with a box of finer voxels, every eighth with a focus.
+        if round % 4 == 0 {
+            let mut say = |line: Value| drop(run(&mut boxed, &line.to_string()).unwrap());
+            let mode = [json!("dvr"), json!({"iso": 100.0}), json!("mip")][round / 4 % 3].clone();
+            say(json!({"view": {"look": {"mode": mode, "shaded": round % 24 < 12}}}));
+            say(json!({"view": {"orbit": {"azimuth_deg": round % 17, "elevation_deg": 0.3}}}));
+            let focus =
+                json!({"on": round % 8 == 0, "distance_mm": 3.0 + (round % 5) as f64, "at": {"mm": [32, 20, 30]}});
+            say(json!({"view": {"focus": focus}}));
+            if round % 20 == 0 {
+                say(json!({"brush": {"set": {"radius_mm": 3, "target": {"density": 60.0}, "operation": "add"}}}));
+                say(json!({"stroke": {"paint": {"points": [{"at": {"index": [16 + round % 12, 20, 30]}}]}}}));
+                say(json!({"history": {"undo": {}}}));
+            }
+            boxed.picture(ViewName::ThreeD, [16 + (round % 5) as u32, 16], None).unwrap();
+        }
         let mut say = |line: Value| drop(run(&mut document, &line.to_string()).unwrap());
         // Another mode, projection and size each time, as hands on the panels, the mouse and the window's border give them.
         let mode = [json!("dvr"), json!({"iso": 100.0}), json!("mip"), json!("dvr")][round % 4].clone();

@@ -2,11 +2,13 @@
 
 use super::maker::run;
 use super::maker_gpu::{block, made};
-use burin::document::Document;
+use burin::document::{Document, Origin, State};
 use burin::math::DVec3;
 use burin::volume::*;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 fn does(document: &mut Document, command: Value) -> Value {
     run(document, &command.to_string()).unwrap_or_else(|error| panic!("{command}: {error}"))
@@ -227,4 +229,60 @@ fn weak_strokes_add_up_in_a_sub_volume_as_they_do_elsewhere() {
     }
     let risen = value(&document, 1, FieldKind::Density, [16, 16, 10]) - 200.0;
     assert!((risen - 100.0).abs() <= 2.0, "{risen}");
+}
+
+/// A source that counts the voxels that are read of it.
+#[derive(Debug)]
+struct Counted(MemorySource, Arc<AtomicU64>);
+
+impl BrickSource for Counted {
+    fn grid(&self) -> &Grid {
+        self.0.grid()
+    }
+    fn voxel_type(&self) -> VoxelType {
+        self.0.voxel_type()
+    }
+    fn scaling(&self) -> (f64, f64) {
+        self.0.scaling()
+    }
+    fn name(&self) -> &str {
+        "counted"
+    }
+    fn read(&self, lo: [u32; 3], size: [u32; 3]) -> Result<Voxels, SourceError> {
+        self.1.fetch_add(size.iter().map(|&s| u64::from(s)).product(), Ordering::Relaxed);
+        self.0.read(lo, size)
+    }
+}
+
+#[test]
+fn a_stroke_in_a_box_costs_the_volume_about_it_nothing() {
+    if crate::common::gpu::gpu().is_none() {
+        return;
+    }
+    // Both go from 0 to 255: what is added needs other codes wherever it is added.
+    let (grid, read) = (Grid::aligned([96; 3], DVec3::ONE, DVec3::ZERO), Arc::new(AtomicU64::new(0)));
+    let voxels: Vec<u8> = (0..96_u32.pow(3)).map(|i| (i % 96 * 255 / 95) as u8).collect();
+    let memory = MemorySource::new("counted", grid, Voxels::U8(voxels), (1.0, 0.0)).unwrap();
+    let source = Arc::new(Counted(memory, read.clone()));
+    let statistics = burin::io::statistics(source.as_ref(), &|_| true).unwrap();
+    let histogram = Histogram { min: -0.5, max: 255.5, bins: vec![1; 4], ..Histogram::default() };
+    let origin = Origin { path: "counted.nrrd".into(), component: 0, frame: 0 };
+    let mut document = Document::new();
+    document.adopt(State::new(source, origin, statistics, histogram, None, &|_| true).unwrap());
+    does(&mut document, json!({"sub_volume": {"add": {"lo": [30, 30, 30], "hi": [62, 62, 62], "scale": 2}}}));
+    brush(&mut document, json!({"target": {"density": 60.0}, "operation": "add", "radius_mm": 4, "falloff": "smooth"}));
+    let map = |document: &Document, id: u32| *document.state().unwrap().volumes[&VolumeId(id)].density.map();
+    let before = map(&document, 0);
+    click(&mut document, [46.0; 3], None);
+    assert_ne!(map(&document, 1), before, "the box holds what was added");
+    assert_eq!(map(&document, 0), before);
+    read.store(0, Ordering::Relaxed);
+    click(&mut document, [47.0, 46.0, 46.0], None);
+    let again = read.load(Ordering::Relaxed);
+    assert!(again < 96_u64.pow(3) / 8, "{again} voxels of {} read for a click in the box", 96_u64.pow(3));
+    // Over its face the volume about it is painted too, and has room for that.
+    let at = |document: &Document| value(document, 0, FieldKind::Density, [93, 46, 46]);
+    let old = at(&document);
+    click(&mut document, [93.0, 46.0, 46.0], None);
+    assert!((at(&document) - old - 60.0).abs() < 0.1 && map(&document, 0) != before);
 }

@@ -18,10 +18,11 @@ use crate::document::subject::Subject;
 use crate::gpu::PaintedBricks;
 use crate::math::Camera;
 use crate::paint::{
-    Brush, BuildUpBound, Confines, Contour, Dab, Limit, Mirror, PaintError, Reach, Sample, StrokePath, Target, VoxelSet,
+    Brush, BuildUpBound, Confines, Contour, Dab, IndexBox, Limit, Mirror, PaintError, Reach, Sample, StrokePath,
+    Target, VoxelSet,
 };
 use crate::paint::{image, with_images};
-use crate::volume::{DensityMap, FieldKind, SourceError, Volume, VolumeId};
+use crate::volume::{BrickIndex, DensityMap, FieldKey, FieldKind, Grid, SourceError, Volume, VolumeId};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -54,8 +55,11 @@ pub(super) struct OnVolume {
     build_up: Option<(BuildUpBound, f64)>,
     /// That of density before the stroke, and with all that the brush makes.
     reach: [Reach; 2],
-    /// The map that density needs before the first dab, if it is another than it has.
-    pub(super) needs: Option<DensityMap>,
+    /// The map that density needs before the first dab that reaches it, if it is another than it has: to paint anew costs the whole
+    /// volume.
+    needs: Option<DensityMap>,
+    /// Boxes in which finer volumes are painted in its place: from a voxel on and before another.
+    pub(super) boxes: Vec<[[u32; 3]; 2]>,
     /// What of the visible surface it has come to, if it keeps to that.
     pub(super) seen: VoxelSet,
     /// Sets of voxels that it keeps within, once they were found.
@@ -69,11 +73,6 @@ pub(super) struct OnVolume {
 
 /// Dabs for each volume of a stroke.
 pub(super) type Laid = Vec<(VolumeId, Vec<Dab>)>;
-
-/// The same, as the GPU is given them.
-pub(super) fn lent(dabs: &Laid) -> Vec<(VolumeId, &[Dab])> {
-    dabs.iter().map(|(id, dabs)| (*id, dabs.as_slice())).collect()
-}
 
 impl Running {
     /// Whether explosion points follow what it paints.
@@ -114,11 +113,22 @@ impl Running {
         self.samples.extend_from_slice(samples);
     }
 
-    /// The maps that density needs where dabs add up beyond the one that it has.
+    /// The maps that density needs where the first dabs come to it, or dabs add up beyond the one that it has.
     fn wider(&mut self, state: &State, dabs: &Laid) -> Vec<(VolumeId, DensityMap)> {
         let Self { brush, on, .. } = self;
-        let volumes = on.iter_mut().zip(dabs).filter_map(|(on, (id, dabs))| Some((on, state.volumes.get(id)?, dabs)));
-        volumes.filter_map(|(on, volume, dabs)| Some((on.id, on.room_for(brush, volume, dabs)?))).collect()
+        let volumes = on.iter_mut().zip(dabs).filter_map(|(on, (id, dabs))| Some((on, state.subject(*id)?, dabs)));
+        let wider = |(on, subject, dabs): (&mut OnVolume, Subject<'_>, &Vec<Dab>)| {
+            if on.needs.is_none() && on.build_up.is_none() {
+                return None;
+            }
+            let dabs: Vec<Dab> = dabs.iter().filter(|dab| on.is_reached(dab, brush, subject.grid())).copied().collect();
+            if dabs.is_empty() {
+                return None;
+            }
+            let first = on.needs.take();
+            Some((on.id, on.room_for(brush, subject.volume, &dabs).or(first)?))
+        };
+        volumes.filter_map(wider).collect()
     }
 }
 
@@ -259,11 +269,21 @@ impl OnVolume {
             build_up,
             reach,
             needs,
+            boxes: Vec::new(),
             seen: VoxelSet::default(),
             confines: Confines::new(),
             goes_along: false,
             dabs: 0,
             changed: (0, 0),
+        })
+    }
+
+    /// Whether a dab may paint voxels of its own.
+    fn is_reached(&self, dab: &Dab, brush: &Brush, grid: &Grid) -> bool {
+        dab.footprint(brush, grid).is_some_and(|footprint| {
+            let IndexBox { lo, end } = footprint.bounds;
+            let is_within = |[from, to]: &[[u32; 3]; 2]| (0..3).all(|a| from[a] <= lo[a] && end[a] <= to[a]);
+            !self.boxes.iter().any(is_within)
         })
     }
 
@@ -305,14 +325,14 @@ impl Document {
             }
         }
         let painted = self.begin_on_device().and_then(|()| {
-            let (Some(running), Some(state)) = (&self.running, &self.state) else { return Ok(()) };
+            let Some(running) = &self.running else { return Ok(()) };
             for on in &running.on {
                 self.graphics.confine(on.id, &on.confines);
                 self.graphics.open(on.id, &on.seen);
             }
             match before.iter().all(|(_, dabs)| dabs.is_empty()) {
                 true => Ok(()),
-                false => self.graphics.extend(state, &lent(&before)).map(drop),
+                false => self.extend_on_device(&before).map(drop),
             }
         });
         if painted.is_err() {
@@ -321,11 +341,29 @@ impl Document {
         painted
     }
 
-    /// Begins the running stroke on the device, on all its volumes.
+    /// Begins the running stroke on the device, on all its volumes but those that no dab came to and that have no room for one.
     pub(super) fn begin_on_device(&mut self) -> Result<(), DocumentError> {
         let (Some(running), Some(state)) = (&self.running, &self.state) else { return Ok(()) };
         let Running { brush, on, .. } = running;
-        on.iter().try_for_each(|on| self.graphics.begin(state, on.id, brush, on.reach[1]))
+        let mut begun = on.iter().filter(|on| on.needs.is_none());
+        begun.try_for_each(|on| self.graphics.begin(state, on.id, brush, on.reach[1]))
+    }
+
+    /// Paints further dabs on the volumes that it began on; answers the bricks that they show in.
+    pub(super) fn extend_on_device(&mut self, dabs: &Laid) -> Result<Vec<(FieldKey, BrickIndex)>, DocumentError> {
+        let (Some(running), Some(state)) = (&self.running, &self.state) else { return Ok(Vec::new()) };
+        let begun = running.on.iter().zip(dabs).filter(|(on, _)| on.needs.is_none());
+        let lent: Vec<_> = begun.map(|(_, (id, dabs))| (*id, dabs.as_slice())).collect();
+        if lent.is_empty() { Ok(Vec::new()) } else { self.graphics.extend(state, &lent) }
+    }
+
+    /// What it painted, once the device is done with it; it runs there no longer.
+    pub(super) fn finish_on_device(&mut self) -> Result<PaintedBricks, DocumentError> {
+        let (Some(running), Some(state)) = (&self.running, &self.state) else { return Ok(Vec::new()) };
+        match running.on.iter().all(|on| on.needs.is_some()) {
+            true => Ok(Vec::new()),
+            false => self.graphics.finish(state),
+        }
     }
 
     /// Before the first dabs of a stroke that keeps to what is connected to its beginning: finds that in all its volumes.

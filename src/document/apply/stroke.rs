@@ -4,7 +4,7 @@
 //! The GPU holds its texels until [`Document::finish_stroke`], which is the one place that waits for them.
 
 use crate::document::Document;
-use crate::document::apply::painting::{OnVolume, Running, lent};
+use crate::document::apply::painting::{OnVolume, Running};
 use crate::document::apply::trail::{Resolved, Trail};
 use crate::document::command::answers::{Answer, CancelledSaid, ExtendedSaid, Said};
 use crate::document::command::brush::{StrokeCommand, StrokePoint};
@@ -71,9 +71,10 @@ impl Document {
     /// If the device fails or the source does; the stroke then still runs.
     pub fn finish_stroke(&mut self) -> Result<Answer, DocumentError> {
         let cut_short = self.end_path()?;
-        let (true, Some(state)) = (self.running.is_some(), &mut self.state) else { return Ok(Answer::default()) };
-        let painted = self.graphics.finish(state)?;
-        let Some(mut running) = self.running.take() else { return Ok(Answer::default()) };
+        let painted = self.finish_on_device()?;
+        let (Some(state), Some(mut running)) = (&mut self.state, self.running.take()) else {
+            return Ok(Answer::default());
+        };
         let taken = running.take_in(state, painted);
         let (voxels, bricks) = running.edit.counts();
         if taken.is_err() || voxels == 0 {
@@ -120,16 +121,17 @@ impl Document {
         self.lay_along(&mut dabs)?;
         self.make_room(&dabs)?;
         self.keep_to_limits(&dabs)?;
-        let (Some(running), Some(state)) = (&mut self.running, &self.state) else { return Ok(None) };
-        match self.graphics.extend(state, &lent(&dabs)) {
+        match self.extend_on_device(&dabs) {
             Ok(_) => {}
             Err(DocumentError::Gpu(error @ (GpuError::StrokeTooLarge { .. } | GpuError::PoolFull { .. }))) => {
                 return Ok(Some(format!("the stroke ends before its last point: {error}")));
             }
             Err(error) => return Err(error),
         }
-        running.went(paths, &dabs, &samples);
-        running.trail = None;
+        if let Some(running) = &mut self.running {
+            running.went(paths, &dabs, &samples);
+            running.trail = None;
+        }
         Ok(None)
     }
 
@@ -180,9 +182,9 @@ impl Document {
             let mut on = subjects.iter().map(|s| OnVolume::new(s, &brush, step_mm)).collect::<Result<Vec<_>, _>>()?;
             for (on, subject) in on.iter_mut().zip(&subjects) {
                 on.goes_along = subject.settings.sub_volume.is_some_and(|sub| volumes.contains(&sub.parent));
-                let boxes = state.finer_boxes(subject.id, volumes);
-                if !boxes.is_empty() {
-                    on.confines.push((Limit::SubVolumes, Arc::new(VoxelSet::all_but(boxes))));
+                on.boxes = state.finer_boxes(subject.id, volumes);
+                if !on.boxes.is_empty() {
+                    on.confines.push((Limit::SubVolumes, Arc::new(VoxelSet::all_but(on.boxes.clone()))));
                 }
                 on.confines
                     .extend(contour.as_ref().map(|c| (Limit::Contour, Arc::new(within(c, &brush, subject.grid())))));
@@ -198,12 +200,6 @@ impl Document {
         if let (Target::Label(label), false) = (brush.target, brush.erase) {
             ensure_segments(state, volumes, label);
         }
-        // Maps come first: bricks of several volumes share slots.
-        let mut widened = Ok(());
-        for (id, map) in on.iter().filter_map(|on| Some((on.id, on.needs?))) {
-            widened = widened.and_then(|()| edit.remap(state, id, map));
-            self.graphics.remap(state, id);
-        }
         self.running = Some(Running {
             brush,
             painted,
@@ -215,8 +211,7 @@ impl Document {
             missed: 0,
             on,
         });
-        let begun = widened.map_err(DocumentError::from).and_then(|()| self.begin_on_device());
-        let first = begun.and_then(|()| self.extend_stroke(resolved));
+        let first = self.begin_on_device().and_then(|()| self.extend_stroke(resolved));
         if first.is_err() {
             self.drop_stroke();
         }
@@ -231,8 +226,8 @@ impl Document {
         let count = dabs.iter().map(|(_, dabs)| dabs.len()).sum();
         self.make_room(&dabs)?;
         self.keep_to_limits(&dabs)?;
-        let (Some(running), Some(state)) = (&mut self.running, &self.state) else { return Ok(Answer::default()) };
-        let bricks = if count == 0 { Vec::new() } else { self.graphics.extend(state, &lent(&dabs))? };
+        let bricks = if count == 0 { Vec::new() } else { self.extend_on_device(&dabs)? };
+        let Some(running) = &mut self.running else { return Ok(Answer::default()) };
         running.went(paths, &dabs, &samples);
         running.trail = trail.clone();
         running.missed += missed;

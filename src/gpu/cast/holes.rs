@@ -23,7 +23,7 @@ shared_struct! {
     pub struct Hole {
         /// index_from_world of the posed host, first column.
         pub column_x: [f32; 3],
-        /// Samples in a step of the lattice.
+        /// Samples in a step of the lattice; 0 behind the last of a list.
         pub steps: f32,
         /// Second column.
         pub column_y: [f32; 3],
@@ -165,6 +165,15 @@ impl Holes {
         }
         let finest = list.iter().map(|hole| f64::from(hole.steps)).fold(1.0, f64::max);
         Ok(Self { list, posed, finest })
+    }
+
+    /// Their list, behind which one of no samples says that it ends.
+    pub(crate) fn ended(self) -> Vec<Hole> {
+        let mut list = self.list;
+        if list.len() < MOST_HOLES as usize {
+            list.push(bytemuck::Zeroable::zeroed());
+        }
+        list
     }
 
     /// Those of a body's family in its pose.

@@ -58,8 +58,8 @@ shared_struct! {
         pub width: u32,
         /// Pixels of the window.
         pub height: u32,
-        /// Boxes of finer volumes.
-        pub hole_count: u32,
+        /// Unused.
+        pub unused_a: u32,
         /// First cell of the map of what lies above `from_a`.
         pub above_a: [u32; 3],
         /// A texel; FAR where there is no such map.
@@ -79,11 +79,11 @@ shared_struct! {
         /// What of a ray is drawn.
         pub ball_keeps: u32,
         /// Unused.
-        pub unused_a: u32,
-        /// Unused.
         pub unused_b: u32,
         /// Unused.
         pub unused_c: u32,
+        /// Unused.
+        pub unused_d: u32,
     }
 }
 
@@ -256,9 +256,9 @@ impl FrameUniforms {
         let sight = RayOrigin::of(camera);
         let tiles = Tiles::of(&solids, &Order::of(&solids, sight), camera, window);
         let passes = passes(drawn, sight, eye, frame.step_mm, &tiles, (looks.refines, &holes));
-        let view = View { hole_count: holes.list.len() as u32, ..view(frame, window, drawn.first(), pools) };
+        let view = view(frame, window, drawn.first(), pools);
         let pieces = holes.pieces();
-        Ok(Self { view, looks, bodies, matters, planes, tiles, passes, holes: holes.list, pieces })
+        Ok(Self { view, looks, bodies, matters, planes, tiles, passes, holes: holes.ended(), pieces })
     }
 }
 
@@ -296,7 +296,7 @@ fn view(frame: &Frame, window: &Window, first: Option<&MergedBody>, pools: &Fiel
         k_to: 0.0,
         width: window.size[0],
         height: window.size[1],
-        hole_count: 0,
+        unused_a: 0,
         above_a: [0; 3],
         from_a: FAR,
         above_b: [0; 3],
@@ -306,9 +306,9 @@ fn view(frame: &Frame, window: &Window, first: Option<&MergedBody>, pools: &Fiel
         ball_centre: ball.map_or([0.0; 3], |b| narrow(b.centre - camera.eye)),
         ball_radius: ball.map_or(0.0, |b| b.radius_mm as f32),
         ball_keeps: ball.map_or(0, |b| b.keeps.number()),
-        unused_a: 0,
         unused_b: 0,
         unused_c: 0,
+        unused_d: 0,
     }
 }
 
