@@ -18,8 +18,8 @@ pub(super) struct Click {
 }
 
 impl Gesture for Click {
-    fn start(&self, _e: &PointerEvent) -> Vec<Command> {
-        Vec::new()
+    fn is_live(&self) -> bool {
+        false
     }
 
     fn drag(&mut self, _e: &PointerEvent, _scene: &Scene) -> Vec<Command> {
@@ -34,9 +34,5 @@ impl Gesture for Click {
             Some((slice, plane)) => split(&cuts_at(&slice, scene, plane, self.from)),
             None => vec![Command::Part(PartCommand::Split { by: self.by, size: Some(e.size) })],
         }
-    }
-
-    fn abort(self: Box<Self>, _height: u32) -> Vec<Command> {
-        Vec::new()
     }
 }

@@ -11,11 +11,16 @@ pub(super) const CLICK_PX: f64 = 4.0;
 /// Degrees that a drag across the picture's height turns.
 pub(super) const DEGREES_PER_HEIGHT: f64 = 180.0;
 
-/// A held button. Where nothing else is said, what it does is one step of history. Positions are pixels of the view where it began.
+/// A held button. What it does is one step of history. Positions are pixels of the view where it began.
 pub trait Gesture: Debug {
+    /// Whether it changes things while it is held, rather than at its end alone.
+    fn is_live(&self) -> bool {
+        true
+    }
+
     /// Commands of its start.
     fn start(&self, _e: &PointerEvent) -> Vec<Command> {
-        vec![Command::History(HistoryCommand::Begin {})]
+        self.is_live().then_some(Command::History(HistoryCommand::Begin {})).into_iter().collect()
     }
 
     /// The pointer moved.
@@ -27,7 +32,9 @@ pub trait Gesture: Debug {
     }
 
     /// Everything as it was at the start. `height` is the view's, in pixels.
-    fn abort(self: Box<Self>, height: u32) -> Vec<Command>;
+    fn abort(self: Box<Self>, _height: u32) -> Vec<Command> {
+        self.is_live().then_some(Command::History(HistoryCommand::Cancel {})).into_iter().collect()
+    }
 
     /// The line under the hand, and the view that it is drawn over.
     fn line(&self) -> Option<(ViewName, [DVec2; 2])> {

@@ -83,10 +83,6 @@ impl Gesture for GreyWindow {
     fn drag(&mut self, e: &PointerEvent, _scene: &Scene) -> Vec<Command> {
         vec![set_window(windowed(self.start, e.px - self.from, e.size[1]))]
     }
-
-    fn abort(self: Box<Self>, _height: u32) -> Vec<Command> {
-        vec![Command::History(HistoryCommand::Cancel {})]
-    }
 }
 
 /// Crosshair follows; `start` comes back on abort.

@@ -111,18 +111,16 @@ fn whatever_its_numbers_are_a_volume_gets_the_means_and_keeps_the_rest_to_the_la
                 far.then_some(if beyond { new } else { new.min(ends.max) })
             });
             let (before, coarse, fine) = (everything(&document), volume(&document, 0), volume(&document, 1));
-            let file = |name: &str| std::env::temp_dir().join(format!("burin-{name}-{}.nrrd", std::process::id()));
             let values = fine.density.values([0; 3], dims).unwrap();
             let painted: BTreeMap<usize, f64> = values.painted.iter().copied().collect();
             let added = |i: usize, _, _| painted.get(&i).map_or(0.0, |value| value - values.unpainted(i).to_f64());
             let cells = by_cell(&fine.density, scale, added);
             let exported = |document: &mut Document| {
-                let path = file(name);
+                let folder = tempfile::tempdir().unwrap();
+                let path = folder.path().join("exported.nrrd");
                 does(document, json!({"volume": {"export": {"field": "density", "path": path, "volume": 0}}}));
                 let source = burin::io::open(&path).unwrap().source(0, 0, &|_| true).unwrap();
-                let all = source.read([0; 3], source.grid().dims).unwrap();
-                std::fs::remove_file(path).unwrap();
-                all
+                source.read([0; 3], source.grid().dims).unwrap()
             };
             let file_before = exported(&mut document);
             does(&mut document, bake(1));

@@ -38,6 +38,15 @@ fn select(label: u16, volume: u32) -> Value {
     json!({"selection": {"from_label": {"label": label, "volume": volume}}})
 }
 
+/// Its last step taken back and done again.
+fn undone_and_done_again(document: &mut Document, before: &[(String, Vec<u8>)]) {
+    let after = everything(document);
+    undo(document, 1);
+    same(&everything(document), before, "undone");
+    redo(document, 1);
+    same(&everything(document), &after, "done again");
+}
+
 /// Noise with things painted on it, also where boxes come to lie.
 fn painted() -> Document {
     let mut document = noisy(bytes_of);
@@ -98,11 +107,7 @@ fn a_box_around_another_leaves_what_is_edited_there_and_all_is_as_if_it_had_been
     assert_eq!((&of["parent"], &of["lo"], &of["hi"]), (&json!(2), &json!([8, 8, 8]), &json!([20, 18, 18])), "{of}");
     assert_eq!((&of["scale"], &of["dims"]), (&json!([2, 2, 2]), &json!([25, 21, 21])), "the same samples");
     kept(&document, 1, &own, "around it");
-    let after = everything(&document);
-    undo(&mut document, 1);
-    same(&everything(&document), &before, "undone");
-    redo(&mut document, 1);
-    same(&everything(&document), &after, "done again");
+    undone_and_done_again(&mut document, &before);
 
     // Made first.
     let mut other = painted();
@@ -133,11 +138,7 @@ fn boxes_in_one_that_goes_keep_what_is_edited_in_them_and_lie_in_what_it_lay_in(
     assert_eq!((&least["parent"], &least["scale"]), (&json!(2), &json!([2, 2, 2])));
     kept(&document, 2, &own[0], "let out");
     kept(&document, 3, &own[1], "with it");
-    let after = everything(&document);
-    undo(&mut document, 1);
-    same(&everything(&document), &before, "undone");
-    redo(&mut document, 1);
-    same(&everything(&document), &after, "done again");
+    undone_and_done_again(&mut document, &before);
     // As if the outer one had never been.
     let mut other = painted();
     does(&mut other, inner(4));

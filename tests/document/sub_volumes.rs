@@ -1,5 +1,6 @@
 //! Sub-volumes as commands: made, refused, undone, changed, removed, saved, found again after a crash.
 
+use super::boxes::copy_folder;
 use super::maker::{labelled, run};
 use burin::document::Document;
 use burin::volume::{DensityMap, FieldKind, VolumeId, Voxels};
@@ -319,16 +320,4 @@ fn projects_and_journals_bring_boxes_back_as_they_were() {
     let mut document = Document::new();
     does(&mut document, json!({"project": {"open": {"path": copy}}}));
     assert!(texels(&document) == changed, "saved again");
-}
-
-fn copy_folder(from: &std::path::Path, to: &std::path::Path) {
-    std::fs::create_dir(to).unwrap();
-    for entry in std::fs::read_dir(from).unwrap().map(Result::unwrap) {
-        let (from, to) = (entry.path(), to.join(entry.file_name()));
-        if from.is_dir() {
-            copy_folder(&from, &to);
-        } else if entry.file_name() != "lock" {
-            std::fs::copy(&from, &to).unwrap();
-        }
-    }
 }

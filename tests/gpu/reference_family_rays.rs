@@ -141,6 +141,11 @@ impl Book<'_> {
 
     /// Where a ray is in a box: from, to.
     fn span(&self, volume: usize, index: &Ray) -> Option<(f64, f64)> {
+        Some(self.slab(volume, index)).filter(|(t0, t1)| t0 < t1)
+    }
+
+    /// Where a ray comes into the last of a box's slabs and where it leaves the first; it misses the box where that is before.
+    fn slab(&self, volume: usize, index: &Ray) -> (f64, f64) {
         let o = self.own_place(volume, index.origin);
         let d = self.own_place(volume, index.origin + index.dir) - o;
         let last = self.last(volume);
@@ -150,7 +155,7 @@ impl Book<'_> {
             let (u, v) = (-o[a] / d, (last[a] - o[a]) / d);
             (t0, t1) = (t0.max(u.min(v)), t1.min(u.max(v)));
         }
-        (t0 < t1).then_some((t0, t1))
+        (t0, t1)
     }
 
     fn divide(&self, m: &Along<'_>, step: f64, (k, steps, volume): (f64, f64, usize), out: &mut Vec<(f64, f64)>) {
@@ -328,15 +333,7 @@ impl Book<'_> {
             let map = self.family.volumes[0].grid().index_from_world();
             let rest = body.pose.unapply_ray(&ray);
             let index = Ray { origin: map.transform_point3(rest.origin), dir: map.transform_vector3(rest.dir) };
-            let o = self.own_place(volume, index.origin);
-            let d = self.own_place(volume, index.origin + index.dir) - o;
-            let last = self.last(volume);
-            let (mut t0, mut t1) = (0.0_f64, f64::INFINITY);
-            for a in 0..3 {
-                let d = if d[a] == 0.0 { 1e-20 } else { d[a] };
-                let (u, v) = (-o[a] / d, (last[a] - o[a]) / d);
-                (t0, t1) = (t0.max(u.min(v)), t1.min(u.max(v)));
-            }
+            let (t0, t1) = self.slab(volume, &index);
             t1 - t0
         };
         let of_body = |body| self.boxes().map(move |volume| way(body, volume));

@@ -1,7 +1,7 @@
 //! The panel of the brush: all of it is in sight, what means nothing cannot be chosen, erasing says what it leaves.
 
 use super::driver::{SMALL, Window};
-use burin::document::{BrushCommand, Command};
+use burin::document::{BrushCommand, Command, ComponentCommand, Isolation, PieceSize};
 use burin::paint::{BrushChange, EraseDensity, Falloff, Target};
 use burin::volume::Number;
 use egui::{Key, Modifiers};
@@ -130,4 +130,29 @@ fn the_end_of_a_range_that_is_typed_is_the_one_that_is_meant() {
         });
         assert_eq!(set, Some(wanted), "{name} {typed}: {sent:?}");
     }
+}
+
+#[test]
+fn with_the_tool_that_isolates_small_pieces_go_by_a_button_and_nothing_moves() {
+    let mut window = painting(Target::Selection(1.0));
+    let (radius, strength) = (window.rect("Brush radius"), window.rect("Brush strength"));
+    window.key(Modifiers::NONE, Key::I);
+    window.harness.run_steps(4);
+    assert!(window.harness.query_by_label("Brush radius").is_none());
+    assert_eq!(window.rect("Brush strength"), strength);
+    assert_eq!(window.rect("Remove smaller").center().y, radius.center().y);
+    let small =
+        |voxels| Command::Component(ComponentCommand::Remove(Isolation::smaller_than(PieceSize::Voxels(voxels))));
+    assert_eq!(window.click("Remove smaller"), [small(20)]);
+    let name = "Least piece to keep";
+    window.harness.get_by_label(name).focus();
+    window.harness.run_steps(2);
+    window.key(Modifiers::COMMAND, Key::A);
+    window.harness.get_by_label(name).type_text("300");
+    window.harness.run_steps(1);
+    window.key(Modifiers::NONE, Key::Enter);
+    assert_eq!(window.click("Remove smaller"), [small(300)]);
+    window.key(Modifiers::NONE, Key::B);
+    window.harness.run_steps(4);
+    assert_eq!((window.rect("Brush radius"), window.rect("Brush strength")), (radius, strength));
 }

@@ -17,6 +17,7 @@ pub(crate) mod labels;
 mod lasso;
 pub(crate) mod matter;
 mod nesting;
+mod on_device;
 pub(crate) mod open;
 pub(crate) mod overlap;
 pub(crate) mod painting;

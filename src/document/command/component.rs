@@ -87,7 +87,7 @@ macro_rules! of_a_component {
     ($($(#[$doc:meta])* $name:ident { $($(#[$field:meta])* $extra:ident: $type:ty,)* })*) => {
         $(
             $(#[$doc])*
-            #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+            #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
             #[serde(deny_unknown_fields)]
             pub struct $name {
                 /// A place in it: in mm, in index, or a pixel of a view. The largest component if left out.
@@ -148,8 +148,12 @@ of_a_component! {
 impl Isolation {
     /// Of what is connected to a place under the present look.
     pub fn at(at: Place) -> Self {
-        let (matter, neighbours) = (Matter::default(), Neighbours::default());
-        Self { at: Some(at), volume: None, matter, within: None, neighbours, smaller_than: None, value: None }
+        Self { at: Some(at), ..Self::default() }
+    }
+
+    /// Of all that are smaller under the present look.
+    pub fn smaller_than(size: PieceSize) -> Self {
+        Self { smaller_than: Some(size), ..Self::default() }
     }
 }
 

@@ -53,8 +53,8 @@ pub enum SubVolumeCommand {
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]
         inner: bool,
     },
-    /// Adds to each voxel of the parent the mean of what was edited in its cell, by volume. The sub-volume stays unless `remove` says
-    /// otherwise.
+    /// Adds to each voxel of the parent the mean of what was edited in its cell, by volume. The sub-volume stays, with its edits,
+    /// unless `remove` says otherwise: baked again they are added again.
     Bake {
         volume: VolumeId,
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]

@@ -54,8 +54,8 @@ impl Does for Isolate {
 struct Pick(PointerEvent);
 
 impl Gesture for Pick {
-    fn start(&self, _e: &PointerEvent) -> Vec<Command> {
-        Vec::new()
+    fn is_live(&self) -> bool {
+        false
     }
 
     fn drag(&mut self, _e: &PointerEvent, _scene: &Scene) -> Vec<Command> {
@@ -73,9 +73,5 @@ impl Gesture for Pick {
             true => ComponentCommand::Remove(what),
             false => ComponentCommand::Keep(what),
         })]
-    }
-
-    fn abort(self: Box<Self>, _height: u32) -> Vec<Command> {
-        Vec::new()
     }
 }

@@ -53,8 +53,8 @@ struct Way {
 }
 
 impl Gesture for Way {
-    fn start(&self, _e: &PointerEvent) -> Vec<Command> {
-        Vec::new()
+    fn is_live(&self) -> bool {
+        false
     }
 
     fn drag(&mut self, e: &PointerEvent, _scene: &Scene) -> Vec<Command> {
@@ -73,10 +73,6 @@ impl Gesture for Way {
         let place = |px: &DVec2| Place::Pixel { view, px: px.to_array(), size: Some(size) };
         let fill = Command::Stroke(StrokeCommand::Lasso(Contour::of(points.iter().map(place).collect())));
         if erase { vec![set_erase(true), fill, set_erase(false)] } else { vec![fill] }
-    }
-
-    fn abort(self: Box<Self>, _height: u32) -> Vec<Command> {
-        Vec::new()
     }
 
     fn marks(&self, view: ViewName) -> Vec<Mark> {

@@ -56,8 +56,8 @@ struct Line {
 }
 
 impl Gesture for Line {
-    fn start(&self, _e: &PointerEvent) -> Vec<Command> {
-        Vec::new()
+    fn is_live(&self) -> bool {
+        false
     }
 
     fn drag(&mut self, e: &PointerEvent, _scene: &Scene) -> Vec<Command> {
@@ -77,10 +77,6 @@ impl Gesture for Line {
                 vec![Command::Part(PartCommand::Split { by, size: Some(e.size) })]
             }
         }
-    }
-
-    fn abort(self: Box<Self>, _height: u32) -> Vec<Command> {
-        Vec::new()
     }
 
     fn line(&self) -> Option<(ViewName, [DVec2; 2])> {

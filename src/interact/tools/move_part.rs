@@ -1,6 +1,6 @@
 //! A part under the hand: shifted in the plane of the picture or turned about its centre, one step of history, pinned where it ends.
 
-use crate::document::{Command, HistoryCommand, PartCommand, Scene, ViewName};
+use crate::document::{Command, PartCommand, Scene, ViewName};
 use crate::explode::PartId;
 use crate::interact::context::Context;
 use crate::interact::event::{Hit, PointerEvent};
@@ -72,10 +72,6 @@ impl Gesture for Held {
         }
         let pose = self.pose(&scene.views.camera, e);
         vec![Command::Part(PartCommand::Move { id: self.id, pose })]
-    }
-
-    fn abort(self: Box<Self>, _height: u32) -> Vec<Command> {
-        vec![Command::History(HistoryCommand::Cancel {})]
     }
 }
 

@@ -144,8 +144,8 @@ impl New {
 }
 
 impl Gesture for New {
-    fn start(&self, _e: &PointerEvent) -> Vec<Command> {
-        Vec::new()
+    fn is_live(&self) -> bool {
+        false
     }
 
     fn drag(&mut self, e: &PointerEvent, _scene: &Scene) -> Vec<Command> {
@@ -160,10 +160,6 @@ impl Gesture for New {
         let SubBox { lo, hi, scale } = self.sub_box();
         let add = SubVolumeCommand::Add { volume: None, lo, hi, scale: Scale::Each(scale), name: None };
         vec![Command::SubVolume(add)]
-    }
-
-    fn abort(self: Box<Self>, _height: u32) -> Vec<Command> {
-        Vec::new()
     }
 
     fn marks(&self, view: ViewName) -> Vec<Mark> {
@@ -216,8 +212,8 @@ impl Face {
 }
 
 impl Gesture for Face {
-    fn start(&self, _e: &PointerEvent) -> Vec<Command> {
-        Vec::new()
+    fn is_live(&self) -> bool {
+        false
     }
 
     fn drag(&mut self, e: &PointerEvent, _scene: &Scene) -> Vec<Command> {
@@ -232,10 +228,6 @@ impl Gesture for Face {
         }
         let (volume, lo, hi) = (self.handle.volume, Some(of.lo), Some(of.hi));
         vec![Command::SubVolume(SubVolumeCommand::Set { volume, lo, hi, scale: None, discard: false })]
-    }
-
-    fn abort(self: Box<Self>, _height: u32) -> Vec<Command> {
-        Vec::new()
     }
 
     fn marks(&self, view: ViewName) -> Vec<Mark> {

@@ -94,14 +94,12 @@ impl App {
         if let Some(scene) = &self.scene {
             target_row(ui, scene, readout::span(ends), &mut new);
         }
-        row(ui, "Radius", |ui| {
-            let LengthUnit { name: unit, per_mm: factor, .. } = LengthUnit::of(voxel);
-            let decimals = readout::decimals(voxel * factor * 20.0);
-            let scale = Scale { logarithmic: true, decimals, unit, factor };
-            let range = (voxel * 0.5)..=80.0_f64.max(voxel * 20.0).max(new.radius_mm);
-            let tip = "Radius of the brush: also [ and ], or Shift + wheel";
-            slider(ui, ("Brush radius", tip), &mut new.radius_mm, range, scale);
-        });
+        // A click that isolates has no radius; nothing moves when the tool is another.
+        if self.interaction.tool() == Tool::Isolate {
+            self.pieces_row(ui);
+        } else {
+            radius_row(ui, voxel, &mut new);
+        }
         row(ui, "Strength", |ui| {
             let mut strength = f64::from(new.strength);
             let tip = "How much one stroke changes: 100 % all the way";
@@ -159,6 +157,17 @@ impl App {
             self.act(crate::interact::Action::Choose(Tool::Brush));
         }
     }
+}
+
+fn radius_row(ui: &mut Ui, voxel: f64, new: &mut Brush) {
+    row(ui, "Radius", |ui| {
+        let LengthUnit { name: unit, per_mm: factor, .. } = LengthUnit::of(voxel);
+        let decimals = readout::decimals(voxel * factor * 20.0);
+        let scale = Scale { logarithmic: true, decimals, unit, factor };
+        let range = (voxel * 0.5)..=80.0_f64.max(voxel * 20.0).max(new.radius_mm);
+        let tip = "Radius of the brush: also [ and ], or Shift + wheel";
+        slider(ui, ("Brush radius", tip), &mut new.radius_mm, range, scale);
+    });
 }
 
 fn target_row(ui: &mut Ui, scene: &Scene, span: f64, new: &mut Brush) {

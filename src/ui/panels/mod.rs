@@ -16,6 +16,7 @@ pub(crate) mod look;
 pub(crate) mod look_menu;
 pub(crate) mod messages;
 pub(crate) mod parts;
+pub(crate) mod pieces;
 pub(crate) mod segments;
 pub(crate) mod status;
 pub(crate) mod sub_volumes;

@@ -32,6 +32,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
+/// How many voxels a piece must have to be kept until something else is said: what has fewer is a speck in most scans.
+const LEAST_PIECE: u64 = 20;
+
 /// The window: all that it holds between frames, and the line to the document.
 pub struct App {
     pub(crate) session: Session,
@@ -90,6 +93,8 @@ pub struct App {
     pub(crate) last_paint: BTreeMap<&'static str, crate::paint::Target>,
     /// Places for a plane to mirror across, until there are three.
     pub(crate) mirror_points: Vec<crate::math::DVec3>,
+    /// Of how many voxels a piece must be to be kept.
+    pub(crate) least_piece: u64,
     /// The control whose drag is one step of history.
     pub(crate) group: Option<Id>,
     pub(crate) chosen: (Sender<Chosen>, Receiver<Chosen>),
@@ -158,6 +163,7 @@ impl App {
             pointed_part: None,
             last_paint: BTreeMap::new(),
             mirror_points: Vec::new(),
+            least_piece: LEAST_PIECE,
             group: None,
             chosen: channel(),
             later: Vec::new(),
