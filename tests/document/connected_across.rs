@@ -526,6 +526,7 @@ fn small_pieces_go_wherever_they_lie_and_larger_ones_stay() {
         assert!(small.len() > 20 && !large.is_empty());
         let said = say(&mut document, json!({"component": {"remove": {"smaller_than": what}}}));
         assert_eq!(said["pieces"], json!(small.len()), "{what}");
+        assert_eq!(document.history().undo_names().next_back(), Some("Remove small pieces"));
         assert_eq!(said["voxels_changed"], json!(small.iter().map(BTreeSet::len).sum::<usize>()), "{what}");
         assert!(small.iter().flatten().all(|node| !shows(number(&document, *node))), "{what}");
         assert!(large.iter().flatten().all(|node| shows(number(&document, *node))), "{what}");

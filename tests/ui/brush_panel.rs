@@ -140,18 +140,18 @@ fn with_the_tool_that_isolates_small_pieces_go_by_a_button_and_nothing_moves() {
     window.harness.run_steps(4);
     assert!(window.harness.query_by_label("Brush radius").is_none());
     assert_eq!(window.rect("Brush strength"), strength);
-    assert_eq!(window.rect("Remove smaller").center().y, radius.center().y);
+    assert_eq!(window.rect("Remove").center().y, radius.center().y);
     let small =
         |voxels| Command::Component(ComponentCommand::Remove(Isolation::smaller_than(PieceSize::Voxels(voxels))));
-    assert_eq!(window.click("Remove smaller"), [small(20)]);
-    let name = "Least piece to keep";
+    assert_eq!(window.click("Remove"), [small(20)]);
+    let name = "Size of small pieces";
     window.harness.get_by_label(name).focus();
     window.harness.run_steps(2);
     window.key(Modifiers::COMMAND, Key::A);
     window.harness.get_by_label(name).type_text("300");
     window.harness.run_steps(1);
     window.key(Modifiers::NONE, Key::Enter);
-    assert_eq!(window.click("Remove smaller"), [small(300)]);
+    assert_eq!(window.click("Remove"), [small(300)]);
     window.key(Modifiers::NONE, Key::B);
     window.harness.run_steps(4);
     assert_eq!((window.rect("Brush radius"), window.rect("Brush strength")), (radius, strength));

@@ -207,11 +207,12 @@ impl ComponentCommand {
 
     /// What the step is called.
     pub(crate) fn step_name(&self) -> String {
+        let of = |small: Option<PieceSize>| if small.is_some() { "small pieces" } else { "what is connected" };
         match self {
-            Self::Keep(_) => "Keep what is connected".into(),
-            Self::Remove(_) => "Remove what is connected".into(),
-            Self::Select(_) => "Select what is connected".into(),
-            Self::Label(Labelling { label, .. }) => format!("Label {label} on what is connected"),
+            Self::Keep(said) => format!("Keep {}", of(said.smaller_than)),
+            Self::Remove(said) => format!("Remove {}", of(said.smaller_than)),
+            Self::Select(said) => format!("Select {}", of(said.smaller_than)),
+            Self::Label(said) => format!("Label {} on {}", said.label, of(said.smaller_than)),
         }
     }
 }

@@ -10,13 +10,13 @@ use egui::{DragValue, Ui, vec2};
 impl App {
     /// The size, and the button that removes what is smaller.
     pub(super) fn pieces_row(&mut self, ui: &mut Ui) {
-        row(ui, "Pieces", |ui| {
+        row(ui, "Pieces under", |ui| {
             let width = (ui.available_width() - GAP) * 0.5;
             let field = DragValue::new(&mut self.least_piece).range(2..=u64::MAX).suffix(" voxels");
-            let about = ("Least piece to keep", "How many voxels a piece of what is visible must have to be kept");
+            let about = ("Size of small pieces", "Pieces of what is visible with fewer voxels are small");
             number(ui, width, about, "voxels", field, |x, chars| readout::fixed(x, 0, chars));
             let tip = "Removes all pieces of what is visible that have fewer voxels: within the selection if there is one, else anywhere";
-            if button(ui, vec2(width, ROW), "Remove smaller", tip) {
+            if button(ui, vec2(width, ROW), "Remove", tip) {
                 let small = Isolation::smaller_than(PieceSize::Voxels(self.least_piece));
                 self.send(Command::Component(ComponentCommand::Remove(small)));
             }
