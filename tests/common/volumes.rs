@@ -6,6 +6,34 @@ use burin::volume::*;
 use rand::{Rng, SeedableRng};
 use std::sync::Arc;
 
+/// A source in memory that asks before each read whether it may, told where it begins and how many voxels it takes.
+pub struct Watched<F>(pub MemorySource, pub F);
+
+impl<F> std::fmt::Debug for Watched<F> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_tuple("Watched").field(&self.0).finish()
+    }
+}
+
+impl<F: Fn([u32; 3], [u32; 3]) -> Result<(), SourceError> + Send + Sync> BrickSource for Watched<F> {
+    fn grid(&self) -> &Grid {
+        self.0.grid()
+    }
+    fn voxel_type(&self) -> VoxelType {
+        self.0.voxel_type()
+    }
+    fn scaling(&self) -> (f64, f64) {
+        self.0.scaling()
+    }
+    fn name(&self) -> &str {
+        self.0.name()
+    }
+    fn read(&self, lo: [u32; 3], size: [u32; 3]) -> Result<Voxels, SourceError> {
+        (self.1)(lo, size)?;
+        self.0.read(lo, size)
+    }
+}
+
 /// A grid with unit spacing, voxel (0, 0, 0) at the origin.
 pub fn unit_grid(dims: [u32; 3]) -> Grid {
     Grid::aligned(dims, DVec3::ONE, DVec3::ZERO)

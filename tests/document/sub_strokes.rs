@@ -2,6 +2,7 @@
 
 use super::maker::run;
 use super::maker_gpu::{block, made};
+use crate::common::volumes::Watched;
 use burin::document::{Document, Origin, State};
 use burin::math::DVec3;
 use burin::volume::*;
@@ -231,29 +232,6 @@ fn weak_strokes_add_up_in_a_sub_volume_as_they_do_elsewhere() {
     assert!((risen - 100.0).abs() <= 2.0, "{risen}");
 }
 
-/// A source that counts the voxels that are read of it.
-#[derive(Debug)]
-struct Counted(MemorySource, Arc<AtomicU64>);
-
-impl BrickSource for Counted {
-    fn grid(&self) -> &Grid {
-        self.0.grid()
-    }
-    fn voxel_type(&self) -> VoxelType {
-        self.0.voxel_type()
-    }
-    fn scaling(&self) -> (f64, f64) {
-        self.0.scaling()
-    }
-    fn name(&self) -> &str {
-        "counted"
-    }
-    fn read(&self, lo: [u32; 3], size: [u32; 3]) -> Result<Voxels, SourceError> {
-        self.1.fetch_add(size.iter().map(|&s| u64::from(s)).product(), Ordering::Relaxed);
-        self.0.read(lo, size)
-    }
-}
-
 #[test]
 fn a_stroke_in_a_box_costs_the_volume_about_it_nothing() {
     if crate::common::gpu::gpu().is_none() {
@@ -263,7 +241,11 @@ fn a_stroke_in_a_box_costs_the_volume_about_it_nothing() {
     let (grid, read) = (Grid::aligned([96; 3], DVec3::ONE, DVec3::ZERO), Arc::new(AtomicU64::new(0)));
     let voxels: Vec<u8> = (0..96_u32.pow(3)).map(|i| (i % 96 * 255 / 95) as u8).collect();
     let memory = MemorySource::new("counted", grid, Voxels::U8(voxels), (1.0, 0.0)).unwrap();
-    let source = Arc::new(Counted(memory, read.clone()));
+    let counts = read.clone();
+    let source = Arc::new(Watched(memory, move |_, size: [u32; 3]| {
+        counts.fetch_add(size.iter().map(|&s| u64::from(s)).product(), Ordering::Relaxed);
+        Ok(())
+    }));
     let statistics = burin::io::statistics(source.as_ref(), &|_| true).unwrap();
     let histogram = Histogram { min: -0.5, max: 255.5, bins: vec![1; 4], ..Histogram::default() };
     let origin = Origin { path: "counted.nrrd".into(), component: 0, frame: 0 };

@@ -3,6 +3,7 @@
 
 use super::files::*;
 use super::places::{axis_orders, oblique};
+use crate::common::volumes::Watched;
 use burin::io;
 use burin::io::{Compression, Exported, IoError};
 use burin::math::{DAffine3, DVec3};
@@ -189,39 +190,18 @@ fn selection_labels_and_colour_leave_as_they_are_kept() {
     }
 }
 
-/// Fails at plane 40.
-#[derive(Debug)]
-struct Failing(MemorySource);
-
-impl BrickSource for Failing {
-    fn grid(&self) -> &Grid {
-        self.0.grid()
-    }
-    fn voxel_type(&self) -> VoxelType {
-        self.0.voxel_type()
-    }
-    fn scaling(&self) -> (f64, f64) {
-        self.0.scaling()
-    }
-    fn name(&self) -> &str {
-        "failing"
-    }
-    fn read(&self, lo: [u32; 3], size: [u32; 3]) -> Result<Voxels, SourceError> {
-        // Only whole planes fail, which is how the export reads; the field itself reads bricks.
-        if size[0] == DIMS[0] && size[1] == DIMS[1] && lo[2] + size[2] > 40 {
-            return Err(SourceError::Unreadable { name: "failing".into(), reason: "gone".into() });
-        }
-        self.0.read(lo, size)
-    }
-}
-
 #[test]
 fn what_fails_midway_leaves_the_old_file_and_nothing_else() {
     let folder = tempfile::tempdir().unwrap();
     let path = keep(&folder, "out.nrrd", b"the old one");
     let grid = Grid::aligned(DIMS, DVec3::ONE, DVec3::ZERO);
     let voxels = noise(VoxelType::U8, grid.voxel_count() as usize, 1);
-    let source = Failing(MemorySource::new("made", grid, voxels, (1.0, 0.0)).unwrap());
+    // Only whole planes fail, which is how the export reads; the field itself reads bricks.
+    let fails = |lo: [u32; 3], size: [u32; 3]| match size[..2] == DIMS[..2] && lo[2] + size[2] > 40 {
+        true => Err(SourceError::Unreadable { name: "failing".into(), reason: "gone".into() }),
+        false => Ok(()),
+    };
+    let source = Watched(MemorySource::new("failing", grid, voxels, (1.0, 0.0)).unwrap(), fails);
     let field =
         Field::from_source(Arc::new(source), DensityMap::codes(0.0, 255.0, Some(1.0)), &|_| true).unwrap().unwrap();
     let segments = Segments::default();

@@ -1,6 +1,7 @@
 //! What went wrong reaches the window with a way out, and a failure on the document's thread ends neither the window nor the work.
 
 use crate::common::one::One;
+use crate::common::volumes::Watched;
 use crate::document::maker::{run, write_nrrd};
 use burin::document::{Command, Document, Origin, ProjectCommand, State};
 use burin::math::DVec3;
@@ -15,36 +16,18 @@ use std::time::{Duration, Instant};
 /// How long a loaded machine may take for one thing.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A source that fails on demand as no source may.
-#[derive(Debug)]
-struct Brittle(MemorySource, Arc<AtomicBool>);
-
-impl BrickSource for Brittle {
-    fn grid(&self) -> &Grid {
-        self.0.grid()
-    }
-    fn voxel_type(&self) -> VoxelType {
-        self.0.voxel_type()
-    }
-    fn scaling(&self) -> (f64, f64) {
-        self.0.scaling()
-    }
-    fn name(&self) -> &str {
-        "brittle"
-    }
-    fn read(&self, lo: [u32; 3], size: [u32; 3]) -> Result<Voxels, SourceError> {
-        assert!(!self.1.load(Ordering::Relaxed), "the source broke");
-        self.0.read(lo, size)
-    }
-}
-
+/// A document whose source fails on demand as no source may.
 fn brittle(dir: &Path) -> (Document, Arc<AtomicBool>) {
     let origin = Origin { path: dir.join("v.nrrd"), component: 0, frame: 0 };
     let grid = Grid::aligned([8; 3], DVec3::ONE, DVec3::ZERO);
     write_nrrd(&origin.path, &grid, |_| 0.0);
     let broken = Arc::new(AtomicBool::new(false));
     let memory = MemorySource::new("brittle", grid, Voxels::F32(vec![0.5; 512]), (1.0, 0.0)).unwrap();
-    let source = Arc::new(Brittle(memory, broken.clone()));
+    let breaks = broken.clone();
+    let source = Arc::new(Watched(memory, move |_, _| {
+        assert!(!breaks.load(Ordering::Relaxed), "the source broke");
+        Ok(())
+    }));
     let statistics = burin::io::statistics(source.as_ref(), &|_| true).unwrap();
     let histogram = Histogram { min: 0.0, max: 1.0, bins: vec![512], ..Histogram::default() };
     let mut document = Document::new();

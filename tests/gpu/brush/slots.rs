@@ -1,6 +1,7 @@
 //! What slots, aprons and the host's bricks hold during and after strokes.
 
 use super::*;
+use crate::common::volumes::Watched;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -405,40 +406,23 @@ fn a_device_without_16_bit_textures_paints_the_same_codes() {
     }
 }
 
-/// Density whose first bricks along x cannot be read while it fails.
-#[derive(Debug)]
-struct Failing(MemorySource, AtomicBool);
-
-impl BrickSource for Failing {
-    fn grid(&self) -> &Grid {
-        self.0.grid()
-    }
-    fn voxel_type(&self) -> VoxelType {
-        self.0.voxel_type()
-    }
-    fn scaling(&self) -> (f64, f64) {
-        self.0.scaling()
-    }
-    fn name(&self) -> &str {
-        "failing"
-    }
-    fn read(&self, lo: [u32; 3], size: [u32; 3]) -> Result<Voxels, SourceError> {
-        if lo[0] < 32 && self.1.load(Ordering::Relaxed) {
-            return Err(SourceError::Unreadable { name: "failing".into(), reason: "made to fail".into() });
-        }
-        self.0.read(lo, size)
-    }
-}
-
 #[test]
 fn a_stroke_whose_source_fails_goes_on_once_it_answers_again() {
     let Some(gpu) = gpu() else { return };
     let grid = unit_grid([160, 24, 24]);
     let voxels = Voxels::U16(each(grid.dims, |v| noise(v, 0) as u16));
     let memory = MemorySource::new("failing", grid, voxels, (1.0, 0.0)).unwrap();
-    let source = Arc::new(Failing(memory, AtomicBool::new(false)));
+    let failing = Arc::new(AtomicBool::new(false));
+    // Its first bricks along x cannot be read while it fails.
+    let source = Arc::new(Watched(memory, {
+        let fails = failing.clone();
+        move |lo: [u32; 3], _| match lo[0] < 32 && fails.load(Ordering::Relaxed) {
+            true => Err(SourceError::Unreadable { name: "failing".into(), reason: "made to fail".into() }),
+            false => Ok(()),
+        }
+    }));
     let map = DensityMap::codes(0.0, 65_535.0, Some(1.0));
-    let density = Field::from_source(source.clone(), map, &|_| true).unwrap().unwrap();
+    let density = Field::from_source(source, map, &|_| true).unwrap().unwrap();
     let brush = Brush {
         target: Target::Selection(0.7),
         range: Some([0.0, 40_000.0].map(Number::from)),
@@ -463,14 +447,14 @@ fn a_stroke_whose_source_fails_goes_on_once_it_answers_again() {
         // What was seen since lies in a brick whose gate is made already, and in one that is new.
         canvas.painter.open(VolumeId::FIRST, &column(16, 20));
         canvas.painter.open(VolumeId::FIRST, &column(128, 150));
-        source.1.store(fails, Ordering::Relaxed);
+        failing.store(fails, Ordering::Relaxed);
         if fails {
             let Canvas { density, colour, selection, labels, painter, pools, grid, .. } = &mut canvas;
             let fields = one_volume(grid, density, colour, selection, labels);
             let error = painter.extend(pools, &fields, &[(VolumeId::FIRST, &[dab(140.0)])]).unwrap_err().to_string();
             assert!(error.contains("made to fail"), "{error}");
             assert_eq!(touched(painter), before, "as it was");
-            source.1.store(false, Ordering::Relaxed);
+            failing.store(false, Ordering::Relaxed);
         }
         canvas.extend(&[dab(140.0)]);
         canvas.extend(&[dab(17.0)]);
