@@ -1,8 +1,17 @@
 // Pictures of bodies, in any mode: bodies in order of sight one after another, or (MERGE, MODES) any number of overlapping ones at
 // once.
+//
+// Marks of decals (MARKS) are laid among the samples of bodies (BETWEEN_MARKS), by what merges them, or where a picture is one surface or
+// one maximum over that (MARKED_AFTER).
 
 #import burin::body::{Ray, BodyRay, body_ray, interval, listed_at, body_at, ray_through}
 #import burin::layers
+#ifdef MARKS
+#import burin::constants::FAR
+#endif
+#ifdef MARKED_AFTER
+#import burin::body::{view, bodies}
+#endif
 #import burin::picture::{Picture, before_at}
 #import burin::march::march
 #ifdef HOLES
@@ -55,6 +64,60 @@ fn pass_through(whole: BodyRay, ray: Ray, within: vec2<f32>) {
 }
 #endif
 
+#ifndef MODES
+#ifndef MERGE
+// What meshes leave of an interval of a body's ray.
+fn pass_pieces(r: BodyRay, ray: Ray, within: vec2<f32>, merge: bool) {
+#ifdef CUTS
+    var piece = layers::next_piece(within.x, within.y);
+    while (piece.x < piece.y && !mode::over(merge)) {
+        pass_through(r, ray, piece);
+        piece = layers::next_piece(piece.y, within.y);
+    }
+#else
+    pass_through(r, ray, within);
+#endif
+}
+#endif
+#endif
+
+#ifdef BETWEEN_MARKS
+// Lays the next mark behind what the ray has gathered.
+fn lay_mark() {
+    mode::turn_to(layers::mark_body());
+    mode::lay(layers::mark_colour(), layers::mark_at);
+    layers::pass_mark();
+}
+#endif
+
+#ifdef MARKED_AFTER
+// Lays marks over a picture that was made as a whole: those before its surface; over a maximum all of them.
+fn marked(picture: Picture) -> Picture {
+    var out = picture;
+#ifndef CONTINUES
+    var over = vec4<f32>(0.0);
+#ifdef MIP
+    let surface = FAR;
+#else
+    let surface = select(FAR, picture.depth / view.step_mm, picture.object != 0u);
+#endif
+    loop {
+        if (layers::mark_at >= surface) {
+            break;
+        }
+        if (picture.object == 0u && over.a <= 0.5 && over.a + (1.0 - over.a) * layers::mark_colour().a > 0.5) {
+            out.depth = layers::mark_at * view.step_mm;
+            out.object = bodies[layers::mark_body()].code;
+        }
+        over += (1.0 - over.a) * layers::mark_colour();
+        layers::pass_mark();
+    }
+    out.colour = over + (1.0 - over.a) * picture.colour;
+#endif
+    return out;
+}
+#endif
+
 #ifdef HOLES
 // The picture at a pixel's centre where its ray meets a hole, marked as such; other pixels are drawn without holes.
 fn picture_of(px: vec2<f32>) -> Picture {
@@ -78,7 +141,11 @@ fn picture_through(px: vec2<f32>) -> Picture {
     layers::look_at(px);
     let before = before_at(px);
     if (!mode::begin(before)) {
+#ifdef MARKED_AFTER
+        return marked(before);
+#else
         return before;
+#endif
     }
     let listed = listed_at(px);
     let ray = ray_through(px);
@@ -91,14 +158,20 @@ fn picture_through(px: vec2<f32>) -> Picture {
     for (var i = 0u; i < listed.count; i += 1u) {
         let r = body_ray(body_at(listed.first + i), ray);
         let within = layers::in_front(interval(r, ray));
-#ifdef CUTS
-        var piece = layers::next_piece(within.x, within.y);
-        while (piece.x < piece.y && !mode::over(listed.merge)) {
-            pass_through(r, ray, piece);
-            piece = layers::next_piece(piece.y, within.y);
+#ifdef BETWEEN_MARKS
+        // Whatever lies in order before a mark comes before it.
+        var begin = within.x;
+        loop {
+            let end = max(begin, min(layers::mark_at, within.y));
+            pass_pieces(r, ray, vec2<f32>(begin, end), listed.merge);
+            if (layers::mark_at >= within.y || mode::over(listed.merge)) {
+                break;
+            }
+            lay_mark();
+            begin = end;
         }
 #else
-        pass_through(r, ray, within);
+        pass_pieces(r, ray, within, listed.merge);
 #endif
         if (mode::over(listed.merge)) {
             break;
@@ -106,7 +179,17 @@ fn picture_through(px: vec2<f32>) -> Picture {
     }
 #endif
 #endif
+#ifdef BETWEEN_MARKS
+    // What lies behind all bodies.
+    while (layers::mark_at < FAR && !mode::over(false)) {
+        lay_mark();
+    }
+#endif
+#ifdef MARKED_AFTER
+    return layers::backed(marked(mode::end(before, ray)));
+#else
     return layers::backed(mode::end(before, ray));
+#endif
 }
 
 #ifdef TILED

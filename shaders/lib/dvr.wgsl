@@ -258,6 +258,18 @@ fn compose(c: vec4<f32>, k: f32) {
     clear *= 1.0 - c.a;
 }
 
+#ifdef MARKS
+// The same of a colour that is multiplied by its opacity: a mark of a decal.
+fn lay(c: vec4<f32>, k: f32) {
+    half_at = select(half_at, k, clear > 0.5);
+#ifdef CONTOUR
+    drawn += clear * c.a;
+#endif
+    rgb += clear * c.rgb;
+    clear *= 1.0 - c.a;
+}
+#endif
+
 fn done() -> bool {
     return clear < CLEAR_END;
 }

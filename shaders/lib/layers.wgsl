@@ -1,14 +1,20 @@
 #define_import_path burin::layers
-// What was drawn before the rays: opaque meshes end them, closed meshes that cut take spans of them away.
+// What was drawn before the rays: opaque meshes end them, closed meshes that cut take spans of them away, decals lay marks on them.
 //
-// Compiled in where a picture has any (OPAQUE, CUTS); without, its functions leave everything as it is. BALL: of every ray the piece
-// before a ball, inside it or behind it is drawn alone.
+// Compiled in where a picture has any (OPAQUE, CUTS, MARKS); without, its functions leave everything as it is. BALL: of every ray the
+// piece before a ball, inside it or behind it is drawn alone.
 
 #import burin::body::view
 #import burin::picture::Picture
 #ifdef BALL
 #import burin::constants::{FAR, KEEPS_BEFORE, KEEPS_INSIDE}
 #import burin::body::{Ray, ray_through}
+#endif
+#ifdef MARKS
+#ifndef BALL
+#import burin::constants::FAR
+#endif
+#import burin::structs::Mark
 #endif
 
 #ifdef OPAQUE
@@ -19,6 +25,15 @@
 #ifdef CUTS
 // By layer, nearest first: steps to entry and exit, cosine between ray and normal at the exit; FAR after the last one.
 @group(3) @binding(3) var cut_spans: texture_2d_array<f32>;
+#endif
+
+#ifdef MARKS
+@group(3) @binding(4) var<storage, read> mark_heads: array<u32>;
+@group(3) @binding(5) var<storage, read> marks: array<Mark>;
+
+// The next mark that was not laid yet: its number and 1, 0 for none; where it lies, in steps, FAR for none.
+var<private> mark_next: u32;
+var<private> mark_at: f32;
 #endif
 
 var<private> pixel: vec2<i32>;
@@ -69,7 +84,61 @@ fn look_at(px: vec2<f32>) {
 #ifdef BALL
     keep_piece(ray_through(px));
 #endif
+#ifdef MARKS
+    let texel = vec2<u32>(px);
+    mark_next = mark_heads[1u + texel.y * view.width + texel.x];
+    find_mark();
+#endif
 }
+
+#ifdef MARKS
+// Passes over marks that do not show: of other passes, behind what is opaque, out of the piece that is drawn, cut away.
+fn find_mark() {
+    mark_at = FAR;
+    loop {
+        if (mark_next == 0u) {
+            break;
+        }
+        let at = marks[mark_next - 1u].at;
+#ifdef MARKED_AFTER
+        var shows = !is_hidden(at);
+#else
+        var shows = at >= view.k_from && at < view.k_to && !is_hidden(at);
+#endif
+#ifdef BALL
+        shows = shows && at >= kept.x && at < kept.y;
+#endif
+#ifdef CUTS
+        if (shows && (marks[mark_next - 1u].body & IS_CUT) != 0u) {
+            shows = !is_cut_at(at);
+        }
+#endif
+        if (shows) {
+            mark_at = at;
+            break;
+        }
+        mark_next = marks[mark_next - 1u].next;
+    }
+}
+
+const IS_CUT: u32 = 0x80000000u;
+
+// The body of the next mark, which there must be.
+fn mark_body() -> u32 {
+    return marks[mark_next - 1u].body & ~IS_CUT;
+}
+
+// Its colour times opacity, and opacity.
+fn mark_colour() -> vec4<f32> {
+    return unpack4x8unorm(marks[mark_next - 1u].colour);
+}
+
+// It is laid: the next one.
+fn pass_mark() {
+    mark_next = marks[mark_next - 1u].next;
+    find_mark();
+}
+#endif
 
 // What of an interval is drawn: it lies before everything opaque.
 fn in_front(within: vec2<f32>) -> vec2<f32> {
@@ -110,6 +179,20 @@ fn next_piece(start: f32, most: f32) -> vec2<f32> {
         piece.x = max(piece.x, cut.y);
     }
     return piece;
+}
+
+// Whether a place of the ray is cut away.
+fn is_cut_at(at: f32) -> bool {
+    for (var i = 0; i < i32(textureNumLayers(cut_spans)); i += 1) {
+        let cut = textureLoad(cut_spans, pixel, i, 0);
+        if (cut.x > at) {
+            break;
+        }
+        if (at < cut.y) {
+            return true;
+        }
+    }
+    return false;
 }
 
 // Cosine between the ray and the face by which it leaves a cut; −1 where it leaves none.

@@ -27,9 +27,15 @@
 #endif
 #import burin::span::next_sample
 #import burin::march::march
+#ifdef EVENTS
+#import burin::body::view
+#endif
+#ifdef MARKS
+#import burin::dvr::lay
+#endif
 #ifdef MODES
 #import burin::constants::MODE_DVR
-#import burin::body::{view, body_mode}
+#import burin::body::body_mode
 #ifdef HOLES
 #import burin::events::{Event, event_of, is_first}
 #else
@@ -82,7 +88,7 @@ fn ray_within(body: u32, ray: Ray, within: vec2<f32>) -> BodyRay {
 }
 #endif
 
-#ifdef MODES
+#ifdef EVENTS
 // Events that lie no farther apart come in the order of their bodies.
 const TOGETHER: f32 = 0.001;
 
@@ -204,9 +210,11 @@ fn march_merged(listed: Listed, ray: Ray) {
 #endif
     }
     loop {
+#ifdef EVENTS
+        var next_at = FAR;
+#endif
 #ifdef MODES
         var next = CAPACITY;
-        var next_at = FAR;
         for (var j = 0u; j < event_count; j += 1u) {
             let at = events[j].at;
             let tied = abs(at - next_at) <= TOGETHER && event_order[j] < event_order[min(next, CAPACITY - 1u)];
@@ -216,11 +224,15 @@ fn march_merged(listed: Listed, ray: Ray) {
             }
         }
 #endif
+#ifdef MARKS
+        let is_mark = layers::mark_at < next_at;
+        next_at = min(next_at, layers::mark_at);
+#endif
         var first = FAR;
         var second = FAR;
         var nearest = 0u;
         for (var j = 0u; j < n; j += 1u) {
-#ifdef MODES
+#ifdef EVENTS
 #ifdef HOLES
             let end = end_before(next_at, k1[j], within[j], kept[j].steps);
 #else
@@ -238,17 +250,32 @@ fn march_merged(listed: Listed, ray: Ray) {
                 second = min(second, at);
             }
         }
-#ifdef MODES
+#ifdef EVENTS
         if (clouded()) {
             break;
         }
         if (first == FAR && next_at < FAR) {
+#ifdef MARKS
+            if (is_mark) {
+                turn_to(layers::mark_body());
+                lay(layers::mark_colour(), next_at);
+                layers::pass_mark();
+            }
+#endif
+#ifdef MODES
+#ifdef MARKS
+            if (!is_mark) {
+#endif
             turn_to(events[next].body);
 #ifdef CONTOUR
             set_line(events[next].line);
 #endif
             compose(events[next].colour, events[next].shown_at);
             events[next].at = FAR;
+#ifdef MARKS
+            }
+#endif
+#endif
 #ifdef REFINE
             for (var j = 0u; j < n; j += 1u) {
                 if (within[j].x < next_at && next_at < within[j].y) {
@@ -289,18 +316,18 @@ fn march_merged(listed: Listed, ray: Ray) {
 #endif
         if (alone) {
             turn_to(who[nearest]);
-#ifdef MODES
+#ifdef EVENTS
             let part = up_to(next_at, within[nearest]);
 #else
             let part = within[nearest];
 #endif
 #ifdef HOLES
-#ifdef MODES
+#ifdef EVENTS
             reached = min(reached, end_before(next_at, k1[nearest], within[nearest], kept[nearest].steps));
 #endif
             march(ray_kept(who[nearest], ray, part, kept[nearest]), first, reached);
 #else
-#ifdef MODES
+#ifdef EVENTS
             reached = min(reached, end_before(next_at, k1[nearest], within[nearest], 1.0));
 #endif
             march(ray_within(who[nearest], ray, part), first, reached);
@@ -328,7 +355,7 @@ fn march_merged(listed: Listed, ray: Ray) {
             let base = first;
             reached = base + f32(SHARED_RUN);
 #endif
-#ifdef MODES
+#ifdef EVENTS
             reached = min(reached, until);
 #endif
             for (var i = 0u; i < SHARED_RUN; i += 1u) {
@@ -339,20 +366,20 @@ fn march_merged(listed: Listed, ray: Ray) {
 #endif
             }
             for (var j = 0u; j < n; j += 1u) {
-#ifdef MODES
+#ifdef EVENTS
                 let part = up_to(next_at, within[j]);
 #else
                 let part = within[j];
 #endif
 #ifdef HOLES
                 var end = min(sample_on(kept[j].steps, reached), k1[j]);
-#ifdef MODES
+#ifdef EVENTS
                 end = min(end, end_before(next_at, k1[j], within[j], kept[j].steps));
 #endif
                 if (ahead[j] < end) {
                     gather(ray_kept(who[j], ray, part, kept[j]), base, ahead[j], end);
 #else
-#ifdef MODES
+#ifdef EVENTS
                 let end = min(reached, end_before(next_at, k1[j], within[j], 1.0));
 #else
                 let end = min(reached, k1[j]);

@@ -135,7 +135,7 @@ fn layers_are_the_same_in_both_forms() {
         }],
         cuts: vec![CutMesh { mesh: cuboid([8.0, 6.0, 5.0]), pose: pose(1.1, DVec3::NEG_Y * 6.0) }],
         clips: vec![Plane::through(centre + DVec3::Z * 9.0, DVec3::new(0.1, 0.2, 1.0)).unwrap()],
-        ball: None,
+        ..Layers::default()
     };
     for bodies in arrangements(&grid) {
         let mut view = frame(&grid, tissue(), DVec3::new(0.8, -1.4, 0.9), [45, 37]);

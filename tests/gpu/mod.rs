@@ -14,6 +14,7 @@ mod cast_near;
 mod cast_refine;
 mod cast_rings;
 mod cast_tiles;
+mod decals;
 mod device;
 mod focus;
 mod in_place;

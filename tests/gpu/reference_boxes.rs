@@ -132,7 +132,7 @@ impl Boxes {
             lighting: o.lighting,
         });
         let cuts = self.cuts.iter().map(|s| CutMesh { mesh: Arc::new(joined(&s.boxes)), pose: s.pose });
-        Layers { opaque: opaque.collect(), cuts: cuts.collect(), clips: Vec::new(), ball: None }
+        Layers { opaque: opaque.collect(), cuts: cuts.collect(), ..Layers::default() }
     }
 }
 

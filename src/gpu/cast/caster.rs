@@ -10,6 +10,7 @@ use crate::gpu::cast::holes::{Hole, bounds_of, boxed_bodies, lay_through, posed_
 use crate::gpu::cast::look_tables::{LookTables, LookTextures};
 use crate::gpu::cast::looks::{Kind, Looks, MOST_LOOKS};
 use crate::gpu::cast::merging::{MergedBody, Uniting, resolve, unite};
+use crate::gpu::cast::sticking::stuck_on;
 use crate::gpu::cast::tiles::{Tiles, Window};
 use crate::gpu::cast::uniforms::{BodyMatter, CastBody, FrameUniforms, View};
 use crate::gpu::device::constants::{LIST_WIDTH, MOST_BODIES, MOST_HOLES, MOST_PLANES};
@@ -241,10 +242,11 @@ impl Caster {
     ) -> Result<(), GpuError> {
         self.set_looks(gpu, pools, frame, &scene);
         let lists = self.upload(gpu, &scene);
-        let layers = self.draw_layers(gpu, frame, &scene, &lists, targets.size)?;
+        let layers = self.draw_layers(gpu, frame, drawn, &scene, &lists, targets.size)?;
         let other = (scene.passes.len() > 1).then(|| Targets::new(gpu, targets.size));
         let count = scene.passes.len();
         let opaque = layers.as_ref().and_then(|l| l.opaque.as_ref());
+        let marked = layers.as_ref().is_some_and(|l| l.marked);
         let most = layers.as_ref().map_or(1, |l| l.pieces);
         let shares = shares(scene.looks.kind, &scene.tiles, (most, scene.pieces));
         for (i, [k_from, k_to]) in scene.passes.clone().into_iter().enumerate() {
@@ -258,11 +260,12 @@ impl Caster {
             scene.view.k_to = k_to;
             gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&scene.view));
             let group = self.group(gpu, &lists, scene.looks.own, if i == 0 { &self.nothing } else { from });
-            let continues = i + 1 < count && (scene.looks.kind == Kind::Mip || opaque.is_some());
+            let continues = i + 1 < count && (scene.looks.kind == Kind::Mip || opaque.is_some() || marked);
             let work = |&(share, capacity): &(Share, u32)| {
                 let mut conditions =
                     self.conditions(gpu, pools, frame, (drawn, &scene.looks), capacity, i > 0, continues);
                 conditions.extend(layers.iter().flat_map(DrawnLayers::conditions));
+                conditions.extend(of_events(scene.looks.kind, capacity, marked));
                 Work { share, conditions }
             };
             let work: Vec<Work> = shares.iter().map(work).collect();
@@ -278,22 +281,24 @@ impl Caster {
         Ok(())
     }
 
-    /// Draws the meshes among a frame's bodies, as rays meet them.
+    /// Draws the meshes among a frame's bodies, as rays meet them, and what is stuck on the bodies.
     pub(crate) fn draw_layers(
         &mut self,
         gpu: &Gpu,
         frame: &Frame,
+        drawn: &[MergedBody],
         scene: &FrameUniforms,
         lists: &[wgpu::Texture; 2],
         size: [u32; 2],
     ) -> Result<Option<DrawnLayers>, GpuError> {
-        if frame.layers.opaque.is_empty() && frame.layers.cuts.is_empty() {
+        let stuck = stuck_on(frame, drawn);
+        if frame.layers.opaque.is_empty() && frame.layers.cuts.is_empty() && stuck.is_empty() {
             return Ok(None);
         }
         gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&scene.view));
         let group = self.group(gpu, lists, scene.looks.own, &self.nothing);
         let rays = Rays { layout: &self.layout, group: &group, eye: frame.camera.eye, size };
-        self.layers.get_or_insert_with(|| LayerRaster::new(gpu)).draw(gpu, &frame.layers, &rays)
+        self.layers.get_or_insert_with(|| LayerRaster::new(gpu)).draw(gpu, &frame.layers, &stuck, &rays)
     }
 
     /// What the kernel of a frame is compiled for. `capacity`: intervals that are merged per ray; 0: bodies follow one another.
@@ -397,6 +402,17 @@ impl Caster {
         ]);
         group(gpu, "caster", &self.layout, resources)
     }
+}
+
+/// How what lies between bodies' samples is found: surfaces and maxima among others, marks of decals.
+fn of_events(kind: Kind, capacity: u32, marked: bool) -> impl Iterator<Item = &'static str> {
+    let merges = capacity > 0;
+    let all = [
+        ("EVENTS", kind == Kind::Modes || marked && merges),
+        ("BETWEEN_MARKS", marked && kind == Kind::Dvr && !merges),
+        ("MARKED_AFTER", marked && matches!(kind, Kind::Iso | Kind::Mip)),
+    ];
+    all.into_iter().filter(|c| c.1).map(|c| c.0)
 }
 
 /// Group 0 of everything that marches, as shaders/lib/body.wgsl, shaders/lib/look.wgsl and resumed pictures number it.

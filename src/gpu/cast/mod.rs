@@ -15,6 +15,7 @@ pub mod order;
 pub(crate) mod probe;
 pub(crate) mod readback;
 pub mod solid;
+pub(crate) mod sticking;
 pub mod tiles;
 pub mod uniforms;
 pub(crate) mod visibility;

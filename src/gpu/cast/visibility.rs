@@ -69,6 +69,8 @@ impl Caster {
         let step_mm = frame.step_mm.max(length / MOST_SAMPLES);
         // By plain samples, as scripts of before.
         let mut frame = Frame { step_mm, refine: false, ..frame.clone() };
+        // What is drawn on matter hides nothing that the matter does not.
+        frame.layers.decals.clear();
         frame.mode = Mode::Dvr;
         frame.looks.iter_mut().for_each(|look| look.mode = Mode::Dvr);
         pools.make_resident(gpu, fields, &frame)?;
@@ -85,7 +87,7 @@ impl Caster {
             }
             self.set_looks(gpu, pools, &frame, &scene);
             let lists = self.upload(gpu, &scene);
-            let layers = self.draw_layers(gpu, &frame, &scene, &lists, frame.size)?;
+            let layers = self.draw_layers(gpu, &frame, &list, &scene, &lists, frame.size)?;
             gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&scene.view));
             let group = self.group(gpu, &lists, scene.looks.own, &self.nothing);
             self.count(gpu, pools, &group, (layers.as_ref(), &scene.looks, !frame.boxes.is_empty()), frame.size)

@@ -61,6 +61,9 @@ impl Binding {
             }
             Self::Sampler => wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
         };
+        // Corners are not what writes: few devices let them.
+        let writes = matches!(self, Self::Storage | Self::Elements { written: true, .. } | Self::Written(..));
+        let visibility = if writes { visibility.difference(wgpu::ShaderStages::VERTEX) } else { visibility };
         wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None }
     }
 }

@@ -1,9 +1,10 @@
 //! Layers of a picture: meshes that are drawn before its rays.
 //!
 //! Owns the kernels under `shaders/mesh` and group 3 of what marches. Opaque meshes become a picture of their own, behind which no ray
-//! goes; closed meshes that cut become, per pixel, the sorted spans of the ray that lie inside. Knows no body and no voxel.
+//! goes; closed meshes that cut become, per pixel, the sorted spans of the ray that lie inside; decals become sorted marks. Knows no voxel.
 
 mod cuts;
+pub(crate) mod decals;
 pub(crate) mod meshes;
 mod opaque;
 
@@ -12,6 +13,7 @@ use crate::gpu::device::gpu::Gpu;
 use crate::gpu::device::kernel::{Binding, group, group_layout};
 use crate::gpu::device::textures::{COLOUR, Targets};
 use crate::gpu::layers::cuts::Cuts;
+use crate::gpu::layers::decals::{Decals, Mark, Marks, Stuck};
 use crate::gpu::layers::opaque::Opaque;
 use crate::gpu::picture::layer::Layers;
 use crate::math::DVec3;
@@ -26,6 +28,8 @@ pub(crate) struct DrawnLayers {
     pub opaque: Option<Targets>,
     /// Into how many pieces an interval may be cut; 1: nothing is cut away.
     pub pieces: usize,
+    /// Whether any ray meets a decal.
+    pub marked: bool,
     /// Group 3.
     pub group: wgpu::BindGroup,
 }
@@ -33,7 +37,7 @@ pub(crate) struct DrawnLayers {
 impl DrawnLayers {
     /// What kernels that march are compiled for.
     pub(crate) fn conditions(&self) -> impl Iterator<Item = &'static str> {
-        let own = [("OPAQUE", self.opaque.is_some()), ("CUTS", self.pieces > 1)];
+        let own = [("OPAQUE", self.opaque.is_some()), ("CUTS", self.pieces > 1), ("MARKS", self.marked)];
         own.into_iter().filter(|c| c.1).map(|c| c.0)
     }
 }
@@ -58,41 +62,58 @@ pub(crate) struct LayerRaster {
     pub layout: wgpu::BindGroupLayout,
     opaque: Opaque,
     cuts: Cuts,
-    nothing: (Targets, wgpu::Texture),
+    decals: Decals,
+    nothing: (Targets, wgpu::Texture, Marks),
 }
 
 impl LayerRaster {
     pub(crate) fn new(gpu: &Gpu) -> Self {
         let float = wgpu::TextureSampleType::Float { filterable: false };
         let spans = Binding::Texture(wgpu::TextureViewDimension::D2Array, float);
-        let bindings = [Binding::FLOAT_2D, Binding::FLOAT_2D, Binding::UINT_2D, spans];
+        let read = |bytes| Binding::Elements { bytes, written: false };
+        let bindings = [Binding::FLOAT_2D, Binding::FLOAT_2D, Binding::UINT_2D, spans, read(4), read(size_of::<Mark>())];
         let stages = wgpu::ShaderStages::FRAGMENT | wgpu::ShaderStages::COMPUTE;
+        let none = |label| {
+            let (size, usage) = (size_of::<Mark>() as u64, wgpu::BufferUsages::STORAGE);
+            gpu.device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
+        };
         let no_spans = layers(gpu, "no cuts", [1; 2], 1, COLOUR, wgpu::TextureUsages::empty());
         Self {
             layout: group_layout(gpu, "layers", stages, &bindings),
             opaque: Opaque::new(gpu),
             cuts: Cuts::new(gpu),
-            nothing: (Targets::new(gpu, [1; 2]), no_spans),
+            decals: Decals::new(gpu),
+            nothing: (Targets::new(gpu, [1; 2]), no_spans, Marks { heads: none("no mark heads"), marks: none("no marks") }),
         }
     }
 
-    /// Draws the meshes of a frame; `None` where none shows.
+    /// Draws the meshes of a frame, and its decals where bodies hold them; `None` where none shows.
     ///
     /// # Errors
     /// Too many meshes or faces, out of memory, or a lost device.
-    pub(crate) fn draw(&mut self, gpu: &Gpu, frame: &Layers, rays: &Rays<'_>) -> Result<Option<DrawnLayers>, GpuError> {
+    pub(crate) fn draw(
+        &mut self,
+        gpu: &Gpu,
+        frame: &Layers,
+        stuck: &[Stuck<'_>],
+        rays: &Rays<'_>,
+    ) -> Result<Option<DrawnLayers>, GpuError> {
         let opaque = self.opaque.draw(gpu, &frame.opaque, rays)?;
         let spans = self.cuts.draw(gpu, &frame.cuts, rays)?;
-        if opaque.is_none() && spans.is_none() {
+        let marks = self.decals.draw(gpu, stuck, rays)?;
+        if opaque.is_none() && spans.is_none() && marks.is_none() {
             return Ok(None);
         }
+        let marked = marks.is_some();
+        let Marks { heads, marks } = marks.as_ref().unwrap_or(&self.nothing.2);
         let targets = opaque.as_ref().unwrap_or(&self.nothing.0).views();
         let spans_view = array_view(spans.as_ref().unwrap_or(&self.nothing.1));
         let views = targets.iter().chain([&spans_view]).map(wgpu::BindingResource::TextureView);
-        let group = group(gpu, "layers", &self.layout, views);
+        let lists = [heads, marks].map(wgpu::Buffer::as_entire_binding);
+        let group = group(gpu, "layers", &self.layout, views.chain(lists));
         // The last of the spans only ends them.
         let pieces = spans.map_or(1, |s| s.depth_or_array_layers() as usize);
-        Ok(Some(DrawnLayers { opaque, pieces, group }))
+        Ok(Some(DrawnLayers { opaque, pieces, marked, group }))
     }
 }
 

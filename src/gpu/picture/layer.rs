@@ -1,8 +1,9 @@
-//! What a picture holds besides bodies: opaque meshes, closed meshes that cut, planes that clip.
+//! What a picture holds besides bodies: opaque meshes, closed meshes that cut, pictures on surfaces, planes that clip.
 //!
 //! Plain data. Layers stand in the world as posed and act on all bodies, exploded ones too. Knows nothing of how they are drawn.
 
 use crate::gpu::device::constants::{KEEPS_BEFORE, KEEPS_BEHIND, KEEPS_INSIDE};
+use crate::gpu::picture::decal::Decal;
 use crate::math::{DVec3, Plane, Pose};
 use crate::mesh::TriangleMesh;
 use crate::volume::Lighting;
@@ -75,6 +76,8 @@ pub struct Layers {
     pub opaque: Vec<OpaqueMesh>,
     /// What lies inside any of them is not there.
     pub cuts: Vec<CutMesh>,
+    /// Pictures on surfaces, each among the matter that it lies on.
+    pub decals: Vec<Decal>,
     /// Of bodies only what lies on the inner side of all of them is there. World mm.
     pub clips: Vec<Plane>,
     /// Of every ray only a piece is drawn.

@@ -2,6 +2,7 @@
 //!
 //! Knows no device, but that images are read back from one.
 
+pub(crate) mod decal;
 pub(crate) mod focus;
 pub(crate) mod frame;
 pub(crate) mod image;
