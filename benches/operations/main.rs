@@ -26,6 +26,7 @@ mod settle;
 mod slices;
 mod stroke;
 mod ten;
+mod trace;
 mod undo;
 mod window;
 
@@ -50,6 +51,7 @@ const BENCHES: &[Bench] = &[
     ("paint/stroke", stroke::running),
     ("undo/stroke", undo::undo),
     ("slices/pictures", slices::slices),
+    ("trace/grids", trace::grids),
     ("explode/settle", settle::settle),
     ("explode/visibility", explode::visibility),
     ("explode/pictures", explode::pictures),

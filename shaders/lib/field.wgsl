@@ -257,6 +257,66 @@ fn density_at(page: Page, p: vec3<f32>) -> f32 {
     return info.value_lo + density_texel(page, address(page, p)) * info.value_span;
 }
 
+// ---- density by loads, where the 8 bits that samplers weigh with are too few
+
+fn loaded(at: vec3<i32>) -> f32 {
+#ifdef MANY_VOLUMES
+#ifdef FINE_CODES
+    if (info.pool == 2u) {
+        return textureLoad(fine_codes, at, 0).r;
+    }
+#endif
+#ifdef FINE_FLOATS
+    if (info.pool == 3u) {
+        return textureLoad(fine_floats, at, 0).r;
+    }
+#endif
+#ifdef FLOAT_POOL
+#ifdef CODE_POOL
+    if (info.pool != 0u) {
+        return textureLoad(float_pool, at, 0).r;
+    }
+    return textureLoad(density_pool, at, 0).r;
+#else
+    return textureLoad(float_pool, at, 0).r;
+#endif
+#else
+    return textureLoad(density_pool, at, 0).r;
+#endif
+#else
+    return textureLoad(density_pool, at, 0).r;
+#endif
+}
+
+// The texel at a share `t` (0..1) of the way from a voxel of level 0 to the next one along each axis, voxels beside the volume being those
+// at its faces. The brick must be held at level 0, or be of one value.
+fn density_between(voxel: vec3<i32>, t: vec3<f32>) -> f32 {
+    let end = vec3<i32>(info.dims) - 1;
+    let lo = clamp(voxel, vec3<i32>(0), end);
+    let hi = clamp(voxel + 1, vec3<i32>(0), end);
+#ifdef IN_PLACE
+    let off = vec3<i32>(1);
+    let held = true;
+    let value = 0.0;
+#else
+    let brick = lo / i32(BRICK);
+    let page = density_page(brick);
+    var off = vec3<i32>(page.slot) + 1 - i32(BRICK) * brick;
+#ifdef PLACED
+    off = select(off, vec3<i32>(1), info.density_placed != 0u);
+#endif
+    let held = page.held;
+    let value = page.value.x;
+#endif
+    let a = lo + off;
+    let b = hi + off;
+    let y0 = mix(mix(loaded(a), loaded(vec3<i32>(b.x, a.yz)), t.x),
+        mix(loaded(vec3<i32>(a.x, b.y, a.z)), loaded(vec3<i32>(b.xy, a.z)), t.x), t.y);
+    let y1 = mix(mix(loaded(vec3<i32>(a.xy, b.z)), loaded(vec3<i32>(b.x, a.y, b.z)), t.x),
+        mix(loaded(vec3<i32>(a.x, b.yz)), loaded(b), t.x), t.y);
+    return select(value, mix(y0, y1, t.z), held);
+}
+
 // ---- selection, 0..1
 
 fn selection_page(brick: vec3<i32>) -> Page {

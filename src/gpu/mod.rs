@@ -11,6 +11,7 @@ pub(crate) mod fields;
 mod layers;
 pub(crate) mod picture;
 mod slice;
+mod trace;
 
 pub use backdrop::{Backdrop, BackdropDraw, BackdropPicture, Fill};
 pub use brush::painter::{PaintedBricks, Painter};
@@ -36,3 +37,5 @@ pub use picture::image::{Image, ImageError};
 pub use picture::layer::{Ball, CutMesh, Keeps, Layers, OpaqueMesh};
 pub use picture::object_id::ObjectId;
 pub use slice::{SliceCaster, SliceFrame, SliceLayer};
+pub use trace::request::{Bend, GridRequest, Heading, TracedGrid, TracedVertex};
+pub use trace::tracer::Tracer;

@@ -34,4 +34,6 @@ mod residency;
 mod shader;
 mod slice;
 mod sub_volumes;
+mod trace;
+mod trace_reference;
 mod without;

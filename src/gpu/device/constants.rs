@@ -85,6 +85,8 @@ shared! {
     CELL: u32 = crate::volume::CELL;
     /// Cells along an edge of a block, of which a workgroup tells the extremes.
     BLOCK_CELLS: u32 = 4;
+    /// Corrections of a surface particle after each of its steps.
+    MOST_CORRECTIONS: u32 = 32;
     /// Bytes between rows in buffers that are copied to or from textures.
     ROW_PITCH_BYTES: u32 = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT;
     /// Words of a slot's bits that say which of its texels may be painted.

@@ -156,6 +156,39 @@ pub enum GpuError {
         /// As many fit.
         most: u32,
     },
+    /// A grid over more of a surface than the pools hold.
+    #[error(
+        "the grid's surroundings are {asked} bricks of {field}, {room} fit at full resolution; raise the memory budget, or ask for fewer \
+         or shorter steps"
+    )]
+    GridTooLarge {
+        /// Field.
+        field: &'static str,
+        /// Bricks asked for.
+        asked: usize,
+        /// Bricks that fit.
+        room: usize,
+    },
+    /// A grid of more steps than one particle can go.
+    #[error("{steps} steps of the grid from its centre asked for, at most {most} fit through {volumes} volumes")]
+    TooManySteps {
+        /// Along an axis of the grid.
+        steps: u32,
+        /// Those that fit.
+        most: u32,
+        /// Volumes that tell the surface.
+        volumes: usize,
+    },
+    /// A grid's number that is none.
+    #[error("{what}: {found} found, {expected} expected")]
+    BadGrid {
+        /// Of the request.
+        what: &'static str,
+        /// As given.
+        found: String,
+        /// What is possible.
+        expected: &'static str,
+    },
     /// A step that is no length.
     #[error("step_mm: {step_mm} found, a positive length expected")]
     BadStep {

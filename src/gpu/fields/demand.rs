@@ -1,7 +1,7 @@
 //! Which bricks of level 0 of a volume are needed, and how urgently.
 //!
-//! Pure: knows no device and no slots. Needed is what looks show of the matter that bodies draw, what slices run through, and
-//! what is being painted. Judged brick by brick where something changed that this depends on.
+//! Pure: knows no device and no slots. Needed is what looks show of the matter that bodies draw, what slices run through, what a
+//! surface is traced through, and what is being painted. Judged brick by brick where something changed that this depends on.
 
 use crate::gpu::fields::dirty_bricks::DirtyBricks;
 use crate::gpu::fields::importance::{self, Viewing};
@@ -12,7 +12,7 @@ use crate::gpu::picture::frame::{Body, Mask};
 use crate::math::DVec3;
 use crate::volume::{BRICK, BrickIndex, BrickKey, Cells, Field, FieldKind, Grid, TransferFunction};
 use rayon::prelude::*;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::OnceLock;
 
 /// What a frame asks of a volume.
@@ -81,6 +81,8 @@ pub(crate) struct Demand {
     asked: Option<Asked>,
     /// What slices run through, by view.
     slices: [Option<SliceCut>; 3],
+    /// Bricks that are asked for themselves, whatever pictures show.
+    reached: HashSet<usize>,
     /// By brick of level 0: whether a look shows any of it. Empty: not known.
     visible: Vec<bool>,
     /// By brick of level 0: whether anything draws it.
@@ -123,6 +125,7 @@ impl Demand {
             bricks,
             asked: None,
             slices: [None; 3],
+            reached: HashSet::new(),
             visible: Vec::new(),
             needed: vec![false; count_of(bricks)],
             unsure: DirtyBricks::all(),
@@ -212,6 +215,17 @@ impl Demand {
         true
     }
 
+    /// These bricks of level 0 are needed more than any others, and no longer those that were named before. Answers whether they are
+    /// others.
+    pub(crate) fn reach(&mut self, bricks: HashSet<usize>) -> bool {
+        let others = self.reached != bricks;
+        if others {
+            self.unsure.extend(self.reached.symmetric_difference(&bricks).copied());
+            self.reached = bricks;
+        }
+        others
+    }
+
     /// All values are others.
     pub(crate) fn remap(&mut self) {
         self.visible.clear();
@@ -282,7 +296,9 @@ impl Demand {
         let index = brick_of(self.bricks, i);
         // A stroke's bricks are looked at as they are and as they were at its start.
         let live = || self.live[0].get(&i).is_some_and(|cells| any(cells, |range| self.any_value(range)));
-        self.sliced(index) || (self.visible[i] || live()) && self.is_drawn(fields.selection, i, index)
+        self.sliced(index)
+            || self.reached.contains(&i)
+            || (self.visible[i] || live()) && self.is_drawn(fields.selection, i, index)
     }
 
     /// Whether a body draws any of a brick: hidden parts need nothing.
@@ -324,6 +340,9 @@ impl Demand {
             // A slice shows its voxels at about a pixel each.
             if self.sliced(key.index) {
                 *urgency = urgency.max(1.0);
+            }
+            if self.reached.contains(&number_of(self.bricks, key.index)) {
+                *urgency = f32::MAX;
             }
         }
         urgency

@@ -28,6 +28,7 @@ pub(crate) mod cells;
 pub(crate) mod edit;
 pub(crate) mod field_residency;
 pub(crate) mod pairs;
+pub(crate) mod reached;
 pub(crate) mod sharing;
 
 /// Pools by what they hold: density as codes, density as floats, colour, selection, labels; density as codes and as floats and labels
