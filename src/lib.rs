@@ -9,6 +9,7 @@ pub mod math;
 
 pub mod volume;
 
+pub mod annotate;
 pub mod explode;
 pub mod io;
 pub mod mesh;

@@ -1,6 +1,7 @@
 //! All tests in one binary. One module per floor; `common` holds what they share and no formula under test.
 #![allow(clippy::unwrap_used, missing_docs)]
 
+mod annotate;
 mod common;
 mod document;
 mod explode;

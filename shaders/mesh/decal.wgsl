@@ -3,6 +3,7 @@
 // A pixel's marks are a list, laid in no order and sorted by shaders/mesh/sort_marks.wgsl, so that however many lie one behind another
 // one pass draws them all. A decal stands as a body stands and ends where that body's region ends.
 
+#import burin::constants::MOST_DISTANCE
 #import burin::body::{bodies, planes, ray_through, view}
 #import burin::light::shine
 #import burin::structs::{DecalCorner, DecalPlace, Mark}
@@ -40,13 +41,13 @@ fn corner(@builtin(vertex_index) i: u32, @builtin(instance_index) decal: u32) ->
     return piece;
 }
 
-// A texel: of shapes how far inside they and their halo are, else colour.
+// A texel: of shapes how far inside they and their halo are, in the level's unit, else colour.
 fn texel_at(decal: u32, first: u32, size: vec2<i32>, at: vec2<i32>) -> vec4<f32> {
     let kept = clamp(at, vec2<i32>(0), size - 1);
     let wrapped = ((at % size) + size) % size;
     let p = select(kept, wrapped, decal_places[decal].repeats == 1u);
     let texel = decal_texels[first + u32(p.y * size.x + p.x)];
-    return select(unpack4x8unorm(texel), vec4<f32>(unpack2x16float(texel), 0.0, 0.0), decal_places[decal].is_shape == 1u);
+    return select(unpack4x8unorm(texel), vec4<f32>(unpack2x16snorm(texel), 0.0, 0.0), decal_places[decal].is_shape == 1u);
 }
 
 // A level of a picture between its texels.
@@ -62,7 +63,8 @@ fn level_at(decal: u32, level: u32, place: vec2<f32>) -> vec4<f32> {
     let part = fract(p);
     let above = mix(texel_at(decal, first, size, at), texel_at(decal, first, size, at + vec2<i32>(1, 0)), part.x);
     let below = mix(texel_at(decal, first, size, at + vec2<i32>(0, 1)), texel_at(decal, first, size, at + vec2<i32>(1, 1)), part.x);
-    return mix(above, below, part.y);
+    let unit = select(1.0, MOST_DISTANCE * exp2(f32(level)), decal_places[decal].is_shape == 1u);
+    return mix(above, below, part.y) * unit;
 }
 
 // A picture where a pixel covers so many of its finest level's texels along an edge.
@@ -88,18 +90,17 @@ fn lay(piece: Piece) -> @location(0) vec4<f32> {
     let decal = piece.decal;
     let turn = decal_places[decal].turn;
     let place = mat2x2<f32>(turn.xy, turn.zw) * piece.uv + decal_places[decal].shift;
-    let size = vec2<f32>(decal_places[decal].size);
-    let across = length(dpdx(place) * size);
-    let down = length(dpdy(place) * size);
-    // Between the two axes of what a pixel covers: seen aslant a text stays sharper than by the longer one, and shimmers less than by
-    // the shorter.
-    let texels = sqrt(max(across, 1e-6) * max(down, 1e-6));
+    let ray = ray_through(piece.at.xy);
+    let t = dot(piece.place - ray.start, ray.dir);
+    let cosine = dot(normalize(piece.normal), ray.dir);
+    // What a pixel covers, between its two axes: seen aslant a text stays sharper than by the longer one, and shimmers less than by the
+    // shorter. Reckoned and not taken from neighbouring pixels: in triangles of a pixel or two software Vulkan finds none there.
+    let pixel_mm = length(view.dx) * select(1.0, dot(piece.place, view.forward), view.perspective != 0u);
+    let texels = decal_places[decal].texels_per_mm * pixel_mm * inverseSqrt(max(abs(cosine), 0.05));
     let found = picture_at(decal, place, texels);
     let drawn = shape(decal, found.xy, texels);
     var colour = select(found, drawn, decal_places[decal].is_shape == 1u) * decal_places[decal].opacity;
 
-    let ray = ray_through(piece.at.xy);
-    let t = dot(piece.place - ray.start, ray.dir);
     var inside = t > 0.0 && all(piece.uv >= vec2<f32>(0.0)) && all(piece.uv <= vec2<f32>(1.0));
     let body = decal_places[decal].body;
     for (var i = 0u; i < bodies[body].plane_count; i += 1u) {
@@ -109,7 +110,6 @@ fn lay(piece: Piece) -> @location(0) vec4<f32> {
     if (!inside || colour.a < 0.5 / 255.0) {
         discard;
     }
-    let cosine = dot(normalize(piece.normal), ray.dir);
     colour = vec4<f32>(shine(decal_places[decal].lighting, colour.rgb / colour.a, cosine) * colour.a, colour.a);
 
     let number = atomicAdd(&heads[0], 1u);

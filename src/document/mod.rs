@@ -25,7 +25,9 @@ mod state;
 mod subject;
 mod watch;
 
+pub use apply::label::LabelAnchor;
 pub use apply::open::ReadDocument;
+pub use command::annotations::*;
 pub use command::answers::Saved;
 pub use command::brush::*;
 pub use command::component::*;
@@ -50,8 +52,13 @@ pub use paths::at_home;
 pub use project::read::{LoadedDensity, Wanted};
 pub use project::source::ZarrSource;
 pub use reduce::{Changed, Ground};
+pub use scene::annotations::{
+    Align, Anchor, Annotation, AnnotationId, Annotations, Content, Directions, PatternKind, Tracing,
+};
+pub use scene::cutaways::{Cutaway, CutawayId, Cutaways, Outline, Rim, Spared};
 pub use scene::focus::{FarMatter, ViewFocus};
 pub use scene::kept_poses::SavedPoses;
+pub use scene::labels::{Label, LabelId, LabelStyle, Labels, Named};
 pub use scene::past::{Past, PastOf};
 pub use scene::shared::Shared;
 pub use scene::slice_plane::{SlicePlane, side_letter};
@@ -67,7 +74,10 @@ use crate::document::command::effects::{Noted, Remembered};
 use crate::document::history::edit::Edit;
 use crate::document::history::step::Refreshed;
 use crate::document::live::graphics::Graphics;
+use crate::document::live::laid::Laid;
 use crate::document::live::motion::Motion;
+use crate::document::live::poles::Poles as SegmentPoles;
+use crate::document::live::windows::Windows;
 use crate::document::scene::past::PastGroup;
 use crate::explode::Poses;
 use crate::volume::{Grid, Histogram};
@@ -82,6 +92,9 @@ pub struct Document {
     past_group: PastGroup,
     graphics: Graphics,
     motion: Motion,
+    laid: Laid,
+    windows: Windows,
+    poles: SegmentPoles,
     running: Option<Running>,
     aim: Option<Aim>,
     watch: Watch,
@@ -106,6 +119,9 @@ impl Document {
         self.opening += 1;
         self.graphics.forget();
         self.motion.forget();
+        self.laid.forget();
+        self.windows.forget();
+        self.poles.forget();
         self.aim = None;
         self.leave_place();
         self.unsaved = false;
@@ -166,6 +182,9 @@ impl Document {
             Command::Transfer(_) | Command::Brush(_) | Command::Part(_) => {
                 self.record(&command, |_, said, _| Ok(said))?
             }
+            Command::Label(_) => self.record(&command, |_, said, _| Ok(said))?,
+            Command::Annotation(_) => self.record(&command, |document, said, _| document.annotated(said))?,
+            Command::Cutaway(_) => self.record(&command, |document, said, _| document.opened(said))?,
             Command::View(view) => self.record(&command, |document, said, _| document.view(view, said))?,
             Command::Segment(segment) => {
                 self.record(&command, |document, said, edit| document.segment(segment, said, edit))?
@@ -318,6 +337,9 @@ impl Document {
         if let Some(state) = &self.state {
             self.graphics.mirror(state, refreshed);
             self.motion.mirror(state, refreshed);
+            self.laid.mirror(state, refreshed);
+            self.windows.mirror(state, refreshed);
+            self.poles.mirror(refreshed);
         }
     }
 

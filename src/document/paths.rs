@@ -53,6 +53,9 @@ impl Command {
             | Self::Component(_)
             | Self::Part(_)
             | Self::Explosion(_)
+            | Self::Annotation(_)
+            | Self::Label(_)
+            | Self::Cutaway(_)
             | Self::History(_)
             | Self::Ask(_) => Vec::new(),
         }

@@ -54,7 +54,7 @@ impl Document {
                 Ok(Command::Part(PartCommand::Split { by, size: None }))
             }
             Command::Component(command) => Ok(Command::Component(self.component_in_numbers(command)?)),
-            other => Ok(other),
+            other => self.annotations_in_numbers(other),
         }
     }
 
@@ -68,7 +68,10 @@ impl Document {
         if !px.is_finite() {
             return Err(DocumentError::invalid("px", px, "two finite numbers"));
         }
-        let frame = state.looking(&[state.scene.volumes.active], self.motion.poses(), &state.scene.views.camera, size);
+        let mut frame =
+            state.looking(&[state.scene.volumes.active], self.motion.poses(), &state.scene.views.camera, size);
+        self.lay_out(&mut frame.layers, false, true);
+        let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
         self.graphics.pick(state, &frame, px)
     }
 }

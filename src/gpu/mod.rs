@@ -30,7 +30,7 @@ pub use fields::pools::FieldPools;
 pub use fields::skip_maps::distances;
 pub use fields::visible_values::VisibleValues;
 pub use fields::volumes::{Fields, VolumeFields};
-pub use picture::decal::{Decal, DecalCorner, DecalMesh, DecalPicture, Texels};
+pub use picture::decal::{Decal, DecalCorner, DecalMesh, DecalPicture, Texels, distance_texel};
 pub use picture::focus::{Context, Focus};
 pub use picture::frame::{Body, FineBox, Frame, LabelLooks, Look, LookRef, Mask, Overlay};
 pub use picture::image::{Image, ImageError};

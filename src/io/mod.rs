@@ -30,6 +30,7 @@ pub(crate) mod regular;
 mod replace;
 mod statistics;
 mod stream;
+mod system_fonts;
 mod words;
 
 pub use disk::{Told, Witness};
@@ -48,4 +49,5 @@ pub use reader::{Contents, NamedLabel, Opened, Reader};
 pub use regular::{FileMark, open_regular, read_regular};
 pub use replace::replace_file;
 pub use statistics::statistics;
+pub use system_fonts::{SystemFont, font_folders, fonts_for};
 pub use words::{in_words, without_numbers};

@@ -102,7 +102,9 @@ fn a_command_copies_the_component_that_it_changes_and_shares_the_others() {
         let document = labelled();
         let before = document.state().unwrap().scene.clone();
         let Some(after) = foretold(&document, &line) else { continue };
-        let Scene { volumes, shown, transfer, look, views, layers, brush, also, explosion, own_looks, focus } = &before;
+        let Scene { volumes, shown, transfer, look, views, layers, brush, also, explosion, own_looks, focus, .. } =
+            &before;
+        let Scene { annotations, labels, cutaways, .. } = &before;
         let shared = [
             volumes.is_same(&after.volumes),
             shown.is_same(&after.shown),
@@ -115,6 +117,9 @@ fn a_command_copies_the_component_that_it_changes_and_shares_the_others() {
             explosion.is_same(&after.explosion),
             own_looks.is_same(&after.own_looks),
             focus.is_same(&after.focus),
+            annotations.is_same(&after.annotations),
+            labels.is_same(&after.labels),
+            cutaways.is_same(&after.cutaways),
         ];
         // How a volume is shown is asked to be changed before the document's own look is.
         let copied = shared.iter().enumerate().filter(|(i, shared)| *i != 1 && !**shared).count();

@@ -99,8 +99,8 @@ fn the_schema_knows_every_noun() {
     let schema = schema();
     let lines = schema["oneOf"].as_array().unwrap();
     let nouns: Vec<_> = lines.iter().map(|line| line["required"][0].as_str().unwrap()).collect();
-    let expected = "project volume sub_volume transfer view brush stroke component selection segment part explosion history \
-                    ask render";
+    let expected = "project volume sub_volume transfer view brush stroke component selection segment part explosion \
+                    annotation label cutaway history ask render";
     assert_eq!(nouns, expected.split(' ').collect::<Vec<_>>());
     for (line, noun) in lines.iter().zip(nouns) {
         // Each is an object of that one noun, whose verbs are told by the definition it refers to.

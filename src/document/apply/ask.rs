@@ -73,6 +73,9 @@ impl Document {
                 }
                 .into()
             }
+            Question::Annotations { id, vertices } => self.ask_annotations(id, vertices)?.into(),
+            Question::Labels { camera, size } => self.ask_labels(camera, size)?.into(),
+            Question::Cutaways { id, mesh } => self.ask_cutaways(id, mesh)?.into(),
             Question::Pick { px, size } => {
                 let Some(hit) = self.pick(DVec2::from_array(px), size)? else {
                     return Ok(PickSaid { hit: None }.into());
@@ -98,7 +101,9 @@ impl Document {
                 let views = &state.scene.views;
                 let camera = safe_camera(camera.unwrap_or(views.camera), &state.bounds())?;
                 let size = check_size(size.unwrap_or(views.size))?;
-                let frame = state.parted_frame(self.motion.poses(), &camera, size);
+                let mut frame = state.parted_frame(self.motion.poses(), &camera, size);
+                self.lay_out(&mut frame.layers, false, true);
+                let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
                 let seen = self.graphics.visibility(state, &frame)?;
                 let hidden = seen.hidden_by.iter().map(|&(part, pixels)| HiddenBy { part, pixels });
                 VisibilitySaid {

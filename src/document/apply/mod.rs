@@ -5,6 +5,7 @@
 //! the record of the journal.
 
 mod along;
+pub(crate) mod annotation;
 pub(crate) mod ask;
 pub(crate) mod bake;
 pub(crate) mod colours;
@@ -13,6 +14,7 @@ mod connected;
 pub(crate) mod explosion;
 pub(crate) mod export;
 mod focus;
+pub(crate) mod label;
 pub(crate) mod labels;
 mod lasso;
 pub(crate) mod matter;

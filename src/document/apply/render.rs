@@ -42,7 +42,10 @@ impl Document {
             Some(colour) => checked_colour("background", *colour)?,
             None => self.open()?.scene.look.background,
         };
-        let image = self.fine_picture(view, size, camera, supersample)?;
+        let mut image = self.fine_picture(view, size, camera, supersample)?;
+        if view == ViewName::ThreeD {
+            self.write_labels(&mut image, camera, background)?;
+        }
         image.write(path, (!transparent).then_some(background))?;
         let shown = image.colour.iter().filter(|c| c[3] > 0.0).count();
         let written = std::path::absolute(path).unwrap_or_else(|_| path.clone());
@@ -88,7 +91,9 @@ impl Document {
             None if view != ViewName::ThreeD => Ok(Image::empty(part)),
             None => {
                 let camera = safe_camera(camera.unwrap_or(state.scene.views.camera), &state.bounds())?;
-                let frame = self.focused(state.frame(self.motion.poses(), &camera, size));
+                let mut frame = self.focused(state.frame(self.motion.poses(), &camera, size));
+                self.lay_out(&mut frame.layers, true, true);
+                let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
                 self.graphics.part(state, &frame, corner, part)
             }
         }
@@ -105,7 +110,9 @@ impl Document {
             None if view != ViewName::ThreeD => Ok(Image::empty(size)),
             None => {
                 let camera = safe_camera(camera.unwrap_or(state.scene.views.camera), &state.bounds())?;
-                let frame = self.focused(state.frame(self.motion.poses(), &camera, size));
+                let mut frame = self.focused(state.frame(self.motion.poses(), &camera, size));
+                self.lay_out(&mut frame.layers, true, false);
+                let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
                 self.graphics.image(state, &frame)
             }
         }
@@ -118,7 +125,9 @@ impl Document {
     pub fn picture_rows(&mut self, size: [u32; 2], rows: std::ops::Range<u32>) -> Result<Image, DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
         let camera = safe_camera(state.scene.views.camera, &state.bounds())?;
-        let frame = self.focused(state.frame(self.motion.poses(), &camera, check_size(size)?));
+        let mut frame = self.focused(state.frame(self.motion.poses(), &camera, check_size(size)?));
+        self.lay_out(&mut frame.layers, true, false);
+        let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
         self.graphics.rows(state, &frame, rows)
     }
 

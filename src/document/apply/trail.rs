@@ -125,13 +125,15 @@ impl Document {
         resolved: &mut Resolved,
     ) -> Result<(), DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
-        let subject = state.at(volumes.first().copied())?;
         let size = crate::document::scene::check::check_size(size.unwrap_or(state.scene.views.size))?;
         if !px.is_finite() {
             return Err(DocumentError::invalid("px", px, "two finite numbers"));
         }
         let camera = state.scene.views.camera;
-        let frame = state.looking(volumes, self.motion.poses(), &camera, size);
+        let mut frame = state.looking(volumes, self.motion.poses(), &camera, size);
+        self.lay_out(&mut frame.layers, false, true);
+        let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
+        let subject = state.at(volumes.first().copied())?;
         let sizes = volumes.iter().filter_map(|id| Some(pixel_mm(&frame, &state.subject(*id)?)));
         let (pixel_mm, voxel_mm) = (sizes.fold(0.0, f64::max), state.finest_mm(volumes));
         let radius_mm = state.scene.brush.radius_mm;

@@ -36,8 +36,11 @@ impl Document {
         seen: &mut VoxelSet,
     ) -> Result<(), DocumentError> {
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
-        let (views, subject) = (&state.scene.views, state.at(Some(volume))?);
-        let frame = state.looking(&[volume], self.motion.poses(), &views.camera, views.size);
+        let views = &state.scene.views;
+        let mut frame = state.looking(&[volume], self.motion.poses(), &views.camera, views.size);
+        self.lay_out(&mut frame.layers, false, true);
+        let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
+        let subject = state.at(Some(volume))?;
         let mut areas: Vec<Area> = Vec::new();
         for body in frame.bodies.iter().filter(|body| body.volume == volume) {
             // Consecutive dabs that lie close together are one look; each body has its own.

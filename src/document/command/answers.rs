@@ -18,6 +18,7 @@ use serde::ser::{Error, SerializeStruct};
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
+pub use crate::document::command::answers_annotations::*;
 pub use crate::document::command::answers_files::*;
 pub use crate::document::command::answers_paint::*;
 pub use crate::document::command::answers_sub_volumes::*;
@@ -159,6 +160,15 @@ pub enum Said {
     Visibility(VisibilitySaid),
     History(HistorySaid),
     Picture(PictureSaid),
+    Annotation(Box<AnnotationSaid>),
+    Annotations(AnnotationsSaid),
+    Removed(RemovedSaid),
+    Label(LabelSaid),
+    Labelled(LabelledSaid),
+    LabelStyle(LabelStyleSaid),
+    Labels(PlacedLabelsSaid),
+    Cutaway(Box<CutawaySaid>),
+    Cutaways(CutawaysSaid),
 }
 
 impl Said {
@@ -191,7 +201,9 @@ said! {
     VolumeRemoved(VolumeRemovedSaid), VolumeSet(VolumeSetSaid), SubVolume(SubVolumeSaid),
     SubVolumes(SubVolumesSaid), Fit(FitSaid), Baked(BakedSaid), Scene(SceneSaid),
     Parts(PartsSaid), Voxel(VoxelSaid), Pick(PickSaid), Field(FieldSaid), Visibility(VisibilitySaid),
-    History(HistorySaid), Picture(PictureSaid),
+    History(HistorySaid), Picture(PictureSaid), Annotation(AnnotationSaid), Annotations(AnnotationsSaid), Removed(RemovedSaid),
+    Label(LabelSaid), Labelled(LabelledSaid), LabelStyle(LabelStyleSaid), Labels(PlacedLabelsSaid), Cutaway(CutawaySaid),
+    Cutaways(CutawaysSaid),
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -4,6 +4,7 @@
 //! are drawn anew, and what it says while it waits. Owns these answers; knows commands, and neither the
 //! document nor what a command does. A new verb does not compile until it has said all of it here.
 
+use crate::document::command::annotations::{AnnotationCommand, CutawayCommand, LabelCommand};
 use crate::document::command::brush::{BrushCommand, StrokeCommand};
 use crate::document::command::component::ComponentCommand;
 use crate::document::command::files::{ProjectCommand, RenderCommand, VolumeCommand};
@@ -149,6 +150,9 @@ impl Command {
             Self::Segment(command) => command.effects(),
             Self::Part(command) => command.effects(),
             Self::Explosion(command) => command.effects(),
+            Self::Annotation(command) => command.effects(),
+            Self::Label(command) => command.effects(),
+            Self::Cutaway(command) => command.effects(),
             Self::History(command) => command.effects(),
             Self::Ask(question) => question.effects(),
             Self::Render(command) => command.effects(),
@@ -325,6 +329,41 @@ impl ExplosionCommand {
     }
 }
 
+impl AnnotationCommand {
+    fn effects(&self) -> Effects {
+        // Slices show the volume without them.
+        match self {
+            Self::Add(_) => Effects::of_parts("annotation.add").lasting(Lasts::AWhile("Laying an annotation")),
+            Self::Set(_) => Effects::of_parts("annotation.set"),
+            Self::Remove { .. } => Effects::of_parts("annotation.remove"),
+        }
+    }
+}
+
+impl LabelCommand {
+    fn effects(&self) -> Effects {
+        match self {
+            Self::Add(_) => Effects::of_parts("label.add"),
+            Self::Set(_) => Effects::of_parts("label.set"),
+            Self::Remove { .. } => Effects::of_parts("label.remove"),
+            Self::FromSegments { .. } => {
+                Effects::of_parts("label.from_segments").lasting(Lasts::AWhile("Labelling segments"))
+            }
+            Self::Style { .. } => Effects::of_parts("label.style"),
+        }
+    }
+}
+
+impl CutawayCommand {
+    fn effects(&self) -> Effects {
+        match self {
+            Self::Add(_) => Effects::of_parts("cutaway.add").lasting(Lasts::AWhile("Opening a window")),
+            Self::Set(_) => Effects::of_parts("cutaway.set"),
+            Self::Remove { .. } => Effects::of_parts("cutaway.remove"),
+        }
+    }
+}
+
 impl HistoryCommand {
     fn effects(&self) -> Effects {
         let keeps = |name| Effects { ends_stroke: true, ..Effects::question(name) };
@@ -351,6 +390,9 @@ impl Question {
             Self::Pick { .. } => "ask.pick",
             Self::Field { .. } => "ask.field",
             Self::Visibility { .. } => "ask.visibility",
+            Self::Annotations { .. } => "ask.annotations",
+            Self::Labels { .. } => "ask.labels",
+            Self::Cutaways { .. } => "ask.cutaways",
             Self::History { .. } => "ask.history",
         })
     }

@@ -5,7 +5,9 @@
 
 #![allow(missing_docs)] // fields: the command's own text says what they are
 
+pub(crate) mod annotations;
 pub mod answers;
+pub mod answers_annotations;
 pub mod answers_ask;
 pub mod answers_files;
 pub mod answers_paint;
@@ -20,6 +22,7 @@ pub(crate) mod resolved;
 pub(crate) mod sub_volumes;
 pub(crate) mod views;
 
+use crate::document::command::annotations::{AnnotationCommand, CutawayCommand, LabelCommand};
 use crate::document::command::brush::{BrushCommand, StrokeCommand};
 use crate::document::command::component::ComponentCommand;
 use crate::document::command::files::{ProjectCommand, RenderCommand, VolumeCommand};
@@ -28,6 +31,8 @@ use crate::document::command::parts::{ExplosionCommand, PartCommand};
 use crate::document::command::sub_volumes::{Scale, SubVolumeCommand};
 use crate::document::command::views::{LayerChange, TransferCommand, ViewCommand};
 use crate::document::scene::ViewName;
+use crate::document::scene::annotations::AnnotationId;
+use crate::document::scene::cutaways::CutawayId;
 use crate::math::Camera;
 use crate::volume::{FieldKind, VolumeId};
 use schemars::JsonSchema;
@@ -63,6 +68,12 @@ pub enum Command {
     Part(PartCommand),
     /// The forces that move them.
     Explosion(ExplosionCommand),
+    /// Texts, images, patterns, arrows and rulers on surfaces.
+    Annotation(AnnotationCommand),
+    /// Texts beside the picture.
+    Label(LabelCommand),
+    /// Windows into what lies behind surfaces.
+    Cutaway(CutawayCommand),
     /// Undo and redo of everything but views, looks, layers and window, which have `view.back`, and the brush.
     History(HistoryCommand),
     /// Questions; they change nothing.
@@ -84,6 +95,9 @@ impl Command {
             Self::Selection(command) => command.volume(),
             Self::Segment(command) => command.volume(),
             Self::SubVolume(command) => command.volume(),
+            Self::Annotation(command) => command.volume(),
+            Self::Label(command) => command.volume(),
+            Self::Cutaway(command) => command.volume(),
             Self::View(_)
             | Self::Project(_)
             | Self::Volume(_)
@@ -335,6 +349,31 @@ pub enum Question {
         camera: Option<Camera>,
         #[serde(default)]
         size: Option<[u32; 2]>,
+    },
+    /// Annotations and how their grids lie.
+    Annotations {
+        /// One of them; all if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        id: Option<AnnotationId>,
+        /// Also the vertices of their grids.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        vertices: bool,
+    },
+    /// Where a picture of the 3D view has its labels.
+    Labels {
+        #[serde(default)]
+        camera: Option<Camera>,
+        #[serde(default)]
+        size: Option<[u32; 2]>,
+    },
+    /// Cutaways and their meshes.
+    Cutaways {
+        /// One of them; all if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        id: Option<CutawayId>,
+        /// Also corners and triangles of their meshes.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        mesh: bool,
     },
     /// Steps that can be undone and redone.
     History {

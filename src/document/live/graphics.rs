@@ -9,8 +9,8 @@ use crate::document::live::area::Area;
 use crate::document::state::State;
 use crate::gpu::cast::tiles::Window;
 use crate::gpu::{
-    Caster, FieldPools, Fields, Frame, Gpu, GpuError, Hit, Image, PaintedBricks, Painter, SliceCaster, SliceFrame,
-    Visibility, VolumeFields,
+    Caster, FieldPools, Fields, Frame, Gpu, GpuError, GridRequest, Hit, Image, PaintedBricks, Painter, SliceCaster,
+    SliceFrame, TracedGrid, Tracer, Visibility, VolumeFields,
 };
 use crate::math::DVec2;
 use crate::paint::{Brush, Confines, Dab, Reach, VoxelSet};
@@ -29,6 +29,8 @@ struct Tools {
     pools: FieldPools,
     caster: Caster,
     slices: SliceCaster,
+    /// Made when an annotation is first laid.
+    tracer: Option<Tracer>,
 }
 
 /// The device and what works on it; `Default` has none yet.
@@ -222,6 +224,19 @@ impl Graphics {
         })
     }
 
+    /// A grid over an iso-surface as it is now, a running stroke included.
+    pub(crate) fn trace(&mut self, state: &State, request: &GridRequest) -> Result<TracedGrid, DocumentError> {
+        self.with(state, "an annotation", |t, _, fields| {
+            let Tools { gpu, pools, tracer, .. } = t;
+            pools.bound_uploads(None);
+            let tracer = match tracer {
+                Some(tracer) => tracer,
+                None => tracer.insert(Tracer::new(gpu)?),
+            };
+            tracer.grid(gpu, pools, fields, request)
+        })
+    }
+
     pub(crate) fn visibility(&mut self, state: &State, frame: &Frame) -> Result<Visibility, DocumentError> {
         self.with(state, "visibility", |t, _, fields| {
             // Poses depend on it, and must not on what was held before.
@@ -365,7 +380,7 @@ impl Graphics {
                 None => self.painter = Some(Painter::new(&gpu)?),
             }
             let (caster, slices) = (Caster::new(&gpu)?, SliceCaster::new(&gpu)?);
-            self.tools = Some(Tools { gpu, pools, caster, slices });
+            self.tools = Some(Tools { gpu, pools, caster, slices, tracer: None });
         }
         match (&mut self.tools, &mut self.painter) {
             (Some(tools), Some(painter)) => Ok((tools, painter)),

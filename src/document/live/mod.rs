@@ -4,6 +4,12 @@
 
 pub(crate) mod aim;
 pub(crate) mod area;
+pub(crate) mod drawings;
+pub(crate) mod fonts;
 pub(crate) mod graphics;
+pub(crate) mod laid;
 pub(crate) mod motion;
+pub(crate) mod poles;
 pub(crate) mod stood;
+pub(crate) mod voxel_surface;
+pub(crate) mod windows;

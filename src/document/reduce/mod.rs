@@ -4,6 +4,7 @@
 //! under the hand while the document is busy. Owns names of steps and what is said of the scene; may not know voxels, past or pictures:
 //! places that only a picture can tell are refused here, and put in numbers by the document before.
 
+pub(crate) mod annotations;
 pub(crate) mod looks;
 pub(crate) mod parts;
 pub(crate) mod place;
@@ -66,6 +67,9 @@ impl Scene {
             Command::Segment(command) => next.apply_segment(command),
             Command::Part(command) => next.apply_part(command, ground),
             Command::Explosion(command) => next.apply_explosion(command),
+            Command::Annotation(command) => next.apply_annotation(command, ground),
+            Command::Label(command) => next.apply_label(command, ground),
+            Command::Cutaway(command) => next.apply_cutaway(command, ground),
             Command::Volume(command) => next.apply_volume(command),
             Command::Component(command) => Ok(Changed::named(command.step_name())),
             Command::SubVolume(command) => next.apply_sub_volume(command),

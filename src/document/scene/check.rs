@@ -199,6 +199,9 @@ impl Scene {
         self.shown.iter().try_for_each(|(id, shown)| shown.check().map_err(of_volume(*id)))?;
         self.volumes.all.iter().try_for_each(|(id, volume)| volume.check().map_err(of_volume(*id)))?;
         self.own_looks.check().map_err(|e| e.within("own_looks"))?;
+        self.annotations.check().map_err(|e| e.within("annotations"))?;
+        self.labels.check().map_err(|e| e.within("labels"))?;
+        self.cutaways.check().map_err(|e| e.within("cutaways"))?;
         self.brush.check()?;
         check_explosion(&self.explosion, bounds)
     }
@@ -272,6 +275,30 @@ impl Scene {
         let own = self.own_looks.check().map_err(|e| e.within("own_looks"));
         if tell(own, "parts, selections and segments are shown as their volumes are") {
             self.own_looks = fresh.own_looks;
+        }
+        if tell(
+            self.annotations.check().map_err(|e| e.within("annotations")),
+            "annotations that cannot be used are gone",
+        ) {
+            self.annotations.all.retain(|_, one| one.check().is_ok());
+            self.annotations.next = self.annotations.all.keys().last().map_or(0, |last| last.0.saturating_add(1));
+            if self.annotations.check().is_err() {
+                self.annotations = fresh.annotations;
+            }
+        }
+        if tell(self.labels.check().map_err(|e| e.within("labels")), "labels that cannot be used are gone") {
+            self.labels.all.retain(|_, one| one.check().is_ok());
+            self.labels.next = self.labels.all.keys().last().map_or(0, |last| last.0.saturating_add(1));
+            if self.labels.check().is_err() {
+                self.labels = fresh.labels;
+            }
+        }
+        if tell(self.cutaways.check().map_err(|e| e.within("cutaways")), "cutaways that cannot be used are gone") {
+            self.cutaways.all.retain(|_, one| one.check().is_ok());
+            self.cutaways.next = self.cutaways.all.keys().last().map_or(0, |last| last.0.saturating_add(1));
+            if self.cutaways.check().is_err() {
+                self.cutaways = fresh.cutaways;
+            }
         }
         if tell(self.brush.check().map_err(DocumentError::from), "the brush is that of a new document") {
             self.brush = fresh.brush;

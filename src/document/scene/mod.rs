@@ -1,13 +1,16 @@
 //! What a project is beside its voxels: everything here is saved and journaled; undo knows volumes with their segments, parts and forces.
 
+pub(crate) mod annotations;
 pub(crate) mod cause;
 pub(crate) mod check;
 pub(crate) mod components;
+pub(crate) mod cutaways;
 pub(crate) mod defaults;
 pub(crate) mod first_look;
 pub mod focus;
 pub(crate) mod histogram;
 pub(crate) mod kept_poses;
+pub(crate) mod labels;
 pub(crate) mod outliers;
 pub mod own_looks;
 pub(crate) mod painted;
@@ -16,9 +19,12 @@ pub(crate) mod shared;
 pub(crate) mod slice_plane;
 pub(crate) mod volumes;
 
+use crate::document::scene::annotations::Annotations;
 use crate::document::scene::components::components;
+use crate::document::scene::cutaways::Cutaways;
 use crate::document::scene::defaults::brush_for;
 use crate::document::scene::focus::ViewFocus;
+use crate::document::scene::labels::Labels;
 use crate::document::scene::own_looks::OwnLooks;
 use crate::document::scene::shared::Shared;
 use crate::document::scene::volumes::{VolumeLook, VolumeSettings, Volumes};
@@ -164,6 +170,11 @@ fn is_empty(looks: &Shared<OwnLooks>) -> bool {
     looks.is_empty()
 }
 
+/// The same of what begins empty.
+fn is_fresh<T: Default + PartialEq>(held: &Shared<T>) -> bool {
+    **held == T::default()
+}
+
 components! {
     (grid, histogram, volume)
     /// Which volumes there are.
@@ -191,4 +202,13 @@ components! {
     /// What is other about the looks of parts, selections and segments.
     #[serde(default, skip_serializing_if = "is_empty")]
     own_looks: OwnLooks, Undo, OwnLooks::default();
+    /// Pictures that lie on surfaces.
+    #[serde(default, skip_serializing_if = "is_fresh")]
+    annotations: Annotations, Undo, Annotations::default();
+    /// Texts in the picture's plane.
+    #[serde(default, skip_serializing_if = "is_fresh")]
+    labels: Labels, Undo, Labels::default();
+    /// Windows into what lies behind surfaces.
+    #[serde(default, skip_serializing_if = "is_fresh")]
+    cutaways: Cutaways, Undo, Cutaways::default();
 }

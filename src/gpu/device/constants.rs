@@ -63,6 +63,8 @@ shared! {
     SLOT: u32 = crate::volume::BRICK + 2;
     /// Meshes of a kind (opaque, cutting) that fit into one picture.
     MOST_MESHES: u32 = 64;
+    /// What 1 means in the distances of a decal's finest level, in its texels; in every coarser one twice as much.
+    MOST_DISTANCE: f32 = 128.0;
     /// A body takes the selected share of the matter in its region.
     MASK_SELECTION: u32 = 1;
     /// A body takes the share that is not selected.

@@ -10,7 +10,7 @@ use crate::gpu::device::kernel::{Binding, Compute, Draw, Kernel};
 use crate::gpu::device::shader::shader;
 use crate::gpu::device::textures::texture;
 use crate::gpu::layers::Rays;
-use crate::gpu::picture::decal::{Decal, DecalMesh, DecalPicture, Texels};
+use crate::gpu::picture::decal::{Decal, DecalCorner as DecalCornerOf, DecalMesh, DecalPicture, Texels};
 use crate::math::{DVec3, Pose};
 use crate::shared_struct;
 use std::sync::Arc;
@@ -62,8 +62,8 @@ shared_struct! {
         pub shift: [f32; 2],
         /// 1 if the picture repeats.
         pub repeats: u32,
-        /// Unused.
-        pub unused: u32,
+        /// Texels of the finest level a mm of the surface, on the mean.
+        pub texels_per_mm: f32,
     }
 }
 
@@ -125,6 +125,8 @@ struct Held {
     texels: wgpu::Buffer,
     /// By mesh: its first corner, its first index, how many indices.
     ranges: Vec<(u32, u32, u32)>,
+    /// By mesh: area of its picture by mm² of surface.
+    scales: Vec<f64>,
     /// By picture: its first texel.
     firsts: Vec<u32>,
 }
@@ -157,12 +159,7 @@ impl Decals {
     ///
     /// # Errors
     /// Out of memory, or a lost device.
-    pub(crate) fn draw(
-        &mut self,
-        gpu: &Gpu,
-        stuck: &[Stuck<'_>],
-        rays: &Rays<'_>,
-    ) -> Result<Option<Marks>, GpuError> {
+    pub(crate) fn draw(&mut self, gpu: &Gpu, stuck: &[Stuck<'_>], rays: &Rays<'_>) -> Result<Option<Marks>, GpuError> {
         let held = match self.held.take().filter(|held| held.has_all(stuck)).or_else(|| Held::new(gpu, stuck)) {
             Some(held) => self.held.insert(held),
             None => return Ok(None),
@@ -183,13 +180,19 @@ impl Decals {
         let [width, height] = rays.size;
         let buffer = |label, size, more| {
             let usage = wgpu::BufferUsages::STORAGE | more;
-            gpu.device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
+            gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size,
+                usage,
+                mapped_at_creation: false,
+            })
         };
         let target = texture(gpu, "decals", rays.size, TARGET, wgpu::TextureUsages::RENDER_ATTACHMENT);
         let target = target.create_view(&Default::default());
         loop {
             // New buffers are empty.
-            let heads = buffer("mark heads", 4 * (1 + u64::from(width) * u64::from(height)), wgpu::BufferUsages::COPY_SRC);
+            let heads =
+                buffer("mark heads", 4 * (1 + u64::from(width) * u64::from(height)), wgpu::BufferUsages::COPY_SRC);
             let marks = buffer("marks", MARK as u64 * u64::from(self.room), wgpu::BufferUsages::empty());
             let count = gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("mark count"),
@@ -203,7 +206,8 @@ impl Decals {
             let mut encoder =
                 gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("decals") });
             {
-                let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Discard };
+                let ops =
+                    wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Discard };
                 let view = &target;
                 let to = wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops };
                 let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -239,17 +243,32 @@ impl Decals {
     }
 }
 
+/// Area that a mesh covers of its picture for a mm² of its own.
+fn scale(mesh: &DecalMesh) -> f64 {
+    let (mut flat, mut whole) = (0.0, 0.0);
+    for triangle in &mesh.triangles {
+        let [a, b, c] = triangle.map(|i| mesh.corners[i as usize]);
+        let at = |corner: DecalCornerOf| DVec3::from_array(corner.place.map(f64::from));
+        whole += (at(b) - at(a)).cross(at(c) - at(a)).length();
+        let uv = |corner: DecalCornerOf| [f64::from(corner.u - a.u), f64::from(corner.v - a.v)];
+        let ([bu, bv], [cu, cv]) = (uv(b), uv(c));
+        flat += (bu * cv - bv * cu).abs();
+    }
+    if whole > 0.0 { flat / whole } else { 0.0 }
+}
+
 impl Held {
     fn new(gpu: &Gpu, stuck: &[Stuck<'_>]) -> Option<Self> {
         let (mut meshes, mut pictures): (Vec<Arc<DecalMesh>>, Vec<Arc<DecalPicture>>) = (Vec::new(), Vec::new());
         let (mut corners, mut indices, mut texels): (Vec<DecalCorner>, Vec<u32>, Vec<u32>) = Default::default();
-        let (mut ranges, mut firsts) = (Vec::new(), Vec::new());
+        let (mut ranges, mut scales, mut firsts) = (Vec::new(), Vec::new(), Vec::new());
         for Stuck { decal, .. } in stuck {
             if !meshes.iter().any(|mesh| Arc::ptr_eq(mesh, &decal.mesh)) {
                 let own: Vec<u32> = decal.mesh.triangles.iter().flatten().copied().collect();
                 ranges.push((corners.len() as u32, indices.len() as u32, own.len() as u32));
                 corners.extend(bytemuck::cast_slice::<_, DecalCorner>(&decal.mesh.corners));
                 indices.extend(own);
+                scales.push(scale(&decal.mesh));
                 meshes.push(Arc::clone(&decal.mesh));
             }
             if !pictures.iter().any(|picture| Arc::ptr_eq(picture, &decal.picture)) {
@@ -272,6 +291,7 @@ impl Held {
             indices: list("decal triangles", bytemuck::cast_slice(&indices), wgpu::BufferUsages::INDEX),
             texels: list("decal texels", bytemuck::cast_slice(&texels), storage),
             ranges,
+            scales,
             firsts,
         })
     }
@@ -298,6 +318,8 @@ impl Held {
         let (size, _) = decal.picture.levels.first()?;
         let turn = pose.world_from_rest().matrix3;
         let [u, v, shift] = decal.picture.picture_from_uv;
+        let mesh = self.mesh(stuck)?;
+        let texels = f64::from(size[0]) * f64::from(size[1]) * f64::from((u[0] * v[1] - u[1] * v[0]).abs());
         let lighting = decal.lighting.map_or([1.0, 0.0, 0.0, 1.0], |l| [l.ambient, l.diffuse, l.specular, l.power]);
         Some(DecalPlace {
             column_x: narrow(turn.x_axis),
@@ -319,7 +341,7 @@ impl Held {
             turn: [u[0], u[1], v[0], v[1]],
             shift,
             repeats: u32::from(decal.picture.repeats),
-            unused: 0,
+            texels_per_mm: (self.scales.get(mesh)? * texels).sqrt() as f32,
         })
     }
 }

@@ -71,11 +71,17 @@ impl LayerRaster {
         let float = wgpu::TextureSampleType::Float { filterable: false };
         let spans = Binding::Texture(wgpu::TextureViewDimension::D2Array, float);
         let read = |bytes| Binding::Elements { bytes, written: false };
-        let bindings = [Binding::FLOAT_2D, Binding::FLOAT_2D, Binding::UINT_2D, spans, read(4), read(size_of::<Mark>())];
+        let bindings =
+            [Binding::FLOAT_2D, Binding::FLOAT_2D, Binding::UINT_2D, spans, read(4), read(size_of::<Mark>())];
         let stages = wgpu::ShaderStages::FRAGMENT | wgpu::ShaderStages::COMPUTE;
         let none = |label| {
             let (size, usage) = (size_of::<Mark>() as u64, wgpu::BufferUsages::STORAGE);
-            gpu.device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
+            gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size,
+                usage,
+                mapped_at_creation: false,
+            })
         };
         let no_spans = layers(gpu, "no cuts", [1; 2], 1, COLOUR, wgpu::TextureUsages::empty());
         Self {
@@ -83,7 +89,11 @@ impl LayerRaster {
             opaque: Opaque::new(gpu),
             cuts: Cuts::new(gpu),
             decals: Decals::new(gpu),
-            nothing: (Targets::new(gpu, [1; 2]), no_spans, Marks { heads: none("no mark heads"), marks: none("no marks") }),
+            nothing: (
+                Targets::new(gpu, [1; 2]),
+                no_spans,
+                Marks { heads: none("no mark heads"), marks: none("no marks") },
+            ),
         }
     }
 

@@ -3,6 +3,7 @@
 //! Plain data, in the rest space of a volume. A decal is part of whatever body holds its place: it is cut where the body is cut and goes
 //! where the body goes. Knows nothing of how it is drawn.
 
+use crate::gpu::device::constants::MOST_DISTANCE;
 use crate::math::DVec3;
 use crate::volume::{Lighting, VolumeId};
 use std::sync::Arc;
@@ -37,8 +38,15 @@ pub struct DecalMesh {
 pub enum Texels {
     /// Colour times opacity, and opacity, 8 bits each, red lowest.
     Colours,
-    /// Two half floats: how far inside a shape a place is, and how far inside its halo, in texels of the finest level; less than 0 outside.
+    /// How far inside a shape a place is, and how far inside its halo, less than 0 outside: see [`distance_texel`].
     Distances,
+}
+
+/// A texel of [`Texels::Distances`]: both distances in texels of the finest level, of a level of detail, 0 for the finest.
+pub fn distance_texel([shape, halo]: [f32; 2], level: u32) -> u32 {
+    let unit = MOST_DISTANCE * (level as f32).exp2();
+    let whole = |d: f32| ((d / unit).clamp(-1.0, 1.0) * 32_767.0).round() as i16 as u16;
+    u32::from(whole(shape)) | u32::from(whole(halo)) << 16
 }
 
 /// What a decal shows, in levels of detail: each of half as many texels either way as the one before, rounded down, to a single one.

@@ -1,0 +1,402 @@
+//! Annotations, labels and cutaways: where what they name lies, and what is told of how they lie.
+//!
+//! Pixels become places on surfaces and surfaces their values before anything is decided, so that a command means the same whatever is seen
+//! when it is done again.
+
+use crate::annotate::surface::normal;
+use crate::document::Document;
+use crate::document::command::annotations::{
+    AnnotationChange, AnnotationCommand, CutawayChange, CutawayCommand, LabelChange, LabelCommand,
+};
+use crate::document::command::answers::{
+    AnnotationSaid, AnnotationsSaid, CutawayMeshSaid, CutawaySaid, CutawaysSaid, GridSaid, Said,
+};
+use crate::document::command::{Command, Place};
+use crate::document::error::DocumentError;
+use crate::document::live::drawings::decoded;
+use crate::document::live::laid::Spot;
+use crate::document::live::voxel_surface::VoxelSurface;
+use crate::document::place::nothing_there;
+use crate::document::reduce::place::place_in;
+use crate::document::scene::annotations::{Anchor, AnnotationId, Content, MOST_IMAGE_BYTES};
+use crate::document::scene::cutaways::CutawayId;
+use crate::document::state::State;
+use crate::gpu::Layers;
+use crate::io;
+use crate::math::{DQuat, DVec2, DVec3};
+use crate::volume::{Grid, Mode, VolumeId};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
+/// A place that is found on the surface of a volume that is not cut out of another.
+#[derive(Clone, Copy, Debug)]
+struct Found {
+    root: VolumeId,
+    /// World mm at rest.
+    rest: DVec3,
+    /// As it was said, if it was said so.
+    index: Option<[f64; 3]>,
+    selected: bool,
+}
+
+impl Found {
+    /// To the last digit, where it is an index already.
+    fn index(&self, grid: &Grid) -> Place {
+        Place::Index(self.index.unwrap_or_else(|| grid.index_from_world().transform_point3(self.rest).to_array()))
+    }
+}
+
+/// What of an anchor is said.
+struct Placing {
+    at: Option<Place>,
+    toward: Option<Place>,
+    turn_deg: Option<f64>,
+    volume: Option<VolumeId>,
+    value: Option<f64>,
+    selected: Option<bool>,
+}
+
+impl Document {
+    /// The command with all places as indices of a volume and the value of its surface.
+    ///
+    /// # Errors
+    /// If nothing shows at a pixel, there is no GPU to look with, or a file is no image.
+    pub(crate) fn annotations_in_numbers(&mut self, command: Command) -> Result<Command, DocumentError> {
+        Ok(match command {
+            Command::Annotation(AnnotationCommand::Add(change)) => {
+                Command::Annotation(AnnotationCommand::Add(self.annotation_in_numbers(change, None)?))
+            }
+            Command::Annotation(AnnotationCommand::Set(change)) => {
+                let old = match change.id {
+                    Some(id) => Some(self.open()?.scene.annotation(id)?.anchor),
+                    None => None,
+                };
+                Command::Annotation(AnnotationCommand::Set(self.annotation_in_numbers(change, old)?))
+            }
+            Command::Label(LabelCommand::Add(change)) => {
+                Command::Label(LabelCommand::Add(self.label_in_numbers(change)?))
+            }
+            Command::Label(LabelCommand::Set(change)) => {
+                Command::Label(LabelCommand::Set(self.label_in_numbers(change)?))
+            }
+            Command::Label(LabelCommand::FromSegments { volume, segments: None }) => {
+                let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
+                let id = state.at(volume)?.id;
+                let shown =
+                    state.at(volume)?.segments().0.iter().filter(|s| s.visible).map(|s| s.id).collect::<Vec<_>>();
+                let present = self.poles.present(state, id)?;
+                let segments = Some(shown.into_iter().filter(|label| present.contains(label)).collect());
+                Command::Label(LabelCommand::FromSegments { volume: Some(id), segments })
+            }
+            Command::Cutaway(CutawayCommand::Add(change)) => {
+                Command::Cutaway(CutawayCommand::Add(self.cutaway_in_numbers(change, None)?))
+            }
+            Command::Cutaway(CutawayCommand::Set(change)) => {
+                let old = match change.id {
+                    Some(id) => Some(self.open()?.scene.cutaways.get(id)?.anchor),
+                    None => None,
+                };
+                Command::Cutaway(CutawayCommand::Set(self.cutaway_in_numbers(change, old)?))
+            }
+            other => other,
+        })
+    }
+
+    fn found(&mut self, field: &str, place: Place, volume: Option<VolumeId>) -> Result<Found, DocumentError> {
+        let state = self.open()?;
+        let subject = state.at(volume)?;
+        let root = state.scene.root_of(subject.id);
+        if let Some(sample) = place_in(place, subject.scene, subject.grid())? {
+            let rest = sample.position;
+            // That of a sub-volume is another one of its root.
+            let index = match place {
+                Place::Index(index) if root == subject.id => Some(index),
+                _ => None,
+            };
+            return Ok(Found { root, rest, index, selected: is_selected(state, root, rest) });
+        }
+        let Place::Pixel { px, size, .. } = place else { return Err(nothing_there(field, place)) };
+        let hit = self.pick(DVec2::from_array(px), size)?.ok_or_else(|| nothing_there(field, place))?;
+        let state = self.open()?;
+        let root = hit.object.volume().map_or(root, |id| state.scene.root_of(id));
+        Ok(Found { root, rest: hit.rest, index: None, selected: hit.object.is_selected() })
+    }
+
+    /// Centre and direction as indices, and whose surface they are on.
+    fn anchor_in_numbers(
+        &mut self,
+        said: Placing,
+        old: Option<Anchor>,
+    ) -> Result<(Option<Place>, Option<Place>, VolumeId, Option<f64>, Option<bool>), DocumentError> {
+        let Placing { at, toward, turn_deg, volume, value, selected } = said;
+        let meant = volume.or(old.map(|old| old.volume));
+        let centre = at.map(|at| self.found("at", at, meant)).transpose()?;
+        let root = match (&centre, volume) {
+            (Some(found), None) => found.root,
+            _ => self.open()?.scene.root_of(self.open()?.at(meant)?.id),
+        };
+        let way = toward.map(|toward| self.found("toward", toward, Some(root))).transpose()?;
+        let state = self.open()?;
+        let grid = *state.at(Some(root))?.grid();
+        let value = match (value, &centre, &old) {
+            (Some(value), ..) => Some(value),
+            // What is moved stays at its value.
+            (None, Some(_), Some(_)) => None,
+            (None, Some(found), None) => Some(surface_value(state, root, found.rest)?),
+            (None, None, _) => None,
+        };
+        let selected = selected.or(centre.map(|found| found.selected));
+        // A new one goes to the right of the picture.
+        let way = match (way, &centre, old.is_some()) {
+            (Some(found), ..) => Some(found),
+            (None, Some(found), false) => {
+                let (right, _) = state.scene.views.camera.right_up();
+                Some(Found { rest: found.rest + right * 10.0 * grid.voxel_mm(), index: None, ..*found })
+            }
+            (None, ..) => None,
+        };
+        let way = match (turn_deg, old) {
+            (Some(turn), Some(old)) => {
+                let anchor = Anchor { volume: root, ..old };
+                let spot = Spot::of(state, &anchor)?;
+                let surface = VoxelSurface::about(state, root, old.value, spot.centre, 4.0 * spot.voxel_mm)?;
+                let axis = normal(&surface, spot.centre)
+                    .ok_or_else(|| DocumentError::invalid("turn_deg", turn, "a centre on a surface"))?;
+                let along = way.map_or(spot.along, |way| way.rest - spot.centre);
+                let rest = spot.centre + DQuat::from_axis_angle(axis, turn.to_radians()) * along;
+                Some(Found { root, rest, index: None, selected: false })
+            }
+            _ => way,
+        };
+        Ok((centre.map(|found| found.index(&grid)), way.map(|found| found.index(&grid)), root, value, selected))
+    }
+
+    fn annotation_in_numbers(
+        &mut self,
+        change: AnnotationChange,
+        old: Option<Anchor>,
+    ) -> Result<AnnotationChange, DocumentError> {
+        let said = Placing {
+            at: change.at,
+            toward: change.toward,
+            turn_deg: change.turn_deg,
+            volume: change.volume,
+            value: change.value,
+            selected: change.selected,
+        };
+        let (at, toward, root, value, selected) = self.anchor_in_numbers(said, old)?;
+        let to = match change.to {
+            Some(to) => {
+                let found = self.found("to", to, Some(root))?;
+                Some(found.index(self.open()?.at(Some(root))?.grid()))
+            }
+            None => None,
+        };
+        // A ruler begins toward its end.
+        let toward = match (&to, change.toward, at) {
+            (Some(to), None, Some(_)) => Some(*to),
+            _ => toward,
+        };
+        let content = match change.content {
+            Some(Content::Image { path, png: None }) => {
+                let png = read_image(&path)?;
+                Some(Content::Image { path, png: Some(png) })
+            }
+            content => content,
+        };
+        let volume = Some(root);
+        Ok(AnnotationChange { at, toward, turn_deg: None, to, volume, value, selected, content, ..change })
+    }
+
+    fn label_in_numbers(&mut self, change: LabelChange) -> Result<LabelChange, DocumentError> {
+        let Some(place) = change.at else { return Ok(change) };
+        let found = self.found("at", place, change.volume)?;
+        let at = Some(found.index(self.open()?.at(Some(found.root))?.grid()));
+        let selected = Some(change.selected.unwrap_or(found.selected));
+        Ok(LabelChange { at, volume: Some(found.root), selected, ..change })
+    }
+
+    fn cutaway_in_numbers(
+        &mut self,
+        mut change: CutawayChange,
+        old: Option<Anchor>,
+    ) -> Result<CutawayChange, DocumentError> {
+        if let Some(id) = change.annotation.take() {
+            let one = self.open()?.scene.annotation(id)?.clone();
+            let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
+            let size = self.laid.get(state, &mut self.graphics, id, false)?.said.size_mm;
+            change.at = change.at.or(Some(Place::Index(one.anchor.centre)));
+            change.toward = change.toward.or(Some(Place::Index(one.anchor.toward)));
+            change.volume = Some(one.anchor.volume);
+            change.value = change.value.or(Some(one.anchor.value));
+            change.width_mm = change.width_mm.or(Some(size[0]));
+            change.height_mm = change.height_mm.or(Some(size[1]));
+        }
+        let lasso = match change.lasso.take() {
+            Some(places) => {
+                let found = places.into_iter().enumerate();
+                let found = found.map(|(i, place)| self.found(&format!("lasso[{i}]"), place, change.volume));
+                Some(found.collect::<Result<Vec<_>, _>>()?)
+            }
+            None => None,
+        };
+        if let Some(found) = &lasso {
+            let first = found.first().ok_or_else(|| DocumentError::invalid("lasso", "no place", "3 and more"))?;
+            change.volume = Some(first.root);
+            let middle = found.iter().map(|f| f.rest).sum::<DVec3>() / found.len() as f64;
+            // The value is that of the line, the anchor the place of it that lies nearest to its middle.
+            let near = found.iter().min_by(|a, b| a.rest.distance(middle).total_cmp(&b.rest.distance(middle)));
+            let near = near.map_or(middle, |f| f.rest);
+            let state = self.open()?;
+            change.value = match change.value {
+                Some(value) => Some(value),
+                None => Some(surface_value(state, first.root, near)?),
+            };
+            change.at = Some(Place::Mm(middle.to_array()));
+        }
+        let said = Placing {
+            at: change.at,
+            toward: change.toward,
+            turn_deg: None,
+            volume: change.volume,
+            value: change.value,
+            selected: None,
+        };
+        let (at, toward, root, value, _) = self.anchor_in_numbers(said, old)?;
+        let grid = *self.open()?.at(Some(root))?.grid();
+        let lasso = lasso.map(|found| found.iter().map(|found| found.index(&grid)).collect());
+        Ok(CutawayChange { at, toward, lasso, volume: Some(root), value, ..change })
+    }
+
+    /// What `annotation.add` and `annotation.set` answer: also how the grid lies. An annotation that cannot be drawn is refused.
+    pub(crate) fn annotated(&mut self, said: Said) -> Result<Said, DocumentError> {
+        match said {
+            Said::Annotation(said) => {
+                let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
+                let lay = self.laid.get(state, &mut self.graphics, said.id, true)?;
+                Ok(AnnotationSaid { grid: Some(lay.said.clone()), ..*said }.into())
+            }
+            other => Ok(other),
+        }
+    }
+
+    /// What `cutaway.add` and `cutaway.set` answer: also how its mesh is. One that cannot be cut is refused.
+    pub(crate) fn opened(&mut self, said: Said) -> Result<Said, DocumentError> {
+        match said {
+            Said::Cutaway(said) => {
+                let mesh = Some(self.cutaway_mesh(said.id, false)?);
+                Ok(CutawaySaid { mesh, ..*said }.into())
+            }
+            other => Ok(other),
+        }
+    }
+
+    pub(crate) fn ask_annotations(
+        &mut self,
+        id: Option<AnnotationId>,
+        vertices: bool,
+    ) -> Result<AnnotationsSaid, DocumentError> {
+        let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
+        let all = &state.scene.annotations;
+        let ids: Vec<AnnotationId> = match id {
+            Some(id) => all.get(id).map(|_| vec![id])?,
+            None => all.all.keys().copied().collect(),
+        };
+        let mut annotations = Vec::new();
+        for id in ids {
+            let lay = self.laid.get(state, &mut self.graphics, id, true)?;
+            let points = || lay.grid.points.iter().map(|p| p.map(|p| p.to_array())).collect();
+            let grid = GridSaid { vertices: vertices.then(points), ..lay.said.clone() };
+            annotations.push(AnnotationSaid { id, annotation: all.get(id)?.clone(), grid: Some(grid) });
+        }
+        Ok(AnnotationsSaid { annotations })
+    }
+
+    pub(crate) fn ask_cutaways(&mut self, id: Option<CutawayId>, mesh: bool) -> Result<CutawaysSaid, DocumentError> {
+        let all = self.open()?.scene.cutaways.clone();
+        let ids: Vec<CutawayId> = match id {
+            Some(id) => all.get(id).map(|_| vec![id])?,
+            None => all.all.keys().copied().collect(),
+        };
+        let mut cutaways = Vec::new();
+        for id in ids {
+            let mesh = Some(self.cutaway_mesh(id, mesh)?);
+            cutaways.push(CutawaySaid { id, cutaway: all.get(id)?.clone(), mesh });
+        }
+        Ok(CutawaysSaid { cutaways })
+    }
+
+    fn cutaway_mesh(&mut self, id: CutawayId, whole: bool) -> Result<CutawayMeshSaid, DocumentError> {
+        let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
+        let opened = self.windows.get(state, &mut self.graphics, id, true)?;
+        let (corners, triangles) = (opened.window.corners(), opened.window.triangles());
+        let at = |i: u32| corners[i as usize] - opened.origin;
+        let volume = triangles.iter().map(|[a, b, c]| at(*a).dot(at(*b).cross(at(*c)))).sum::<f64>() / 6.0;
+        Ok(CutawayMeshSaid {
+            counts: [corners.len(), triangles.len()],
+            volume_mm3: volume,
+            remarks: opened.remarks.clone(),
+            corners: whole.then(|| corners.iter().map(|c| c.to_array()).collect()),
+            triangles: whole.then(|| triangles.to_vec()),
+        })
+    }
+
+    /// What a picture shows besides bodies: windows, and if it is `dressed` what lies on surfaces. `at_last`: as it is wanted, whatever
+    /// that costs.
+    pub(crate) fn lay_out(&mut self, layers: &mut Layers, dressed: bool, at_last: bool) {
+        let Some(state) = &self.state else { return };
+        if state.scene.annotations.all.is_empty() && state.scene.cutaways.all.is_empty() {
+            return;
+        }
+        if dressed {
+            layers.decals = self.laid.decals(state, &mut self.graphics, at_last);
+        }
+        let poses = self.motion.poses();
+        self.windows.cut(state, &mut self.graphics, poses, layers, (dressed, at_last));
+    }
+
+    /// Finds what pictures of a moment ago showed as it was quickly found; for a moment in which there is nothing else to do. Answers
+    /// whether a picture would now be another one.
+    pub fn settle_layers(&mut self) -> bool {
+        let Some(state) = &self.state else { return false };
+        if self.running.is_some() || !(self.laid.is_behind(state) || self.windows.is_behind(state)) {
+            return false;
+        }
+        self.lay_out(&mut Layers::default(), true, true);
+        self.revision += 1;
+        true
+    }
+}
+
+/// Whether the matter of a volume at a place is selected.
+fn is_selected(state: &State, root: VolumeId, rest: DVec3) -> bool {
+    let told = || {
+        let subject = state.at(Some(root)).ok()?;
+        let voxel = subject.grid().voxel_at(subject.grid().index_from_world().transform_point3(rest))?;
+        subject.volume.selection.value(voxel).ok()
+    };
+    told().is_some_and(|selection| selection >= 0.5)
+}
+
+/// The value of the surface that a place is on: that of the iso-surface where one is shown, else the value there.
+fn surface_value(state: &State, root: VolumeId, rest: DVec3) -> Result<f64, DocumentError> {
+    if let Mode::Iso(value) = state.scene.mode_of(root) {
+        return Ok(value);
+    }
+    let voxel_mm = state.at(Some(root))?.grid().voxel_mm();
+    // The trilinear field minus nothing.
+    let surface = VoxelSurface::about(state, root, 0.0, rest, 3.0 * voxel_mm)?;
+    surface.number(rest).ok_or_else(|| {
+        let found = format!("{:.1?}, outside of the volume", rest.to_array());
+        DocumentError::invalid("at", found, "a place on a surface of the volume")
+    })
+}
+
+fn read_image(path: &str) -> Result<std::sync::Arc<str>, DocumentError> {
+    let file = std::path::Path::new(path);
+    let bytes = io::read_regular(file, MOST_IMAGE_BYTES as u64)
+        .map_err(|e| DocumentError::invalid("path", format!("{path}: {e}"), "a PNG image"))?;
+    let png: std::sync::Arc<str> = STANDARD.encode(bytes).into();
+    decoded(path, &png)?;
+    Ok(png)
+}
