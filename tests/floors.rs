@@ -64,7 +64,7 @@ const INNER: &[(&str, &[&[&str]])] = &[
             &["subject", "command"],
             &["history"],
             &["project", "reduce"],
-            &["journal", "paths", "look_rows"],
+            &["journal", "paths", "look_rows", "spared"],
             &["frame", "family"],
             &["live"],
             &["mod"],

@@ -6,6 +6,7 @@
 //! Every timed picture is compared with one that was drawn untimed.
 #![allow(missing_docs)]
 
+mod annotations;
 mod beside;
 mod check;
 mod components;
@@ -52,6 +53,8 @@ const BENCHES: &[Bench] = &[
     ("undo/stroke", undo::undo),
     ("slices/pictures", slices::slices),
     ("trace/grids", trace::grids),
+    ("trace/relaxed", annotations::relaxed),
+    ("draw/annotations", annotations::fifty),
     ("explode/settle", settle::settle),
     ("explode/visibility", explode::visibility),
     ("explode/pictures", explode::pictures),

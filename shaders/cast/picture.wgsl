@@ -69,10 +69,10 @@ fn pass_through(whole: BodyRay, ray: Ray, within: vec2<f32>) {
 // What meshes leave of an interval of a body's ray.
 fn pass_pieces(r: BodyRay, ray: Ray, within: vec2<f32>, merge: bool) {
 #ifdef CUTS
-    var piece = layers::next_piece(within.x, within.y);
+    var piece = layers::next_piece(r.body, within.x, within.y);
     while (piece.x < piece.y && !mode::over(merge)) {
         pass_through(r, ray, piece);
-        piece = layers::next_piece(piece.y, within.y);
+        piece = layers::next_piece(r.body, piece.y, within.y);
     }
 #else
     pass_through(r, ray, within);

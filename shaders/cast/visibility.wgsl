@@ -24,14 +24,14 @@ const HIDES: f32 = 0.05;
 fn next_open(whole: BodyRay, ray: Ray, within: vec2<f32>, at: f32) -> BodyRay {
     var piece = vec2<f32>(max(within.x, at), within.y);
 #ifdef CUTS
-    piece = layers::next_piece(piece.x, within.y);
+    piece = layers::next_piece(whole.body, piece.x, within.y);
 #endif
 #ifdef HOLES
     var r = piece_from(whole, ray, piece.x, piece.y);
 #ifdef CUTS
     // All of a piece may be filled.
     while (r.within.x >= r.within.y && piece.x < piece.y) {
-        piece = layers::next_piece(piece.y, within.y);
+        piece = layers::next_piece(whole.body, piece.y, within.y);
         r = piece_from(whole, ray, piece.x, piece.y);
     }
 #endif
@@ -131,7 +131,7 @@ fn count(@builtin(global_invocation_id) id: vec3<u32>) {
 #else
         let counts_once = true;
 #endif
-        if (bodies[body].mask == MASK_SELECTION && counts_once) {
+        if ((bodies[body].mask & 3u) == MASK_SELECTION && counts_once) {
             reached = min(reached, reached_by(listed, i, ray, reached));
         }
     }
@@ -145,7 +145,7 @@ fn count(@builtin(global_invocation_id) id: vec3<u32>) {
     var clear = 1.0;
     for (var i = 0u; i < listed.count; i += 1u) {
         let body = body_at(listed.first + i);
-        if (bodies[body].mask != MASK_SELECTION && is_first(listed, i)) {
+        if ((bodies[body].mask & 3u) != MASK_SELECTION && is_first(listed, i)) {
             let kin = matters[body].kin;
             fade::begin(1.0 - HIDES);
             for (var j = i; j < listed.count; j += 1u) {

@@ -48,7 +48,7 @@ struct CastBody {
     column_y: vec3<f32>,
     plane_count: u32,
     column_z: vec3<f32>,
-    mask: u32,                  // 0 none, 1 selection, 2 background
+    mask: u32,                  // lowest two bits: 0 none, 1 selection, 2 background; above them the layer of its cuts and 1, 0 for none
     eye: vec3<f32>,             // the eye in index space
     code: u32,                  // what the picture's object id says, even; + 1 where its volume is selected
     lo: vec3<f32>,              // its box in index space
@@ -281,7 +281,7 @@ fn body_ray(b: u32, ray: Ray) -> BodyRay {
     lattice = r.steps;
 #endif
     r.body = b;
-    r.mask = bodies[b].mask;
+    r.mask = bodies[b].mask & 3u;
     r.o = bodies[b].eye + m * ray.start;
     let d = m * ray.dir * view.step_mm;
     // A component of exactly 0 has no reciprocal; one this small moves no sample.

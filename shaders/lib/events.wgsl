@@ -74,10 +74,10 @@ fn search_pieces(r: BodyRay, ray: Ray, within: vec2<f32>) {
 // The same where meshes cut it.
 fn search_all(r: BodyRay, ray: Ray, within: vec2<f32>) {
 #ifdef CUTS
-    var piece = layers::next_piece(within.x, within.y);
+    var piece = layers::next_piece(r.body, within.x, within.y);
     while (piece.x < piece.y && piece.x <= iso::nearest) {
         search_pieces(r, ray, piece);
-        piece = layers::next_piece(piece.y, within.y);
+        piece = layers::next_piece(r.body, piece.y, within.y);
     }
 #else
     search_pieces(r, ray, within);

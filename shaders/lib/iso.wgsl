@@ -181,7 +181,7 @@ fn over(merge: bool) -> bool {
 // Cosine between the ray and the outward normal of the face by which it enters the body.
 fn entry_cosine(r: BodyRay, ray: Ray, entry: f32) -> f32 {
 #ifdef CUTS
-    let cut = cut_cosine(entry);
+    let cut = cut_cosine(r.body, entry);
     if (cut >= 0.0) {
         return cut;
     }

@@ -23,7 +23,9 @@
 @group(3) @binding(2) var opaque_object: texture_2d<u32>;
 #endif
 #ifdef CUTS
-// By layer, nearest first: steps to entry and exit, cosine between ray and normal at the exit; FAR after the last one.
+#import burin::body::bodies
+// By layer, nearest first: steps to entry and exit, cosine between ray and normal at the exit; FAR after the last one. What spares
+// different bodies lies one after another.
 @group(3) @binding(3) var cut_spans: texture_2d_array<f32>;
 #endif
 
@@ -110,7 +112,7 @@ fn find_mark() {
 #endif
 #ifdef CUTS
         if (shows && (marks[mark_next - 1u].body & IS_CUT) != 0u) {
-            shows = !is_cut_at(at);
+            shows = !is_cut_at(mark_body(), at);
         }
 #endif
         if (shows) {
@@ -164,10 +166,16 @@ fn is_hidden(k: f32) -> bool {
 }
 
 #ifdef CUTS
-// The first piece of the ray after `start` and before `most` that nothing cuts away; x ≥ y if there is none.
-fn next_piece(start: f32, most: f32) -> vec2<f32> {
+// The layer in which a body's cuts begin; behind all of them if nothing cuts it.
+fn first_cut(body: u32) -> i32 {
+    let first = i32(bodies[body].mask >> 2u) - 1;
+    return select(first, i32(textureNumLayers(cut_spans)), first < 0);
+}
+
+// The first piece of a body's ray after `start` and before `most` that nothing cuts away; x ≥ y if there is none.
+fn next_piece(body: u32, start: f32, most: f32) -> vec2<f32> {
     var piece = vec2<f32>(start, most);
-    for (var i = 0; i < i32(textureNumLayers(cut_spans)); i += 1) {
+    for (var i = first_cut(body); i < i32(textureNumLayers(cut_spans)); i += 1) {
         let cut = textureLoad(cut_spans, pixel, i, 0);
         if (cut.x >= piece.y) {
             break;
@@ -181,9 +189,9 @@ fn next_piece(start: f32, most: f32) -> vec2<f32> {
     return piece;
 }
 
-// Whether a place of the ray is cut away.
-fn is_cut_at(at: f32) -> bool {
-    for (var i = 0; i < i32(textureNumLayers(cut_spans)); i += 1) {
+// Whether a place of a body's ray is cut away.
+fn is_cut_at(body: u32, at: f32) -> bool {
+    for (var i = first_cut(body); i < i32(textureNumLayers(cut_spans)); i += 1) {
         let cut = textureLoad(cut_spans, pixel, i, 0);
         if (cut.x > at) {
             break;
@@ -195,9 +203,9 @@ fn is_cut_at(at: f32) -> bool {
     return false;
 }
 
-// Cosine between the ray and the face by which it leaves a cut; −1 where it leaves none.
-fn cut_cosine(at: f32) -> f32 {
-    for (var i = 0; i < i32(textureNumLayers(cut_spans)); i += 1) {
+// Cosine between the ray and the face by which it leaves a cut of a body; −1 where it leaves none.
+fn cut_cosine(body: u32, at: f32) -> f32 {
+    for (var i = first_cut(body); i < i32(textureNumLayers(cut_spans)); i += 1) {
         let cut = textureLoad(cut_spans, pixel, i, 0);
         if (cut.x > at) {
             break;

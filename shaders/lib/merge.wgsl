@@ -166,10 +166,10 @@ fn march_merged(listed: Listed, ray: Ray) {
         }
 #endif
 #ifdef CUTS
-        var piece = layers::next_piece(visible.x, visible.y);
+        var piece = layers::next_piece(r.body, visible.x, visible.y);
         while (piece.x < piece.y) {
             let part = piece;
-            piece = layers::next_piece(piece.y, visible.y);
+            piece = layers::next_piece(r.body, piece.y, visible.y);
 #else
             let part = visible;
 #endif

@@ -8,6 +8,7 @@ use crate::document::look_rows::LookRows;
 use crate::document::scene::slice_plane::SlicePlane;
 use crate::document::scene::volumes::SubVolume;
 use crate::document::scene::{Layer, ViewName};
+use crate::document::spared::{any_selection, divided};
 use crate::document::state::State;
 use crate::document::subject::Subject;
 use crate::explode::{PartId, Poses};
@@ -98,7 +99,8 @@ impl State {
         let parts = &self.scene.explosion.parts;
         let plain = poses.at_rest(parts)
             && parts.iter().all(|p| p.visible && p.colour.is_none())
-            && !self.visible().any(|subject| subject.is_dressed_in_parts());
+            && !self.visible().any(|subject| subject.is_dressed_in_parts())
+            && !any_selection(&self.scene.sparing());
         self.frame_of(camera, size, |subject| {
             if plain { vec![whole_of(subject)] } else { bodies_of(subject, self.selects(subject.id), poses) }
         })
@@ -125,9 +127,11 @@ impl State {
         let mut rows = LookRows::new(scene);
         let mut dressed = Vec::new();
         let mut overlays = BTreeMap::new();
+        let sparing = scene.sparing();
         for subject in self.visible() {
             let bodies = bodies(&subject).into_iter();
-            dressed.extend(bodies.flat_map(|body| rows.dress(&subject, body)));
+            let looking = bodies.flat_map(|body| rows.dress(&subject, body));
+            dressed.extend(looking.flat_map(|body| divided(&subject, body, &sparing)));
             overlays.insert(subject.id, self.overlay_in_3d(&subject));
         }
         let mut frame = Frame {

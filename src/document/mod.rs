@@ -21,6 +21,7 @@ mod place;
 pub mod project;
 mod reduce;
 mod scene;
+mod spared;
 mod state;
 mod subject;
 mod watch;

@@ -81,7 +81,7 @@ fn by_the_book(family: &Family, frame: &Frame, cut: Option<Aabb>) -> Visibility 
 fn how_much_of_a_selection_is_seen_heeds_boxes_and_meshes_that_cut() {
     let Some(gpu) = gpu() else { return };
     let bounds = Aabb { min: DVec3::new(-20.0, 13.0, 11.0), max: DVec3::new(21.0, 70.0, 50.0) };
-    let mesh = CutMesh { mesh: Arc::new(TriangleMesh::cuboid(&bounds)), pose: Pose::IDENTITY };
+    let mesh = CutMesh { id: 0, mesh: Arc::new(TriangleMesh::cuboid(&bounds)), pose: Pose::IDENTITY };
     for scale in [[2, 3], [1, 1]] {
         let family = family(scale);
         let mut seen = Vec::new();

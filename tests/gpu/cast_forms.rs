@@ -133,7 +133,7 @@ fn layers_are_the_same_in_both_forms() {
             colour: [0.2, 0.7, 0.9],
             lighting: Some(Lighting::default()),
         }],
-        cuts: vec![CutMesh { mesh: cuboid([8.0, 6.0, 5.0]), pose: pose(1.1, DVec3::NEG_Y * 6.0) }],
+        cuts: vec![CutMesh { id: 0, mesh: cuboid([8.0, 6.0, 5.0]), pose: pose(1.1, DVec3::NEG_Y * 6.0) }],
         clips: vec![Plane::through(centre + DVec3::Z * 9.0, DVec3::new(0.1, 0.2, 1.0)).unwrap()],
         ..Layers::default()
     };

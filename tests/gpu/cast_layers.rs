@@ -380,7 +380,7 @@ fn what_layers_hide_or_take_away_counts_as_such() {
     assert_eq!((hidden.selected, hidden.visible), (bare.selected, 0), "behind something opaque");
     let behind = count(Layers { opaque: vec![opaque(-45.0)], ..Layers::default() });
     assert_eq!(behind, bare, "before something opaque");
-    let cut = CutMesh { mesh: Arc::new(TriangleMesh::cuboid(&wide)), pose: place(0.0) };
+    let cut = CutMesh { id: 0, mesh: Arc::new(TriangleMesh::cuboid(&wide)), pose: place(0.0) };
     assert_eq!(count(Layers { cuts: vec![cut], ..Layers::default() }).selected, 0, "cut away");
     let half = Plane::through(centre, DVec3::Z).unwrap();
     let clipped = count(Layers { clips: vec![half], ..Layers::default() });
@@ -398,7 +398,7 @@ fn arrays_that_are_no_mesh_and_meshes_that_are_too_many_are_answered() {
     assert!(nan.to_string().contains("corner 0"), "{nan}");
     let Some(mut stage) = stage() else { return };
     let cuboid = |half: f64| TriangleMesh::cuboid(&Aabb { min: DVec3::splat(-half), max: DVec3::splat(half) });
-    let cut = |mesh: &Arc<TriangleMesh>| CutMesh { mesh: mesh.clone(), pose: Pose::IDENTITY };
+    let cut = |mesh: &Arc<TriangleMesh>| CutMesh { id: 0, mesh: mesh.clone(), pose: Pose::IDENTITY };
     let mut frame = view(&stage.grid, vec![Body::whole(0)], &Boxes::default());
     let whole = stage.image(&frame);
     // No mesh, and one without triangles.
@@ -417,6 +417,7 @@ fn arrays_that_are_no_mesh_and_meshes_that_are_too_many_are_answered() {
     let centre = frame.camera.target;
     let shells = |count: usize| {
         (0..count).map(|i| CutMesh {
+            id: 0,
             mesh: Arc::new(cuboid(1.0 + i as f64 * 0.1)),
             pose: Pose { translation: centre, ..Pose::IDENTITY },
         })
@@ -440,4 +441,42 @@ fn arrays_that_are_no_mesh_and_meshes_that_are_too_many_are_answered() {
     frame.camera.eye = centre + DVec3::Z * 200.0 + DVec3::X;
     let error = draw(&frame).unwrap_err().to_string();
     assert!(error.contains("more than 128 faces"), "{error}");
+}
+
+#[test]
+fn a_body_that_a_cut_spares_is_as_without_it() {
+    let Some(mut stage) = stage() else { return };
+    let grid = stage.grid;
+    let [_, halves, _] = arrangements(&grid);
+    let centre = grid.world_bounds().centre();
+    // A box in each half, where that stands: neither reaches the other half.
+    let half = DVec3::splat(9.0);
+    let mesh = Arc::new(TriangleMesh::cuboid(&Aabb { min: -half, max: half }));
+    let cut = |id: u32, body: &Body| {
+        let inward = -body.region[0].normal;
+        let place = body.pose.apply(centre + inward * 11.0);
+        CutMesh { id, mesh: mesh.clone(), pose: Pose::about(DVec3::ZERO, DQuat::IDENTITY, place) }
+    };
+    let cuts = [cut(1, &halves[0]), cut(2, &halves[1])];
+    for mode in MODES {
+        for frame in projections(&view(&grid, halves.clone(), &Boxes::default())) {
+            let mut frame = Frame { mode, lighting: Some(Lighting::default()), ..frame };
+            let mut draw = |spared: [&[u32]; 2], cuts: &[CutMesh]| {
+                frame.layers.cuts = cuts.to_vec();
+                for (body, spared) in frame.bodies.iter_mut().zip(spared) {
+                    body.spared_by = spared.into();
+                }
+                stage.image(&frame)
+            };
+            let [none, all] = [draw([&[], &[]], &[]), draw([&[], &[]], &cuts)];
+            let [first, second] = [draw([&[], &[]], &cuts[..1]), draw([&[], &[]], &cuts[1..])];
+            // A surface may lie before both boxes, a maximum beside them.
+            let cuts_both = all != none && first != all && second != all && first != second;
+            assert!(cuts_both || mode != Mode::Dvr, "{mode:?}: both cut");
+            assert_eq!(draw([&[1], &[]], &cuts), second, "{mode:?}: the first half is spared by the first");
+            assert_eq!(draw([&[], &[2]], &cuts), first, "{mode:?}: the second half is spared by the second");
+            assert_eq!(draw([&[2], &[1]], &cuts), all, "{mode:?}: what cuts elsewhere spares nothing here");
+            assert_eq!(draw([&[1, 2], &[1, 2]], &cuts), none, "{mode:?}: nothing is cut");
+        }
+    }
 }

@@ -131,7 +131,7 @@ impl Boxes {
             colour: o.colour,
             lighting: o.lighting,
         });
-        let cuts = self.cuts.iter().map(|s| CutMesh { mesh: Arc::new(joined(&s.boxes)), pose: s.pose });
+        let cuts = self.cuts.iter().map(|s| CutMesh { id: 0, mesh: Arc::new(joined(&s.boxes)), pose: s.pose });
         Layers { opaque: opaque.collect(), cuts: cuts.collect(), ..Layers::default() }
     }
 }

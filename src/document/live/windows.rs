@@ -137,7 +137,7 @@ impl Windows {
                 }
             };
             let at = Pose { translation: pose.apply(opened.origin), rotation: pose.rotation };
-            layers.cuts.push(CutMesh { mesh: opened.mesh.clone(), pose: at });
+            layers.cuts.push(CutMesh { id: id.0, mesh: opened.mesh.clone(), pose: at });
             if dressed {
                 layers.decals.extend(dress(state, one, opened));
             }

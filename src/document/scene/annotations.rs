@@ -158,7 +158,8 @@ pub enum Content {
     },
     /// The shortest way on the surface from the centre to a place, with its length.
     Ruler {
-        /// Continuous index of the volume.
+        /// Continuous index of the volume; of a command `to` beside the content says it.
+        #[serde(default)]
         to: [f64; 3],
         /// Distance of its ticks, mm; left out: a round one.
         #[serde(default, skip_serializing_if = "Option::is_none")]

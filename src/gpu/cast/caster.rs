@@ -25,6 +25,7 @@ use crate::gpu::picture::frame::{Frame, Mask, Overlay};
 use crate::gpu::picture::image::Image;
 use crate::math::DVec2;
 use crate::volume::{FieldKey, FieldKind};
+use std::sync::Arc;
 
 /// Makes pictures, picks and measurements of [`Frame`]s: keeps the kernels, the buffers that a frame is written into and the tables
 /// of looks, so that the next picture costs only what changed. Lives as long as its device.
@@ -242,7 +243,7 @@ impl Caster {
     ) -> Result<(), GpuError> {
         self.set_looks(gpu, pools, frame, &scene);
         let lists = self.upload(gpu, &scene);
-        let layers = self.draw_layers(gpu, frame, drawn, &scene, &lists, targets.size)?;
+        let layers = self.draw_layers(gpu, frame, drawn, &mut scene, &lists, targets.size)?;
         let other = (scene.passes.len() > 1).then(|| Targets::new(gpu, targets.size));
         let count = scene.passes.len();
         let opaque = layers.as_ref().and_then(|l| l.opaque.as_ref());
@@ -287,7 +288,7 @@ impl Caster {
         gpu: &Gpu,
         frame: &Frame,
         drawn: &[MergedBody],
-        scene: &FrameUniforms,
+        scene: &mut FrameUniforms,
         lists: &[wgpu::Texture; 2],
         size: [u32; 2],
     ) -> Result<Option<DrawnLayers>, GpuError> {
@@ -298,7 +299,26 @@ impl Caster {
         gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&scene.view));
         let group = self.group(gpu, lists, scene.looks.own, &self.nothing);
         let rays = Rays { layout: &self.layout, group: &group, eye: frame.camera.eye, size };
-        self.layers.get_or_insert_with(|| LayerRaster::new(gpu)).draw(gpu, &frame.layers, &stuck, &rays)
+        let mut classes: Vec<Arc<[u32]>> = Vec::new();
+        let class = |body: &MergedBody| {
+            let known = classes.iter().position(|spared| *spared == body.spared_by);
+            known.unwrap_or_else(|| {
+                classes.push(body.spared_by.clone());
+                classes.len() - 1
+            })
+        };
+        let of: Vec<usize> = drawn.iter().map(class).collect();
+        let raster = self.layers.get_or_insert_with(|| LayerRaster::new(gpu));
+        let layers = raster.draw(gpu, &frame.layers, &stuck, &classes, &rays)?;
+        if let Some(layers) = &layers
+            && layers.pieces > 1
+        {
+            for (body, class) in scene.bodies.iter_mut().zip(of) {
+                body.mask |= layers.firsts[class].map_or(0, |first| (first + 1) << 2);
+            }
+            gpu.queue.write_buffer(&self.bodies, 0, bytemuck::cast_slice(&scene.bodies));
+        }
+        Ok(layers)
     }
 
     /// What the kernel of a frame is compiled for. `capacity`: intervals that are merged per ray; 0: bodies follow one another.

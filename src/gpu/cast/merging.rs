@@ -36,6 +36,8 @@ pub(crate) struct MergedBody {
     pub labels: Option<Arc<LabelLooks>>,
     pub own_colours: bool,
     pub tint: Option<[f32; 3]>,
+    /// Names of the cutting meshes that leave it as it is.
+    pub spared_by: Arc<[u32]>,
     /// In world mm: what clips this body too.
     pub clips: Vec<Plane>,
     /// Bounds in index space.
@@ -188,6 +190,7 @@ pub(crate) fn unite(
             labels,
             own_colours: body.own_colours,
             tint,
+            spared_by: body.spared_by.clone(),
             clips: Vec::new(),
             bounds,
             members,
@@ -230,6 +233,7 @@ fn unite_regions(
             let g = &g[0];
             (g.volume, g.mask, g.tint) == (drawn.volume, drawn.mask, drawn.tint)
                 && (g.look, &g.labels, g.own_colours) == (drawn.look, &drawn.labels, drawn.own_colours)
+                && g.spared_by == drawn.spared_by
                 && g.pose == drawn.pose
                 && g.bounds == drawn.bounds
         };
@@ -270,6 +274,7 @@ fn unite_matter(mut list: Vec<MergedBody>) -> Vec<MergedBody> {
                 d.mask == Mask::Background
                     && d.volume == list[at].volume
                     && (d.look, &d.labels, d.own_colours) == (list[at].look, &list[at].labels, list[at].own_colours)
+                    && d.spared_by == list[at].spared_by
                     && d.pose == list[at].pose
                     && d.tint == list[at].tint
                     && d.planes == list[at].planes

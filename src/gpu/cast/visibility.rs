@@ -87,7 +87,7 @@ impl Caster {
             }
             self.set_looks(gpu, pools, &frame, &scene);
             let lists = self.upload(gpu, &scene);
-            let layers = self.draw_layers(gpu, &frame, &list, &scene, &lists, frame.size)?;
+            let layers = self.draw_layers(gpu, &frame, &list, &mut scene, &lists, frame.size)?;
             gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&scene.view));
             let group = self.group(gpu, &lists, scene.looks.own, &self.nothing);
             self.count(gpu, pools, &group, (layers.as_ref(), &scene.looks, !frame.boxes.is_empty()), frame.size)

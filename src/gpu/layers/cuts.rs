@@ -147,7 +147,8 @@ fn spans(
 ) -> Result<wgpu::Texture, GpuError> {
     // Where the eye is inside its span has no face of entry; and the end is told.
     let count = met.div_ceil(2) + 1;
-    let spans = layers(gpu, "cuts", rays.size, count, COLOUR, wgpu::TextureUsages::STORAGE_BINDING);
+    let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_SRC;
+    let spans = layers(gpu, "cuts", rays.size, count, COLOUR, usage);
     let pipeline = join.pipeline(gpu, &[], &[Some(rays.layout), None], &[])?;
     let views = [faces, &spans].map(array_view);
     let more = views.iter().map(wgpu::BindingResource::TextureView);

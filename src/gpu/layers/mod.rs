@@ -15,8 +15,9 @@ use crate::gpu::device::textures::{COLOUR, Targets};
 use crate::gpu::layers::cuts::Cuts;
 use crate::gpu::layers::decals::{Decals, Mark, Marks, Stuck};
 use crate::gpu::layers::opaque::Opaque;
-use crate::gpu::picture::layer::Layers;
+use crate::gpu::picture::layer::{CutMesh, Layers};
 use crate::math::DVec3;
+use std::sync::Arc;
 
 /// Set in the code of an object that is a mesh: the rest is its place in the frame's list.
 pub(crate) const MESH_CODE: u32 = 1 << 31;
@@ -30,6 +31,8 @@ pub(crate) struct DrawnLayers {
     pub pieces: usize,
     /// Whether any ray meets a decal.
     pub marked: bool,
+    /// In which layer what cuts each class of bodies begins; `None`: nothing cuts it.
+    pub firsts: Vec<Option<u32>>,
     /// Group 3.
     pub group: wgpu::BindGroup,
 }
@@ -101,15 +104,17 @@ impl LayerRaster {
     ///
     /// # Errors
     /// Too many meshes or faces, out of memory, or a lost device.
+    /// `classes`: the names of the cutting meshes that leave one class of bodies or another as it is.
     pub(crate) fn draw(
         &mut self,
         gpu: &Gpu,
         frame: &Layers,
         stuck: &[Stuck<'_>],
+        classes: &[Arc<[u32]>],
         rays: &Rays<'_>,
     ) -> Result<Option<DrawnLayers>, GpuError> {
         let opaque = self.opaque.draw(gpu, &frame.opaque, rays)?;
-        let spans = self.cuts.draw(gpu, &frame.cuts, rays)?;
+        let (spans, firsts) = self.spans(gpu, &frame.cuts, classes, rays)?;
         let marks = self.decals.draw(gpu, stuck, rays)?;
         if opaque.is_none() && spans.is_none() && marks.is_none() {
             return Ok(None);
@@ -123,7 +128,40 @@ impl LayerRaster {
         let group = group(gpu, "layers", &self.layout, views.chain(lists));
         // The last of the spans only ends them.
         let pieces = spans.map_or(1, |s| s.depth_or_array_layers() as usize);
-        Ok(Some(DrawnLayers { opaque, pieces, marked, group }))
+        Ok(Some(DrawnLayers { opaque, pieces, marked, firsts, group }))
+    }
+
+    /// What cuts, as spans of rays: one list of layers after another, one for each set of meshes that spare something; and in which layer
+    /// each begins, `None` where nothing is left to cut.
+    fn spans(
+        &mut self,
+        gpu: &Gpu,
+        cuts: &[CutMesh],
+        classes: &[Arc<[u32]>],
+        rays: &Rays<'_>,
+    ) -> Result<(Option<wgpu::Texture>, Vec<Option<u32>>), GpuError> {
+        let mut lists = Vec::new();
+        let (mut firsts, mut count) = (Vec::new(), 0);
+        for spared in classes {
+            let left: Vec<CutMesh> = cuts.iter().filter(|cut| !spared.contains(&cut.id)).cloned().collect();
+            let spans = self.cuts.draw(gpu, &left, rays)?;
+            firsts.push(spans.as_ref().map(|_| count));
+            count += spans.as_ref().map_or(0, wgpu::Texture::depth_or_array_layers);
+            lists.extend(spans);
+        }
+        if lists.len() < 2 {
+            return Ok((lists.pop(), firsts));
+        }
+        let all = layers(gpu, "cuts of all", rays.size, count, COLOUR, wgpu::TextureUsages::COPY_DST);
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("cuts") });
+        let mut z = 0;
+        for list in &lists {
+            let to = wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x: 0, y: 0, z }, ..all.as_image_copy() };
+            encoder.copy_texture_to_texture(list.as_image_copy(), to, list.size());
+            z += list.depth_or_array_layers();
+        }
+        gpu.queue.submit([encoder.finish()]);
+        Ok((Some(all), firsts))
     }
 }
 

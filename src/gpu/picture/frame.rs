@@ -43,6 +43,8 @@ pub struct Body {
     pub own_colours: bool,
     /// Display-referred; multiplies colour.
     pub tint: Option<[f32; 3]>,
+    /// Names of the cutting meshes that leave it as it is, in order.
+    pub spared_by: Arc<[u32]>,
 }
 
 impl Body {
@@ -58,6 +60,7 @@ impl Body {
             labels: None,
             own_colours: false,
             tint: None,
+            spared_by: Arc::default(),
         }
     }
 }

@@ -27,6 +27,8 @@ pub struct OpaqueMesh {
 /// A closed mesh; rays leave out what of bodies lies inside it, where the mesh winds about a place. An iso-surface is capped there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CutMesh {
+    /// The caller's name for it; see [`Body::spared_by`](crate::gpu::Body).
+    pub id: u32,
     /// Its triangles. Where they leave a hole, what lies inside is anyone's guess.
     pub mesh: Arc<TriangleMesh>,
     /// `world_from_mesh`.
