@@ -75,10 +75,11 @@ const INNER: &[(&str, &[&[&str]])] = &[
     (
         "interact",
         &[
-            &["boxes"],
-            &["curve", "event", "footprint", "mark", "projection", "readout", "surface", "brush", "slices", "context"],
+            &["boxes", "event", "readout"],
+            &["writing"],
+            &["curve", "footprint", "mark", "projection", "surface", "brush", "slices", "context"],
             &["aim", "gesture"],
-            &["click", "looking"],
+            &["click", "looking", "written"],
             &["tools"],
             &["machine", "preview"],
             &["keys"],

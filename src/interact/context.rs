@@ -3,6 +3,7 @@
 use crate::document::Scene;
 use crate::explode::Poses;
 use crate::interact::boxes::BoxCorners;
+use crate::interact::writing::Writing;
 use crate::volume::{Grid, VolumeId};
 use std::collections::BTreeMap;
 
@@ -19,6 +20,8 @@ pub struct Context<'a> {
     pub boxes: &'a BoxCorners,
     /// Bytes that an edited sample takes in each volume.
     pub sample_bytes: &'a BTreeMap<VolumeId, u64>,
+    /// What is written on surfaces, and what new things will be.
+    pub writing: &'a Writing,
     /// The smallest spacing in mm: the smallest brush that one can still grow is half of it.
     pub voxel_mm: f64,
 }

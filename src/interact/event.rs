@@ -91,6 +91,8 @@ pub enum Key {
     Escape,
     /// F1, or `?`.
     Help,
+    /// Delete.
+    Delete,
     /// Home: fit the view.
     Home,
     /// Arrow or page key up: the next slice.

@@ -13,6 +13,8 @@ pub enum Action {
     BrushSize(f64),
     /// Paints this label from now on.
     Label(u16),
+    /// Removes what is picked of what is written.
+    Remove,
     /// Steps the slice under the pointer.
     Slice(i32),
     /// Takes back a step.
@@ -141,6 +143,7 @@ pub fn action_of(key: Key, modifiers: Modifiers) -> Option<Action> {
         Key::Help => Some(Action::Keys),
         Key::Home if modifiers.shift => Some(Action::Front),
         _ if modifiers.shift => None,
+        Key::Delete => Some(Action::Remove),
         Key::BracketLeft => Some(Action::BrushSize(1.0 / crate::interact::machine::SIZE_STEP)),
         Key::BracketRight => Some(Action::BrushSize(crate::interact::machine::SIZE_STEP)),
         Key::Up => Some(Action::Slice(1)),

@@ -23,6 +23,8 @@ pub mod readout;
 mod slices;
 pub mod surface;
 mod tools;
+mod writing;
+mod written;
 
 pub use aim::{Aim, Aimed};
 pub use brush::{brush_change, reach};
@@ -36,3 +38,4 @@ pub use mark::{Ink, Mark, Pen};
 pub use projection::projected;
 pub use slices::CutSlice;
 pub use tools::Tool;
+pub use writing::{Writing, WritingKind, Written};

@@ -67,6 +67,26 @@ pub struct Style {
     pub still_s: f64,
 }
 
+impl Style {
+    /// The size of letters that the usual lengths are for, px.
+    const USUAL_PX: f64 = 13.0;
+
+    /// The usual one for letters of a size, px.
+    #[must_use]
+    pub fn of_letters(size_px: f64) -> Self {
+        let of = Self::default();
+        let scale = size_px / Self::USUAL_PX;
+        Self {
+            margin: of.margin * scale,
+            border: of.border * scale,
+            gap: of.gap * scale,
+            roomy: of.roomy * scale,
+            clearance: of.clearance * scale,
+            ..of
+        }
+    }
+}
+
 impl Default for Style {
     fn default() -> Self {
         Self {

@@ -11,11 +11,15 @@ use crate::document::Document;
 use crate::document::command::answers::{PlacedLabelsSaid, PlacedSaid};
 use crate::document::error::DocumentError;
 use crate::document::live::windows::pose_at;
+use crate::document::scene::annotations::{Anchor, AnnotationId};
 use crate::document::scene::check::{check_size, safe_camera};
+use crate::document::scene::cutaways::CutawayId;
 use crate::document::scene::labels::{LabelId, Named};
+use crate::document::state::State;
 use crate::gpu::Image;
 use crate::math::{Camera, DVec2, DVec3};
 use crate::volume::VolumeId;
+use std::collections::BTreeMap;
 
 /// Height of the picture that sizes of labels are said for.
 const SAID_FOR_PX: f64 = 800.0;
@@ -105,6 +109,26 @@ impl Document {
         Ok(anchors)
     }
 
+    /// Where the centres of annotations stand now, world mm as posed.
+    pub fn annotation_places(&self) -> BTreeMap<AnnotationId, DVec3> {
+        let Some(state) = &self.state else { return BTreeMap::new() };
+        let all = state.scene.annotations.all.iter();
+        all.filter_map(|(id, one)| Some((*id, self.anchor_place(state, &one.anchor)?))).collect()
+    }
+
+    /// Where the middles of cutaways stand now, world mm as posed.
+    pub fn cutaway_places(&self) -> BTreeMap<CutawayId, DVec3> {
+        let Some(state) = &self.state else { return BTreeMap::new() };
+        let all = state.scene.cutaways.all.iter();
+        all.filter_map(|(id, one)| Some((*id, self.anchor_place(state, &one.anchor)?))).collect()
+    }
+
+    fn anchor_place(&self, state: &State, anchor: &Anchor) -> Option<DVec3> {
+        let grid = *state.at(Some(anchor.volume)).ok()?.grid();
+        let rest = grid.world_from_index.transform_point3(DVec3::from_array(anchor.centre));
+        Some(pose_at(state, self.motion.poses(), rest, anchor.selected).apply(rest))
+    }
+
     fn placement(&mut self, image: &Image, camera: &Camera) -> Result<Placement, DocumentError> {
         let anchors = self.label_anchors()?;
         let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
@@ -136,7 +160,7 @@ impl Document {
         let corners = state.bounds().corners();
         let outline = corners.iter().filter_map(|c| Some(camera.project(*c, image.size)?.0)).collect();
         let viewport = Viewport { size: DVec2::from_array(image.size.map(f64::from)), outline };
-        let style = label_style(size_px);
+        let style = labels::Style::of_letters(size_px);
         let frame = place_still(&viewport, &style, &wanted);
         let left_out = frame.left_out.iter().map(|(id, _)| LabelId(*id as u32)).collect();
         Ok(Placement { anchors, seen, written, placed: frame.labels, left_out, size_px })
@@ -186,8 +210,7 @@ impl Document {
         }
         let camera = safe_camera(camera.unwrap_or(state.scene.views.camera), &state.bounds())?;
         let found = self.placement(image, &camera)?;
-        let ink = style.colour.unwrap_or_else(|| ink_on(background));
-        let shade = ink_on(ink);
+        let [ink, shade] = style.inks(background);
         for placed in &found.placed {
             let at = found.anchors.iter().position(|a| u64::from(a.id.0) == placed.id);
             let Some(text) = at.map(|i| found.written[i].as_str()) else { continue };
@@ -249,20 +272,6 @@ impl Document {
     }
 }
 
-/// How labels of a size are placed.
-pub(crate) fn label_style(size_px: f64) -> labels::Style {
-    let of = labels::Style::default();
-    let scale = size_px / 13.0;
-    labels::Style {
-        margin: of.margin * scale,
-        border: of.border * scale,
-        gap: of.gap * scale,
-        roomy: of.roomy * scale,
-        clearance: of.clearance * scale,
-        ..of
-    }
-}
-
 /// Where what a label names is in a picture, and whether it is seen there.
 fn seen_in(image: &Image, camera: &Camera, anchor: &LabelAnchor) -> (Option<DVec2>, bool) {
     let Some((px, _)) = camera.project(anchor.place, image.size) else { return (None, false) };
@@ -290,12 +299,6 @@ fn measured(text: &str, size_px: f64, laid: &mut crate::document::live::laid::La
     let fonts = laid.fonts.with(text).map_err(|e| refused(&e))?;
     let set = Text::new(text, size_px).set(&fonts).map_err(|e| refused(&e))?;
     Ok(set.bounds.size() + 2.0 * ROOM * size_px)
-}
-
-/// What stands out from a colour.
-fn ink_on(colour: [f32; 3]) -> [f32; 3] {
-    let light = 0.3 * colour[0] + 0.59 * colour[1] + 0.11 * colour[2];
-    if light > 0.5 { [0.05, 0.06, 0.08] } else { [0.94, 0.95, 0.96] }
 }
 
 /// Lays colours over the pixels of a box, each by how much of a pixel it covers.

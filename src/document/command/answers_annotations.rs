@@ -45,6 +45,9 @@ pub struct GridSaid {
     /// Characters that no font has.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub missing: String,
+    /// Of one that is stretched much: the size at which it would not be.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fitting_mm: Option<f64>,
     /// What is to be told of it, in sentences.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub remarks: Vec<String>,

@@ -129,6 +129,10 @@ impl Effects {
         Self { redraws: Redraws::THREE_D, ..Self::change(name) }
     }
 
+    const fn awaited(self) -> Self {
+        Self { is_awaited: true, ..self }
+    }
+
     const fn lasting(self, lasts: Lasts) -> Self {
         Self { lasts, is_awaited: true, ..self }
     }
@@ -334,7 +338,7 @@ impl AnnotationCommand {
         // Slices show the volume without them.
         match self {
             Self::Add(_) => Effects::of_parts("annotation.add").lasting(Lasts::AWhile("Laying an annotation")),
-            Self::Set(_) => Effects::of_parts("annotation.set"),
+            Self::Set(_) => Effects::of_parts("annotation.set").awaited(),
             Self::Remove { .. } => Effects::of_parts("annotation.remove"),
         }
     }
@@ -343,7 +347,7 @@ impl AnnotationCommand {
 impl LabelCommand {
     fn effects(&self) -> Effects {
         match self {
-            Self::Add(_) => Effects::of_parts("label.add"),
+            Self::Add(_) => Effects::of_parts("label.add").awaited(),
             Self::Set(_) => Effects::of_parts("label.set"),
             Self::Remove { .. } => Effects::of_parts("label.remove"),
             Self::FromSegments { .. } => {
@@ -358,7 +362,7 @@ impl CutawayCommand {
     fn effects(&self) -> Effects {
         match self {
             Self::Add(_) => Effects::of_parts("cutaway.add").lasting(Lasts::AWhile("Opening a window")),
-            Self::Set(_) => Effects::of_parts("cutaway.set"),
+            Self::Set(_) => Effects::of_parts("cutaway.set").awaited(),
             Self::Remove { .. } => Effects::of_parts("cutaway.remove"),
         }
     }

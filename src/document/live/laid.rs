@@ -361,9 +361,10 @@ fn remark(said: &mut GridSaid, grid: &SurfaceGrid, one: &Annotation) {
     }
     if said.area[0] > STRETCHED || said.area[1] < 1.0 / STRETCHED {
         let stretched = said.area[0].max(1.0 / said.area[1]);
-        let smaller = fitting(grid).map_or(String::new(), |share| {
-            format!("; at {:.3} mm it would be less than {STRETCHED}", one.size_mm * share)
-        });
+        said.fitting_mm = fitting(grid).map(|share| one.size_mm * share);
+        let smaller = said
+            .fitting_mm
+            .map_or(String::new(), |size_mm| format!("; at {size_mm:.3} mm it would be less than {STRETCHED}"));
         let found = format!("the surface bends so that areas of it are stretched or shrunk by {stretched:.2}");
         said.remarks.push(found + &smaller);
     }

@@ -18,9 +18,6 @@ use crate::document::scene::cutaways::{Cutaway, Outline, Rim, Spared};
 use crate::document::scene::labels::{Label, Named};
 use crate::volume::VolumeId;
 
-/// Dark letters with a light halo are read on matter of any colour.
-const INK: [f32; 3] = [0.07, 0.08, 0.12];
-const PAPER: [f32; 3] = [0.98, 0.98, 0.96];
 const RIM: [f32; 3] = [0.93, 0.90, 0.82];
 
 fn missing(field: &str, expected: &str) -> DocumentError {
@@ -143,8 +140,8 @@ impl Scene {
                 anchor,
                 size_mm: round_length(usual),
                 tracing: Tracing::default(),
-                colour: INK,
-                halo: Some(PAPER),
+                colour: Annotation::INK,
+                halo: Some(Annotation::PAPER),
                 opacity: 1.0,
                 lit: true,
                 visible: true,

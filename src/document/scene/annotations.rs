@@ -278,6 +278,11 @@ impl Content {
 }
 
 impl Annotation {
+    /// Letters of a new one: dark ones with a light halo are read on matter of any colour.
+    pub const INK: [f32; 3] = [0.07, 0.08, 0.12];
+    /// Their halo.
+    pub const PAPER: [f32; 3] = [0.98, 0.98, 0.96];
+
     /// # Errors
     /// The first field that is wrong.
     pub(crate) fn check(&self) -> Result<(), DocumentError> {

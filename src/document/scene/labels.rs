@@ -106,7 +106,19 @@ impl Label {
     }
 }
 
+/// What stands out from a colour.
+fn ink_on(colour: [f32; 3]) -> [f32; 3] {
+    let light = 0.3 * colour[0] + 0.59 * colour[1] + 0.11 * colour[2];
+    if light > 0.5 { [0.05, 0.06, 0.08] } else { [0.94, 0.95, 0.96] }
+}
+
 impl LabelStyle {
+    /// Colours of texts and leaders on a background, and of the shade about them; display-referred.
+    pub fn inks(&self, background: [f32; 3]) -> [[f32; 3]; 2] {
+        let ink = self.colour.unwrap_or_else(|| ink_on(background));
+        [ink, ink_on(ink)]
+    }
+
     /// # Errors
     /// The first field that is wrong.
     pub(crate) fn check(&self) -> Result<(), DocumentError> {

@@ -10,6 +10,7 @@ use crate::interact::context::Context;
 use crate::interact::event::PointerEvent;
 use crate::interact::gesture::Gesture;
 use crate::interact::mark::{Mark, Pen};
+use crate::interact::writing::Written;
 use crate::math::DVec2;
 
 /// What a tool says of itself.
@@ -51,6 +52,11 @@ impl Press {
 pub(super) trait Does: Sync {
     /// The primary button goes down, without keys that move the view.
     fn press(&self, e: &PointerEvent, context: &Context<'_>) -> Press;
+
+    /// Which of the things that are written it works on, if on any.
+    fn picks(&self) -> Option<fn(Written) -> bool> {
+        None
+    }
 
     /// What is said if it is used in a view where it does nothing.
     fn refusal(&self, _view: ViewName) -> Option<&'static str> {
@@ -124,6 +130,12 @@ tools! {
     LineSplit in line_split,
     /// Moves and turns a part by hand.
     MovePart in move_part,
+    /// Lays texts, arrows, rulers, patterns and images on surfaces.
+    Annotate in annotate,
+    /// Names places.
+    Label in label,
+    /// Opens windows into what lies behind a surface.
+    Cutaway in cutaway,
 }
 
 impl Tool {
@@ -165,6 +177,11 @@ impl Tool {
     /// Whether what lies before its cut comes off.
     pub fn peels(self) -> bool {
         self.does().peels()
+    }
+
+    /// Which of the things that are written on surfaces it works on; `None` if it writes nothing.
+    pub fn picks(self) -> Option<fn(Written) -> bool> {
+        self.does().picks()
     }
 
     /// What is said if it is used where it does nothing; `None` if it does something there.

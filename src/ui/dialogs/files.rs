@@ -125,6 +125,10 @@ impl App {
                     self.send(Command::Render(command));
                 }
             }
+            PathPurpose::Decal => {
+                self.parked = None;
+                self.writing.image = Some(path.to_string_lossy().into_owned());
+            }
             PathPurpose::Labels => {
                 self.send(Command::Segment(SegmentCommand::Import { path, component: 0, frame: 0, volume: None }))
             }
@@ -215,6 +219,7 @@ fn by_system(what: &PathPurpose, folder: &Path, name: &std::ffi::OsStr) -> Optio
         PathPurpose::Add | PathPurpose::Selection | PathPurpose::Labels | PathPurpose::Source(_) => {
             ask.add_filter("Volumes", &["nii", "gz", "nrrd", "nhdr", "hdr"]).pick_file()
         }
+        PathPurpose::Decal => ask.add_filter("Pictures", &["png"]).pick_file(),
         PathPurpose::SaveAs | PathPurpose::Export(_) | PathPurpose::Image(_) => ask.save_file(),
     }
 }

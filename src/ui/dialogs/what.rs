@@ -33,6 +33,7 @@ impl App {
             | PathPurpose::Add
             | PathPurpose::Selection
             | PathPurpose::Labels
+            | PathPurpose::Decal
             | PathPurpose::Source(_) => return OsString::new(),
             PathPurpose::SaveAs => name.push(".burin"),
             PathPurpose::Export(Export { field, endings, label }) => {
@@ -72,6 +73,7 @@ impl App {
             | PathPurpose::Add
             | PathPurpose::Selection
             | PathPurpose::Labels
+            | PathPurpose::Decal
             | PathPurpose::Source(_) => last.or(beside),
             PathPurpose::SaveAs | PathPurpose::Export(_) | PathPurpose::Image(_) => beside.or(last),
         };

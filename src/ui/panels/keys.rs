@@ -10,7 +10,7 @@ use egui::{Align2, Color32, Grid, Id, RichText, ScrollArea, Ui, vec2};
 /// Width of the page with its groups in two columns, and in one.
 const WIDTHS: [f32; 2] = [1040.0, 540.0];
 /// The groups of each column, and the column's share of the width.
-const COLUMNS: [(&[&str], f32); 2] = [(&["Paint", "Parts", "Panels"], 0.46), (&["Look", "Document"], 0.54)];
+const COLUMNS: [(&[&str], f32); 2] = [(&["Paint", "Parts", "Panels"], 0.46), (&["Look", "Annotate", "Document"], 0.54)];
 
 impl App {
     pub(crate) fn key_page(&mut self, ctx: &egui::Context) {

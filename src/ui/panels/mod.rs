@@ -11,6 +11,7 @@ pub(crate) mod falloff;
 pub(crate) mod focus;
 pub(crate) mod history;
 pub(crate) mod keys;
+pub(crate) mod labels;
 pub(crate) mod layers;
 pub(crate) mod look;
 pub(crate) mod look_menu;
@@ -22,7 +23,9 @@ pub(crate) mod status;
 pub(crate) mod sub_volumes;
 pub(crate) mod transfer;
 pub(crate) mod volumes;
+pub(crate) mod written;
 
+use crate::interact::Tool;
 use crate::ui::state::borders::{Border, Edge};
 use crate::ui::state::layout::{BORDER, HEAD, LIST, Layout};
 use crate::ui::state::look_of::shown_volume;
@@ -61,9 +64,23 @@ impl App {
                 if self.lists_volumes() {
                     section(ui, ("Volumes", None), |ui| self.volume_panel(ui));
                 }
-                section(ui, ("Brush", None), |ui| self.brush_panel(ui));
+                // A tool that writes has its own rows in the brush's place, with the list of what it makes.
+                let tool = self.interaction.tool();
+                match tool {
+                    Tool::Annotate | Tool::Cutaway => {
+                        section(ui, ("Annotations", None), |ui| self.annotation_panel(ui));
+                    }
+                    Tool::Label => section(ui, ("Labels", None), |ui| self.label_panel(ui)),
+                    _ => section(ui, ("Brush", None), |ui| self.brush_panel(ui)),
+                }
                 section(ui, ("Layers", whose.as_deref()), |ui| self.layer_panel(ui));
                 section(ui, ("3D look", None), |ui| self.look_panel(ui));
+                if self.lists_annotations() && !matches!(tool, Tool::Annotate | Tool::Cutaway) {
+                    section(ui, ("Annotations", None), |ui| self.annotation_panel(ui));
+                }
+                if self.lists_labels() && tool != Tool::Label {
+                    section(ui, ("Labels", None), |ui| self.label_panel(ui));
+                }
             });
             let add = Rect::from_min_size(pos2(lower.right() - BAR - ROW, lower.top() + HEAD_TOP), vec2(ROW, ROW));
             self.add_segment(ui, add);

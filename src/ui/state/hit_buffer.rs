@@ -1,6 +1,6 @@
 //! Which views were drawn, and for the 3D view what lies at each pixel.
 
-use crate::document::ViewName;
+use crate::document::{LabelAnchor, ViewName};
 use crate::explode::{Explosion, PartId, Poses};
 use crate::gpu::ObjectId;
 use crate::interact::Hit;
@@ -57,6 +57,30 @@ impl Pictures {
         let depth = self.depth.as_ref()?;
         let Depth { size, depth_mm, object, camera, surface } = depth;
         Some(surface.get_or_init(|| Surface::new(camera, *size, depth_mm, object)))
+    }
+
+    /// The camera of the 3D view's picture.
+    pub(crate) fn camera(&self) -> Option<Camera> {
+        self.depth.as_ref().map(|depth| depth.camera)
+    }
+
+    /// Where the 3D view's picture has a place, as shares of its width and height.
+    pub(crate) fn share(&self, world: DVec3) -> Option<DVec2> {
+        let depth = self.depth.as_ref()?;
+        let (px, _) = depth.camera.project(world, depth.size)?;
+        Some(px / DVec2::from_array(depth.size.map(f64::from)))
+    }
+
+    /// The same of what a label names, and whether it is seen there; `None` outside of the picture.
+    pub(crate) fn seen(&self, anchor: &LabelAnchor) -> Option<(DVec2, bool)> {
+        let depth = self.depth.as_ref()?;
+        let (px, _) = depth.camera.project(anchor.place, depth.size)?;
+        let i = depth.pixel(px, depth.size)?;
+        let at_mm = depth.camera.ray(px, depth.size).origin.distance(anchor.place);
+        let object = depth.object[i];
+        let segment = object.volume().zip(object.segment());
+        let seen = anchor.is_seen(f64::from(*depth.depth_mm.get(i)?), at_mm, segment, object.body());
+        Some((px / DVec2::from_array(depth.size.map(f64::from)), seen))
     }
 
     /// What a pixel of the 3D view of the given size shows; `None` for nothing.

@@ -5,6 +5,7 @@
 pub(crate) mod borders;
 pub(crate) mod dialog;
 pub(crate) mod hit_buffer;
+pub(crate) mod labels_shown;
 pub(crate) mod layout;
 pub(crate) mod left_out;
 pub(crate) mod lesson;
@@ -15,6 +16,7 @@ pub(crate) mod path_purpose;
 pub(crate) mod picture_wish;
 pub(crate) mod pixels;
 pub(crate) mod recent;
+pub(crate) mod remarks;
 pub(crate) mod sample;
 pub(crate) mod saving;
 pub(crate) mod trail;

@@ -53,6 +53,8 @@ pub(crate) enum PathPurpose {
     Image(Wish),
     Selection,
     Labels,
+    /// What an annotation shows.
+    Decal,
     /// The volume of this project, which is not where it was.
     Source(PathBuf),
 }
@@ -70,6 +72,7 @@ impl PathPurpose {
             Self::Image(_) => "Save picture",
             Self::Selection => "Import selection",
             Self::Labels => "Import labels",
+            Self::Decal => "Choose a picture",
             Self::Source(_) => "Find the project's volume",
         }
     }
@@ -79,6 +82,7 @@ impl PathPurpose {
         match self {
             Self::Open | Self::Source(_) => "Open",
             Self::Add => "Add",
+            Self::Decal => "Choose",
             Self::SaveAs | Self::Image(_) => "Save",
             Self::Export(_) => "Export",
             Self::Selection | Self::Labels => "Import",
@@ -96,6 +100,7 @@ impl PathPurpose {
             Self::Image(_) => "Where the picture is written",
             Self::Selection => "A volume of the same place; what is above 0 is selected",
             Self::Labels => "A label map of the same place; each value becomes a segment",
+            Self::Decal => "A PNG picture, which the next annotation lays on a surface",
             Self::Source(_) => "The file that the project was saved with; it is known by its content",
         };
         said.into()
@@ -106,6 +111,7 @@ impl PathPurpose {
             Self::Open | Self::Add | Self::Selection | Self::Labels | Self::Source(_) => {
                 Purpose { asks: Asks::Open, endings: &VOLUMES }
             }
+            Self::Decal => Purpose { asks: Asks::Open, endings: &[".png"] },
             Self::SaveAs => Purpose { asks: Asks::SaveFolder, endings: &[] },
             Self::Export(export) => Purpose { asks: Asks::SaveFile, endings: export.endings },
             Self::Image(Wish { exr: true, .. }) => Purpose { asks: Asks::SaveFile, endings: &[".exr"] },

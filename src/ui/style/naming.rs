@@ -57,3 +57,19 @@ pub(crate) fn name_field(ui: &mut Ui, (name, tip): (&str, &str), text: &str, wid
     let entered = response.lost_focus() && !ui.input(|i| i.key_pressed(Key::Escape));
     (entered && draft != text && !draft.is_empty()).then_some(Named::Anew(draft))
 }
+
+/// A text that can be written at any time; answers another one once it is entered, by Enter or by leaving the field.
+pub(crate) fn text_field(ui: &mut Ui, (name, tip): (&str, &str), text: &str, width: f32) -> Option<String> {
+    let id = ui.make_persistent_id(("text", name));
+    let mut draft = ui.data(|d| d.get_temp::<String>(id)).unwrap_or_else(|| text.to_owned());
+    let edit = TextEdit::singleline(&mut draft).id(id.with("field")).desired_width(width - 8.0);
+    let response = ui.add_sized(vec2(width, ROW), edit.align(Align2::LEFT_CENTER)).accessible_name(name);
+    let response = tipped(response, tip);
+    if response.has_focus() {
+        ui.data_mut(|d| d.insert_temp(id, draft));
+        return None;
+    }
+    ui.data_mut(|d| d.remove::<String>(id));
+    let entered = response.lost_focus() && !ui.input(|i| i.key_pressed(Key::Escape));
+    (entered && draft != text && !draft.trim().is_empty()).then_some(draft)
+}

@@ -5,9 +5,10 @@
 
 use crate::document::answers::Answer;
 use crate::document::answers_ask::VoxelSaid;
-use crate::document::{Aim, Command, Ground, RenderCommand, Scene, ViewName};
+use crate::document::{Aim, Command, Ground, LabelAnchor, RenderCommand, Scene, ViewName};
 use crate::explode::Poses;
 use crate::gpu::ObjectId;
+use crate::interact::Written;
 use crate::interact::boxes::BoxCorners;
 use crate::math::{Camera, DVec2, DVec3};
 use crate::ui::thread::stop::Stop;
@@ -94,6 +95,10 @@ pub struct OpenDocument {
     pub centres: BTreeMap<VolumeId, DVec3>,
     /// Corners of the sub-volumes that pictures show, where they lie, world mm.
     pub boxes: Arc<BoxCorners>,
+    /// Where what is written on surfaces has its middle, and where leaders of labels end, world mm as posed.
+    pub written: BTreeMap<Written, DVec3>,
+    /// What the labels that are shown name.
+    pub labels: Arc<Vec<LabelAnchor>>,
     /// Bytes that an edited sample takes in each volume.
     pub sample_bytes: BTreeMap<VolumeId, u64>,
     /// The source's numeric type.

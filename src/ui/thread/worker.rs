@@ -6,15 +6,15 @@
 use crate::document::answers::{Answer, Said};
 use crate::document::effects::{Effects, Redraws};
 use crate::document::{
-    Command, Document, DocumentError, ExplosionCommand, HistoryCommand, KeepError, Place, Question, RenderCommand,
-    ViewName,
+    Command, Document, DocumentError, ExplosionCommand, HistoryCommand, KeepError, LabelAnchor, Place, Question,
+    RenderCommand, ViewName,
 };
 use crate::interact::readout;
 use crate::math::DVec2;
 use crate::ui::thread::progress::{PercentTold, doing};
 use crate::ui::thread::rescue::{after_failure, way_out};
 use crate::ui::thread::session::{Picture, Report, Request, Session, Severity, Snapshot, WorkerEnd};
-use crate::ui::thread::snapshot::{open_document, sketch};
+use crate::ui::thread::snapshot::{label_anchors, open_document, sketch};
 use crate::ui::thread::view_scheduler::ViewScheduler;
 use crate::volume::Histogram;
 use std::collections::BTreeSet;
@@ -57,6 +57,8 @@ pub fn spawn(mut document: Document, wake: egui::Context) -> std::io::Result<(Se
         gpu: None,
         moving,
         histogram: None,
+        labels: Arc::default(),
+        settled: None,
         refused: BTreeSet::new(),
         told: None,
         source_trouble: None,
@@ -87,6 +89,10 @@ struct Worker {
     moving: bool,
     /// The open document's: another one for another document, also where the volume is the same.
     histogram: Option<Arc<Histogram>>,
+    /// What the labels that are shown named last.
+    labels: Arc<Vec<LabelAnchor>>,
+    /// Revision of the document that what is relaxed was last found for.
+    settled: Option<u64>,
     /// What was refused and has not worked since, as `noun.verb`.
     refused: BTreeSet<String>,
     /// Revision and serial of the last snapshot sent.
@@ -149,6 +155,7 @@ impl Worker {
         self.scheduler = ViewScheduler::default();
         (self.moving, self.held, self.probe) = (false, None, None);
         (self.histogram, self.told, self.source_trouble) = (None, None, None);
+        (self.labels, self.settled) = (Arc::default(), None);
         self.refused.clear();
         self.report(Report::Finished);
         self.tell_refining();
@@ -181,6 +188,7 @@ impl Worker {
                             self.told = None;
                             return Next::Go;
                         }
+                        Ok(false) if self.settle() => return Next::Go,
                         Ok(false) => {}
                         Err(error) => tracing::warn!("{error}"),
                     }
@@ -214,6 +222,19 @@ impl Worker {
                 Err(TryRecvError::Disconnected) => return Next::Gone,
             }
         }
+    }
+
+    /// Lets what lies on surfaces relax; answers whether the 3D view is another one now. What cannot be found is sought once.
+    fn settle(&mut self) -> bool {
+        if self.settled == Some(self.document.revision()) {
+            return false;
+        }
+        let changed = self.document.settle_layers();
+        self.settled = Some(self.document.revision());
+        if changed {
+            self.scheduler.note(Redraws::THREE_D);
+        }
+        changed
     }
 
     /// `false`: the window was closed in order.
@@ -375,7 +396,8 @@ impl Worker {
         if self.told == Some(now) {
             return;
         }
-        let open = open_document(&self.document, self.histogram.as_ref());
+        self.labels = label_anchors(&mut self.document, &self.labels);
+        let open = open_document(&self.document, self.histogram.as_ref(), self.labels.clone());
         self.histogram = open.as_ref().map(|o| o.histogram.clone());
         let history = self.document.history();
         let past = |back| self.document.state()?.past.next(None, back).map(str::to_owned);

@@ -2,6 +2,7 @@
 
 pub(crate) mod boxes;
 pub(crate) mod footprint;
+pub(crate) mod labels;
 pub(crate) mod outlines;
 pub(crate) mod overlay;
 pub(crate) mod pointer;

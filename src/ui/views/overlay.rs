@@ -51,6 +51,7 @@ impl App {
                 scale_bar(painter, body, views.camera.mm_per_pixel(1.0, size[1]) * f64::from(scale));
             }
         }
+        self.written_overlay(painter, view, (body, size), &to_screen);
         let mut marks = self.interaction.gesture().map_or_else(Vec::new, |gesture| gesture.marks(view));
         marks.extend(self.tool_marks(painter, view, plane.as_ref(), size));
         self.draw_marks(painter, &marks, &to_screen, scale);

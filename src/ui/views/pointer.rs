@@ -208,12 +208,14 @@ impl App {
                         grid,
                         boxes: &open.boxes,
                         sample_bytes: &open.sample_bytes,
+                        writing: &self.writing,
                         voxel_mm: grid.voxel_mm(),
                     };
                     self.send(Interaction::sized(factor, &context));
                 }
             }
             Action::Label(id) => self.paint_with(Target::Label(id)),
+            Action::Remove => self.remove_picked(),
             Action::Slice(voxels) => {
                 let view = self.viewports.meant();
                 if view != ViewName::ThreeD {
@@ -282,6 +284,7 @@ fn key_of(key: egui::Key) -> Option<Key> {
         K::CloseBracket => Key::BracketRight,
         K::Escape => Key::Escape,
         K::F1 | K::Questionmark => Key::Help,
+        K::Delete => Key::Delete,
         K::Home => Key::Home,
         K::ArrowUp | K::PageUp => Key::Up,
         K::ArrowDown | K::PageDown => Key::Down,

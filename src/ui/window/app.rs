@@ -3,13 +3,14 @@
 use crate::document::answers_ask::VoxelSaid;
 use crate::document::{Command, Scene, ViewCommand, ViewName};
 use crate::explode::PartId;
-use crate::interact::{Context, Event, Hit, Interaction};
+use crate::interact::{Button, Context, Event, Hit, Interaction, Writing};
 use crate::math::DVec2;
 use crate::ui::browse::names::shown;
 use crate::ui::state::borders::Borders;
 use crate::ui::state::dialog::Dialog;
 use crate::ui::state::dialog::{Chosen, Parked};
 use crate::ui::state::hit_buffer::Pictures;
+use crate::ui::state::labels_shown::LabelsShown;
 use crate::ui::state::layout::Layout;
 use crate::ui::state::lesson::Lesson;
 use crate::ui::state::message::{Message, Toast};
@@ -17,6 +18,7 @@ use crate::ui::state::note::Note;
 use crate::ui::state::path_purpose::Export;
 use crate::ui::state::picture_wish::Wish;
 use crate::ui::state::recent::Recent;
+use crate::ui::state::remarks::Remarks;
 use crate::ui::state::saving::AfterSave;
 use crate::ui::state::trail::Trail;
 use crate::ui::state::transfer_editor::TransferEditor;
@@ -90,6 +92,14 @@ pub struct App {
     pub(crate) transfer: TransferEditor,
     /// The part whose row in the list is under the pointer.
     pub(crate) pointed_part: Option<PartId>,
+    /// What is written on surfaces: what is picked, and what new things will be.
+    pub(crate) writing: Writing,
+    /// What was said of how things lie on surfaces.
+    pub(crate) remarks: Remarks,
+    /// Labels over the 3D view.
+    pub(crate) labels: LabelsShown,
+    /// What a control asks for that takes its time: sent when the one before is done.
+    pub(crate) waiting: Option<Command>,
     pub(crate) last_paint: BTreeMap<&'static str, crate::paint::Target>,
     /// Places for a plane to mirror across, until there are three.
     pub(crate) mirror_points: Vec<crate::math::DVec3>,
@@ -161,6 +171,10 @@ impl App {
             wheeled: None,
             transfer: TransferEditor::default(),
             pointed_part: None,
+            writing: Writing::default(),
+            remarks: Remarks::default(),
+            labels: LabelsShown::default(),
+            waiting: None,
             last_paint: BTreeMap::new(),
             mirror_points: Vec::new(),
             least_piece: LEAST_PIECE,
@@ -209,10 +223,15 @@ impl App {
 
     /// Sends a command and lets the window's copy follow.
     pub(crate) fn send(&mut self, command: Command) {
-        if let (Some(scene), Some(open)) = (&mut self.scene, &self.snapshot.open) {
-            predict(scene, &command, &open.ground());
-        }
+        self.expect(&command);
         self.request(Request::Apply(command));
+    }
+
+    /// Lets the window's copy follow a command.
+    pub(crate) fn expect(&mut self, command: &Command) {
+        if let (Some(scene), Some(open)) = (&mut self.scene, &self.snapshot.open) {
+            predict(scene, command, &open.ground());
+        }
     }
 
     pub(crate) fn request(&mut self, request: Request) {
@@ -233,9 +252,20 @@ impl App {
             grid: &grid,
             boxes: &open.boxes,
             sample_bytes: &open.sample_bytes,
+            writing: &self.writing,
             voxel_mm: grid.voxel_mm(),
         };
+        // A press beside all of them begins a new one, and one into the air turns the view.
+        let picks = match event {
+            Event::Press(Button::Primary, e) if !e.modifiers.pans() || e.modifiers.shift => {
+                self.interaction.tool().picks().map(|of| self.writing.under(&e, &scene.views.camera, of))
+            }
+            _ => None,
+        };
         let commands = self.interaction.handle(event, &context);
+        if let Some(Some((one, _))) = picks {
+            self.writing.picked = Some(one);
+        }
         let is = self.interaction.gesture().is_some();
         if is && !was {
             // What a control or the wheel had begun ends here: a gesture is a change of its own.

@@ -22,7 +22,33 @@ impl App {
         self.send(command);
     }
 
+    /// The same of what takes the document its time: while it works on the last one only the newest waits.
+    pub(crate) fn edit_slowly(&mut self, response: &Response, command: Command) {
+        if self.group == Some(response.id) && self.is_behind() {
+            self.expect(&command);
+            self.waiting = Some(command);
+            return;
+        }
+        self.waiting = None;
+        self.edit(response, command);
+    }
+
+    fn is_behind(&self) -> bool {
+        self.snapshot.serial < self.session.serial()
+    }
+
+    /// Sends what waits once the document has caught up, or the control is at rest.
+    fn send_waiting(&mut self, rests: bool) {
+        if self.waiting.is_some()
+            && (rests || !self.is_behind())
+            && let Some(command) = self.waiting.take()
+        {
+            self.send(command);
+        }
+    }
+
     pub(crate) fn end_group(&mut self) {
+        self.send_waiting(true);
         if self.group.take().is_some() {
             self.send(Command::History(HistoryCommand::End {}));
         }
@@ -30,6 +56,7 @@ impl App {
 
     /// Ends a control's change once the button is up.
     pub(crate) fn rest_control(&mut self, ctx: &egui::Context) {
+        self.send_waiting(false);
         if self.group.is_some() && !ctx.input(|i| i.pointer.any_down()) {
             self.end_group();
         }

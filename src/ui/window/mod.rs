@@ -11,3 +11,4 @@ pub(crate) mod opening;
 pub(crate) mod reports;
 pub(crate) mod saving;
 pub(crate) mod start;
+pub(crate) mod written;

@@ -33,6 +33,9 @@ impl App {
                         self.backdrop.forget();
                         self.trail.clear();
                         self.viewports.forget_sizes();
+                        self.labels.clear();
+                        self.remarks.clear();
+                        self.writing.picked = None;
                     }
                     let histogram = |s: &Snapshot| s.open.as_ref().map(|open| Arc::as_ptr(&open.histogram));
                     if opened_anew || histogram(&snapshot) != histogram(&self.snapshot) {
@@ -48,6 +51,7 @@ impl App {
                     // A motion asks once it is at rest: each look into the 3D view costs it a picture.
                     self.probe_again |= !snapshot.moving;
                     self.snapshot = snapshot;
+                    self.take_written();
                 }
                 Report::Picture(picture) => match self.backdrop.take(&picture) {
                     Ok(()) => {
@@ -107,6 +111,7 @@ impl App {
             self.warn_until(RECOVERED, text);
             self.messages_open = true;
         }
+        self.written_done(command, answer);
         self.file_done(command);
         self.tell_of_file(command, answer);
         if let Command::Project(ProjectCommand::Save { .. }) = command {
