@@ -9,7 +9,6 @@ use crate::document::{
 use crate::interact::event::PointerEvent;
 use crate::interact::gesture::{CLICK_PX, Gesture};
 use crate::interact::mark::{Ink, Mark};
-use crate::interact::readout;
 use crate::interact::writing::Written;
 use crate::math::DVec2;
 
@@ -135,5 +134,5 @@ pub(super) fn three_digits(mm: f64) -> f64 {
 
 /// A length in words.
 pub(super) fn said(mm: f64) -> String {
-    format!("{} mm", readout::short(three_digits(mm)))
+    format!("{} mm", three_digits(mm))
 }

@@ -100,6 +100,8 @@ impl Window {
             grid,
             centres: self.scene.volumes.all.keys().map(|&id| (id, grid.world_bounds().centre())).collect(),
             boxes: Default::default(),
+            written: Default::default(),
+            labels: Default::default(),
             sample_bytes: self.scene.volumes.all.keys().map(|&id| (id, 9)).collect(),
             voxel_type: VoxelType::U8,
             statistics: Statistics { min: 0.0, max: 100.0, sum: 1e6, nan_count: 0, ..Statistics::default() },

@@ -8,7 +8,7 @@ use burin::document::{
 use burin::explode::{Axis, Part, PartId, Poses};
 use burin::interact::boxes::BoxCorners;
 use burin::interact::{
-    Action, Button, Context, Event, Hit, Interaction, Key, Modifiers, PointerEvent, SHORTCUTS, Tool, Wheel, action_of,
+    Action, Button, Context, Event, Hit, Interaction, Key, Modifiers, PointerEvent, SHORTCUTS, Tool, Wheel, Writing, action_of,
 };
 use burin::math::{DVec2, DVec3, Plane};
 use burin::paint::BrushChange;
@@ -24,9 +24,10 @@ pub struct Hand {
     pub boxes: BoxCorners,
     pub sample_bytes: BTreeMap<VolumeId, u64>,
     pub interaction: Interaction,
+    pub writing: Writing,
     view: ViewName,
-    modifiers: Modifiers,
-    hit: Option<Hit>,
+    pub modifiers: Modifiers,
+    pub hit: Option<Hit>,
 }
 
 impl Hand {
@@ -46,6 +47,7 @@ impl Hand {
             boxes: BoxCorners::new(),
             sample_bytes: BTreeMap::new(),
             interaction,
+            writing: Writing::default(),
             view,
             modifiers: Modifiers::default(),
             hit,
@@ -73,6 +75,7 @@ impl Hand {
                 grid: &self.grid,
                 boxes: &self.boxes,
                 sample_bytes: &self.sample_bytes,
+                writing: &self.writing,
                 voxel_mm: 1.0,
             },
         )
@@ -341,6 +344,7 @@ fn a_brush_never_shrinks_below_half_a_voxel_and_can_grow_from_nothing() {
             grid: &grid,
             boxes: &Default::default(),
             sample_bytes: &Default::default(),
+            writing: &Default::default(),
             voxel_mm: 2.0,
         },
     ) {
@@ -369,6 +373,7 @@ fn a_brush_for_voxels_of_metres_and_of_nanometres_grows_and_shrinks() {
                         grid: &grid,
                         boxes: &Default::default(),
                         sample_bytes: &Default::default(),
+                        writing: &Default::default(),
                         voxel_mm,
                     },
                 ) else {

@@ -38,6 +38,7 @@ mod untouched;
 mod volumes;
 mod window;
 mod worker;
+mod written;
 
 use burin::document::{Origin, Scene, VolumeSettings};
 use burin::math::DVec3;

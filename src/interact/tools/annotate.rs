@@ -17,9 +17,8 @@ pub(super) const ABOUT: About = About {
     group: "Annotate",
     keys: &[
         ("A", "Annotate: press at the centre, drag where it goes"),
-        ("Drag its centre", "Move what is written"),
-        ("Shift + drag its centre", "Turn it"),
-        ("Ctrl + drag its centre", "Make it larger or smaller"),
+        ("Click or drag a centre", "Pick or move what is there"),
+        ("Shift, Ctrl + drag a centre", "Turn it, scale it"),
         ("Delete", "Remove what is picked"),
     ],
     hint: "In the 3D view press at the centre and drag where it goes; drag a centre to move it (Shift: turn, Ctrl: size)",

@@ -13,7 +13,7 @@ use crate::math::DVec2;
 pub(super) const ABOUT: About = About {
     name: "Cutaway",
     group: "Annotate",
-    keys: &[("C", "Cutaway: drag from its middle to a corner; drag its middle to move it")],
+    keys: &[("C", "Cutaway: drag from its middle to a corner")],
     hint: "In the 3D view drag from the middle to a corner to cut a window; drag a middle to move it (Shift: turn, Ctrl: size)",
     icon: &[
         Pen::Closed(&[(1.5, 2.5), (14.5, 2.5), (14.5, 13.5), (1.5, 13.5)]),

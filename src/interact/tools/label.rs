@@ -13,7 +13,7 @@ use crate::math::DVec2;
 pub(super) const ABOUT: About = About {
     name: "Label",
     group: "Annotate",
-    keys: &[("T", "Label: click at what is named; drag its end to another place")],
+    keys: &[("T", "Label: click at what is named")],
     hint: "Click at a place in the 3D view to name it; drag the end of a label's line to another place",
     icon: &[
         Pen::Circle((3.5, 12.5), 1.5),

@@ -14,7 +14,7 @@ use crate::ui::style::naming::{Named, name_field, text_field};
 use crate::ui::style::theme;
 use crate::ui::style::theme::{GAP, LABEL, ROW};
 use crate::ui::style::widgets::{
-    Face, Scale, button, empty, from_right, icon_button, list, number, row, slider, tick, tipped,
+    Face, Scale, button, empty, from_right, icon_button, line, list, number, row, slider, tick, tipped,
 };
 use crate::ui::window::app::App;
 use egui::{Align2, ComboBox, DragValue, Label, Rect, Response, RichText, TextEdit, Ui, vec2};
@@ -116,6 +116,7 @@ impl App {
 
     fn new_cutaway(&mut self, ui: &mut Ui) {
         let extent = self.writing.extent_mm;
+        empty(ui, "A new cutaway");
         row(ui, "Depth", |ui| {
             let mut depth = self.writing.depth_mm();
             let about = ("Depth of a new cutaway", "How far the floor of the next one lies behind the surface");
@@ -131,7 +132,7 @@ impl App {
             }
         });
         let tip = "Selected matter stands in the next cutaway as it was";
-        tick(ui, &mut self.writing.spare_selection, "Spare the selection", tip);
+        tick(ui, &mut self.writing.spare_selection, "Spare selected matter", tip);
     }
 
     fn annotation_list(&mut self, ui: &mut Ui) {
@@ -248,6 +249,7 @@ impl App {
         let set = |change: AnnotationChange| {
             Command::Annotation(AnnotationCommand::Set(AnnotationChange { id: Some(id), ..change }))
         };
+        caption(ui, &one.name);
         let letters = matches!(one.content, Content::Text { .. } | Content::Ruler { .. });
         if let Content::Text { text, .. } = &one.content {
             row(ui, "Text", |ui| {
@@ -296,6 +298,7 @@ impl App {
         let extent = self.writing.extent_mm;
         let set =
             |change: CutawayChange| Command::Cutaway(CutawayCommand::Set(CutawayChange { id: Some(id), ..change }));
+        caption(ui, &one.name);
         row(ui, "Depth", |ui| {
             let mut depth = one.depth_mm;
             let about = ("Depth of the cutaway", "How far its floor lies behind the surface");
@@ -351,7 +354,7 @@ impl App {
             ui.add(Label::new(text).wrap());
         }
         if let (Some(mm), Written::Annotation(id)) = (remark.fitting_mm, one) {
-            let text = format!("Make it {} mm", readout::short(rounded_down(mm)));
+            let text = format!("Make it {} mm", rounded_down(mm));
             let tip = "The largest size at which the surface bends it little";
             if button(ui, vec2(ui.available_width(), ROW), &text, tip) {
                 let size_mm = Some(rounded_down(mm));
@@ -360,6 +363,12 @@ impl App {
             }
         }
     }
+}
+
+/// Whose rows follow.
+fn caption(ui: &mut Ui, name: &str) {
+    let width = ui.available_width();
+    line(ui, &format!("Picked: {name}"), width, theme::TEXT_WEAK);
 }
 
 /// Three digits, never more than it is.

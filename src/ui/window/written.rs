@@ -33,20 +33,20 @@ impl App {
 
     /// Picks what was made, and tells how it lies.
     pub(crate) fn written_done(&mut self, command: &Command, answer: &Answer) {
-        let (name, remarks) = match &answer.said {
+        let (one, name, remarks) = match &answer.said {
             Said::Annotation(said) => {
                 self.remarks.of_annotation(said);
                 if matches!(command, Command::Annotation(AnnotationCommand::Add(_))) {
                     self.writing.picked = Some(Written::Annotation(said.id));
                 }
-                (&said.annotation.name, said.grid.as_ref().map(|grid| &grid.remarks))
+                (Written::Annotation(said.id), &said.annotation.name, said.grid.as_ref().map(|grid| &grid.remarks))
             }
             Said::Cutaway(said) => {
                 self.remarks.of_cutaway(said);
                 if matches!(command, Command::Cutaway(CutawayCommand::Add(_))) {
                     self.writing.picked = Some(Written::Cutaway(said.id));
                 }
-                (&said.cutaway.name, said.mesh.as_ref().map(|mesh| &mesh.remarks))
+                (Written::Cutaway(said.id), &said.cutaway.name, said.mesh.as_ref().map(|mesh| &mesh.remarks))
             }
             Said::Label(said) => {
                 self.writing.picked = Some(Written::Label(said.id));
@@ -54,13 +54,13 @@ impl App {
             }
             _ => return,
         };
+        // Of what is picked the panel says it.
+        if self.writing.picked == Some(one) {
+            return;
+        }
         let text: Vec<String> = remarks.into_iter().flatten().map(|remark| format!("{name}: {remark}.")).collect();
         for text in text {
-            // A control that is dragged says it once.
-            let last = self.messages.last().map(|message| message.text.as_str());
-            if self.group.is_none() && last != Some(&*readout::sentence(&text)) {
-                self.say(Severity::Warning, readout::sentence(&text));
-            }
+            self.say(Severity::Warning, readout::sentence(&text));
         }
     }
 
