@@ -78,7 +78,7 @@ const INNER: &[(&str, &[&[&str]])] = &[
             &["boxes", "event", "readout"],
             &["writing"],
             &["curve", "footprint", "mark", "projection", "surface", "brush", "slices", "context"],
-            &["aim", "gesture"],
+            &["aim", "gesture", "devices"],
             &["click", "looking", "written"],
             &["tools"],
             &["machine", "preview"],

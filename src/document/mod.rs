@@ -49,6 +49,7 @@ pub use journal::autosave::Autosave;
 pub use journal::loaded::{Recovered, RestoredDocument, RestoredVolume};
 pub use journal::recovery;
 pub use live::aim::Aim;
+pub use live::contact::{Contact, ContactFeed, ContactField, ContactForce};
 pub use paths::at_home;
 pub use project::read::{LoadedDensity, Wanted};
 pub use project::source::ZarrSource;
@@ -98,6 +99,7 @@ pub struct Document {
     poles: SegmentPoles,
     running: Option<Running>,
     aim: Option<Aim>,
+    touch: ContactFeed,
     watch: Watch,
     autosave: Option<Autosave>,
     unsaved_in: Option<PathBuf>,
@@ -123,6 +125,7 @@ impl Document {
         self.laid.forget();
         self.windows.forget();
         self.poles.forget();
+        self.touch.forget();
         self.aim = None;
         self.leave_place();
         self.unsaved = false;

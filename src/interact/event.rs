@@ -65,6 +65,17 @@ pub struct PointerEvent {
     pub time_s: f64,
     /// What lies under it; only in the 3D view.
     pub hit: Option<Hit>,
+    /// Where it is in the world, of one that moves in space and not over a view.
+    pub space: Option<InSpace>,
+}
+
+/// Where a pointer is that moves in space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InSpace {
+    /// World mm, at rest.
+    pub mm: DVec3,
+    /// Where its tip looks, unit.
+    pub direction: Option<DVec3>,
 }
 
 /// Turns of the wheel over a view; one notch is 1, away from the user is positive.

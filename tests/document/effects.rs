@@ -101,6 +101,7 @@ pub fn one_of_each() -> Vec<Value> {
         json!({"ask":{"voxel":{"at":at}}}),
         json!({"ask":{"pick":{"px":[3,3]}}}),
         json!({"ask":{"field":{"field":"labels"}}}),
+        json!({"ask":{"contact":{"at":at,"value":20}}}),
         json!({"ask":{"visibility":{}}}),
         json!({"ask":{"history":{}}}),
         json!({"ask":{"annotations":{}}}),

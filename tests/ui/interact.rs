@@ -63,6 +63,7 @@ impl Hand {
             pressure: 1.0,
             time_s: 0.0,
             hit: self.hit,
+            space: None,
         }
     }
 

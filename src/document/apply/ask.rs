@@ -11,6 +11,7 @@ use crate::document::command::answers_ask::{
 use crate::document::error::DocumentError;
 use crate::document::family::{Family, Member};
 use crate::document::frame::WHOLE;
+use crate::document::live::contact::ContactForce;
 use crate::document::scene::check::check_size;
 use crate::document::scene::check::safe_camera;
 use crate::document::scene::past::PastOf;
@@ -95,6 +96,15 @@ impl Document {
                     depth_mm: hit.depth_mm,
                 };
                 PickSaid { hit: Some(hit) }.into()
+            }
+            Question::Contact { at, volume, value, stiffness, most, tolerance_mm } => {
+                let usual = ContactForce::default();
+                let law = ContactForce {
+                    stiffness_n_per_mm: stiffness.unwrap_or(usual.stiffness_n_per_mm),
+                    most_n: most.unwrap_or(usual.most_n),
+                    tolerance_mm: tolerance_mm.unwrap_or(usual.tolerance_mm),
+                };
+                self.ask_contact(at, volume, value, &law)?.into()
             }
             Question::Visibility { camera, size } => {
                 let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;

@@ -11,6 +11,7 @@ pub(crate) mod bake;
 pub(crate) mod colours;
 pub(crate) mod component;
 mod connected;
+mod contact;
 pub(crate) mod explosion;
 pub(crate) mod export;
 mod focus;

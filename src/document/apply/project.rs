@@ -43,7 +43,7 @@ impl Document {
     /// A document with nothing open that keeps what it must where this one does.
     pub fn successor(&self) -> Self {
         let (watch, unsaved_in) = (self.watch.clone(), self.unsaved_in.clone());
-        Self { watch, unsaved_in, history: self.history.successor(), ..Self::default() }
+        Self { watch, unsaved_in, touch: self.touch.clone(), history: self.history.successor(), ..Self::default() }
     }
 
     /// Whether steps were done, undone or brought back since the last save.

@@ -6,7 +6,7 @@
 #![allow(missing_docs)] // fields: what they are called is what they say
 
 use crate::document::command::answers_ask::{
-    FieldSaid, HistorySaid, PartsSaid, PickSaid, VisibilitySaid, VolumeSaid, VoxelSaid,
+    ContactSaid, FieldSaid, HistorySaid, PartsSaid, PickSaid, VisibilitySaid, VolumeSaid, VoxelSaid,
 };
 use crate::document::scene::focus::ViewFocus;
 use crate::document::scene::own_looks::LookChange;
@@ -157,6 +157,7 @@ pub enum Said {
     Voxel(Box<VoxelSaid>),
     Pick(PickSaid),
     Field(FieldSaid),
+    Contact(ContactSaid),
     Visibility(VisibilitySaid),
     History(HistorySaid),
     Picture(PictureSaid),
@@ -200,7 +201,7 @@ said! {
     Travelled(TravelledSaid), Budget(BudgetSaid), Group(GroupSaid), Volume(VolumeSaid), Added(AddedSaid),
     VolumeRemoved(VolumeRemovedSaid), VolumeSet(VolumeSetSaid), SubVolume(SubVolumeSaid),
     SubVolumes(SubVolumesSaid), Fit(FitSaid), Baked(BakedSaid), Scene(SceneSaid),
-    Parts(PartsSaid), Voxel(VoxelSaid), Pick(PickSaid), Field(FieldSaid), Visibility(VisibilitySaid),
+    Parts(PartsSaid), Voxel(VoxelSaid), Pick(PickSaid), Field(FieldSaid), Contact(ContactSaid), Visibility(VisibilitySaid),
     History(HistorySaid), Picture(PictureSaid), Annotation(AnnotationSaid), Annotations(AnnotationsSaid), Removed(RemovedSaid),
     Label(LabelSaid), Labelled(LabelledSaid), LabelStyle(LabelStyleSaid), Labels(PlacedLabelsSaid), Cutaway(CutawaySaid),
     Cutaways(CutawaysSaid),

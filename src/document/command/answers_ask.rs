@@ -154,3 +154,26 @@ pub struct PastCounts {
     pub back: usize,
     pub forward: usize,
 }
+
+/// `ask.contact`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ContactSaid {
+    /// The place, world mm at rest.
+    pub mm: [f64; 3],
+    /// Whose surface.
+    pub volume: VolumeId,
+    /// Its value.
+    pub value: f64,
+    /// Whether the place lies in the volume.
+    pub known: bool,
+    /// Whether the value there is above the surface's.
+    pub inside: bool,
+    /// Whether it is inside, or outside within the tolerance.
+    pub touching: bool,
+    /// (f − value)/|∇f|, below 0 outside; `null` where the field is even.
+    pub depth_mm: Option<f64>,
+    /// Outward; `null` where the field is even.
+    pub normal: Option<[f64; 3]>,
+    /// On the hand, N.
+    pub force_n: [f64; 3],
+}

@@ -393,6 +393,7 @@ impl Question {
             Self::Voxel { .. } => "ask.voxel",
             Self::Pick { .. } => "ask.pick",
             Self::Field { .. } => "ask.field",
+            Self::Contact { .. } => "ask.contact",
             Self::Visibility { .. } => "ask.visibility",
             Self::Annotations { .. } => "ask.annotations",
             Self::Labels { .. } => "ask.labels",

@@ -343,6 +343,26 @@ pub enum Question {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         volume: Option<VolumeId>,
     },
+    /// How a point stands to a surface, and what force a device feels there: stiffness × depth along the outward normal, the depth that
+    /// of the value over its gradient.
+    Contact {
+        at: Place,
+        /// Whose surface, the active one's if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        volume: Option<VolumeId>,
+        /// The surface's value; that of the iso-surface if one is shown.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        value: Option<f64>,
+        /// N/mm.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        stiffness: Option<f64>,
+        /// The greatest force, N.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        most: Option<f64>,
+        /// How far outside it counts as touched, mm.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        tolerance_mm: Option<f64>,
+    },
     /// Share of the selection's pixels with less than 5 % opacity before it.
     Visibility {
         #[serde(default)]

@@ -4,6 +4,7 @@
 
 pub(crate) mod aim;
 pub(crate) mod area;
+pub(crate) mod contact;
 pub(crate) mod drawings;
 pub(crate) mod fonts;
 pub(crate) mod graphics;

@@ -64,6 +64,13 @@ impl VoxelSurface {
         Some(block.value(q) / block.codes_per_unit).filter(|value| value.is_finite())
     }
 
+    /// The same with its gradient, in the volume's unit per mm along the world's axes.
+    pub(crate) fn number_and_slope(&self, p: DVec3) -> Option<(f64, DVec3)> {
+        let (block, q) = self.at(p)?;
+        let told = (block.value(q) / block.codes_per_unit, block.gradient(q) / block.codes_per_unit);
+        Some(told).filter(|(value, slope)| value.is_finite() && slope.is_finite())
+    }
+
     fn at(&self, p: DVec3) -> Option<(&Block, DVec3)> {
         self.blocks.iter().find_map(|block| {
             let q = block.index_from_world.transform_point3(p);

@@ -79,7 +79,7 @@ impl Gesture for Stroke {
 
     fn drag(&mut self, e: &PointerEvent, _scene: &Scene) -> Vec<Command> {
         let switch = !self.fixed && e.modifiers.erase != self.erase;
-        if e.px == self.last.px || switch && e.px.distance(self.last.px) <= CLICK_PX {
+        if (e.px, e.space) == (self.last.px, self.last.space) || switch && e.px.distance(self.last.px) <= CLICK_PX {
             return Vec::new();
         }
         let mut commands = Vec::new();
@@ -115,6 +115,10 @@ fn begin(e: &PointerEvent) -> Command {
 }
 
 fn point(e: &PointerEvent) -> StrokePoint {
-    let at = Place::Pixel { view: e.view, px: e.px.to_array(), size: Some(e.size) };
-    StrokePoint { at, pressure: e.pressure, breaks: false, normal: None }
+    let (at, normal) = match e.space {
+        // What is in space says itself where it is, inside of matter too; a disc faces where it comes from.
+        Some(space) => (Place::Mm(space.mm.to_array()), space.direction.map(|d| (-d).to_array())),
+        None => (Place::Pixel { view: e.view, px: e.px.to_array(), size: Some(e.size) }, None),
+    };
+    StrokePoint { at, pressure: e.pressure, breaks: false, normal }
 }

@@ -15,7 +15,8 @@ pub(crate) struct Viewports {
     pub(crate) captured: Option<(Button, ViewName)>,
     /// Where the brush was told to be last.
     pub(crate) aimed: Option<Aim>,
-    pub(crate) pressure: f32,
+    /// How hard a pen is pressed; `None`: a mouse, which cannot tell.
+    pub(crate) pen: Option<f32>,
     pub(crate) shown: Vec<ViewName>,
     pub(crate) sizes: BTreeMap<ViewName, [u32; 2]>,
 }
@@ -28,7 +29,7 @@ impl Default for Viewports {
             hovered: None,
             captured: None,
             aimed: None,
-            pressure: 1.0,
+            pen: None,
             shown: Vec::new(),
             sizes: BTreeMap::new(),
         }

@@ -137,6 +137,9 @@ impl Worker {
             self.step();
         }
         self.tell();
+        if let Err(error) = self.document.renew_touch() {
+            tracing::warn!("nothing can be felt: {error}");
+        }
         self.tell_source();
         self.tell_refining();
         self.answer_probe();

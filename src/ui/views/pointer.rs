@@ -1,6 +1,7 @@
 //! From egui's raw events to the tools' events: every sample of the pointer, not just the last of a frame.
 
 use crate::document::{HistoryCommand, ViewCommand, ViewName};
+use crate::interact::devices::{Buttons, Moment, Mouse, Pen, ScreenPlace, screen_event};
 use crate::interact::{Action, Button, Event, Interaction, Key, Modifiers, PointerEvent, Wheel, action_of};
 use crate::paint::Target;
 use crate::ui::state::path_purpose::PathPurpose;
@@ -54,7 +55,7 @@ impl App {
         for event in events {
             erase = key_e(&event).unwrap_or(erase);
             match event {
-                egui::Event::Touch { force: Some(force), .. } => self.viewports.pressure = force.clamp(0.0, 1.0),
+                egui::Event::Touch { force: Some(force), .. } => self.viewports.pen = Some(force),
                 egui::Event::PointerButton { pos, button, pressed, modifiers } => {
                     let Some(button) = button_of(button) else { continue };
                     let modifiers = held(modifiers, space, erase && !typing);
@@ -75,7 +76,7 @@ impl App {
                         && held == button
                     {
                         self.viewports.captured = None;
-                        self.viewports.pressure = 1.0;
+                        self.viewports.pen = None;
                         if let Some(&(_, rect)) = rects.iter().find(|(v, _)| *v == view) {
                             let e = self.pointer_event(view, rect, pos, scale, modifiers, time);
                             self.interact(Event::Release(button, e));
@@ -147,7 +148,13 @@ impl App {
     ) -> PointerEvent {
         let (px, size) = (pixel(rect, pos, scale), pixels(rect, scale));
         let hit = if view == ViewName::ThreeD { self.hit(px, size) } else { None };
-        PointerEvent { view, px, size, modifiers, pressure: self.viewports.pressure, time_s, hit }
+        let moment = Moment { seen: None, modifiers, time_s, hit };
+        let place = ScreenPlace { view, px, size };
+        let buttons = self.viewports.captured.map_or(Buttons::default(), |(button, _)| Buttons::only(button));
+        match self.viewports.pen {
+            Some(force) => screen_event(&Pen { place, buttons, force }, place, &moment),
+            None => screen_event(&Mouse { place, buttons }, place, &moment),
+        }
     }
 
     /// Shortcuts; typing into a field keeps its keys, and a control that was reached by Tab keeps those that move it.

@@ -369,7 +369,7 @@ impl App {
         // A window that loses the focus never hears the button go up.
         let left = ctx.input(|i| i.events.contains(&egui::Event::WindowFocused(false)));
         if left && self.viewports.captured.take().is_some() {
-            self.viewports.pressure = 1.0;
+            self.viewports.pen = None;
             self.interact(Event::Abort);
         }
         self.show_title(&ctx);
