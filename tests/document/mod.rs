@@ -1,5 +1,8 @@
 //! Commands, history, journal, projects.
 
+pub mod annotations;
+mod annotations_laid;
+mod annotations_shown;
 mod answers;
 mod around;
 mod baked;
@@ -12,6 +15,7 @@ mod connected;
 mod connected_across;
 mod connected_kept;
 mod connected_shown;
+pub mod contact;
 mod doors;
 mod effects;
 mod exploded;
@@ -52,6 +56,7 @@ mod nouns;
 mod opening;
 mod painted;
 mod parts;
+mod passive;
 mod past;
 mod pictures;
 mod poses;

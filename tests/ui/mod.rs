@@ -6,6 +6,7 @@ mod browser;
 mod brush_panel;
 mod busy;
 mod curve;
+mod devices;
 mod driver;
 mod duties;
 mod files;
