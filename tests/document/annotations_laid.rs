@@ -113,7 +113,16 @@ fn a_grid_is_trimmed_where_the_surface_was_taken_away_and_says_so() {
         json!({"brush":{"set":{"target":{"density":0},"operation":"replace","radius_mm":12,"falloff":"hard"}}}),
     );
     let at = middle() + DVec3::new(14.0, -8.0, 0.0);
-    say(&mut document, json!({"stroke":{"paint":{"points":[{"at":{"mm":at.to_array()}}]}}}));
+    let painted = say(&mut document, json!({"stroke":{"paint":{"points":[{"at":{"mm":at.to_array()}}]}}}));
+    println!("{painted}");
+    println!(
+        "{:?}",
+        vertices(&mut document, 0)
+            .iter()
+            .flatten()
+            .map(|p| (*p - middle()).length())
+            .fold((0.0, 99.0), |(a, b): (f64, f64), r| (a.max(r), b.min(r)))
+    );
     let said = say(&mut document, json!({"ask":{"annotations":{}}}))["annotations"][0]["grid"].take();
     let trimmed = said["trimmed"].as_u64().unwrap();
     assert!(trimmed > 0, "{said}");

@@ -29,7 +29,7 @@ fn red(picture: &image::RgbaImage) -> (DVec2, usize) {
 const RED: [f32; 3] = [1.0, 0.0, 0.0];
 
 fn plate(document: &mut Document, direction: DVec3, size: f64) -> Value {
-    let content = json!({"pattern":{"kind":"lines","aspect":1,"spacing_mm":1,"line_mm":1.5}});
+    let content = json!({"pattern":{"kind":"lines","aspect":1,"spacing_mm":2,"line_mm":1.5}});
     say(
         document,
         json!({"annotation":{"add":{"content":content,"at":on(direction),"size_mm":size,"colour":RED,"no_halo":true,"lit":false}}}),
@@ -42,7 +42,7 @@ fn a_text_is_seen_where_it_lies_and_hidden_behind_the_ball() {
     let Some(mut document) = ball(dir.path()) else { return };
     let none = red(&picture(&mut document, dir.path())).1;
     assert_eq!(none, 0);
-    text(&mut document, json!({"colour":RED,"no_halo":true,"lit":false,"opacity":1}));
+    text(&mut document, json!({"text":"MM","size_mm":8,"colour":RED,"no_halo":true,"lit":false,"opacity":1}));
     let (at, count) = red(&picture(&mut document, dir.path()));
     assert!(count > 20 && at.distance(DVec2::splat(47.5)) < 6.0, "{at} {count}");
     for hidden in [json!({"id":0,"visible":false}), json!({"id":0,"opacity":0})] {
@@ -223,7 +223,8 @@ fn a_window_is_a_closed_mesh_whatever_its_outline() {
         if !lasso {
             // Displaced by its depth, a flat patch would hold this much.
             let (w, h) = (8.0, add["height_mm"].as_f64().unwrap_or(8.0));
-            assert!((volume / (w * h * 5.0) - 1.0).abs() < 0.25, "{volume}");
+            // Its lid stands a little above the surface.
+            assert!((volume / (w * h * 5.8) - 1.0).abs() < 0.06, "{volume}");
         }
         say(&mut document, json!({"history":{"undo":{}}}));
     }
@@ -259,13 +260,6 @@ fn a_picture_shows_through_a_window_what_lies_behind() {
     assert_eq!(picture(&mut document, dir.path()), plain);
     say(&mut document, json!({"history":{"undo":{"steps":2}}}));
     assert_eq!(picture(&mut document, dir.path()), cut);
-    // A segment that is spared stands in it.
-    say(&mut document, json!({"segment":{"set":{"id":3,"name":"stands"}}}));
-    say(&mut document, json!({"brush":{"set":{"target":{"label":3},"radius_mm":3,"falloff":"hard"}}}));
-    say(&mut document, json!({"stroke":{"paint":{"points":[{"at":on(DVec3::NEG_Y)}]}}}));
-    assert!((pick(&mut document).unwrap() - floor).abs() < 1e-3, "it is cut as all is");
-    say(&mut document, json!({"cutaway":{"set":{"id":0,"spare_segments":[3]}}}));
-    assert!((pick(&mut document).unwrap() - front).abs() < 0.5, "it is spared");
     run(&mut document, r#"{"cutaway":{"remove":{"id":0}}}"#).unwrap();
     assert_eq!(pick(&mut document), Some(front));
 }

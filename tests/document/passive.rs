@@ -29,13 +29,13 @@ impl<'a> Near<'a> {
 }
 
 /// A mass of 45 g that falls toward the middle's side of a ball and is held off by what it feels: mm, mm/s, N. Answers the energy at
-/// every step, mJ, without what stands in the force.
+/// every step, mJ, without what stands in the force, and whether it flies free.
 fn bounced(
     document: &Document,
     mut force: impl FnMut(&ContactField, DVec3) -> DVec3,
     from: DVec3,
     speed: DVec3,
-) -> Vec<f64> {
+) -> Vec<(f64, bool)> {
     let mass = 0.045;
     // A hand that lets its arm hang: 3 m/s² downward, against x.
     let pull = DVec3::X * -3_000.0;
@@ -43,9 +43,11 @@ fn bounced(
     let mut near = Near::new(document, at);
     let mut energy = Vec::new();
     for _ in 0..10_000 {
+        let held = force(near.at(at), at);
+        let free = held == DVec3::ZERO && near.at(at).contact(at, ISO, &laws()[0]).depth_mm.is_some_and(|d| d < 0.0);
         // g·mm²/s² are nJ; N·mm are mJ.
-        energy.push(0.5 * mass * v.length_squared() * 1e-3 - mass * 1e-3 * pull.dot(at - from));
-        let acceleration = force(near.at(at), at) / mass * 1_000.0 + pull;
+        energy.push((0.5 * mass * v.length_squared() * 1e-3 - mass * 1e-3 * pull.dot(at - from), free));
+        let acceleration = held / mass * 1_000.0 + pull;
         at += v * DT + 0.5 * acceleration * DT * DT;
         v += acceleration * DT;
     }
@@ -53,8 +55,14 @@ fn bounced(
 }
 
 /// By how much energy ever was above what it had been at any time before, mJ, between contacts.
-fn greatest_gain(energy: &[f64]) -> f64 {
-    energy.iter().map(|e| e - energy[0]).fold(f64::NEG_INFINITY, f64::max)
+fn greatest_gain(energy: &[(f64, bool)]) -> f64 {
+    let (mut least, mut most) = (energy[0].0, 0.0_f64);
+    for &(now, free) in energy {
+        most = most.max(now - least);
+        // What one contact took, the next does not give.
+        least = if free { least.min(now) } else { least };
+    }
+    most
 }
 
 fn laws() -> [ContactForce; 3] {
@@ -79,7 +87,7 @@ fn a_mass_on_a_surface_never_has_more_energy_than_it_came_with() {
                 let mut feel = Feel::new(law);
                 let energy = bounced(&document, |field, at| feel.step(field, at, ISO, DT).force_n, from, speed);
                 worst = worst.max(greatest_gain(&energy));
-                last += energy[energy.len() - 1] / 6.0;
+                last += energy[energy.len() - 1].0 / 6.0;
                 let energy = bounced(&document, |field, at| field.contact(at, ISO, &law).force_n, from, speed);
                 naive = naive.max(greatest_gain(&energy));
             }
@@ -127,7 +135,7 @@ fn a_hand_gets_no_more_back_from_a_press_than_it_put_in() {
             "{name}: of 200 presses the one that gave most gave {most:.2e} mJ; the greatest force was {pressed:.2} N"
         );
         assert!(most <= 0.0, "{name}: {most}");
-        assert!(greatest <= 1.0 && pressed > 3.0, "{name}: {greatest} {pressed}");
+        assert!(greatest <= 1.0 + 1e-9 && pressed > 3.0, "{name}: {greatest} {pressed}");
     }
 }
 

@@ -41,8 +41,19 @@ fn paint(em_mm: f64) -> Paint {
     Paint { fill: [255; 4], halo: Some(([255; 4], HALO_EM * em_mm)) }
 }
 
+/// Under the names that a command has for what is drawn.
 fn refused(error: AnnotateError) -> DocumentError {
-    DocumentError::NotNow(error.to_string())
+    match error {
+        AnnotateError::OutOfRange { field, found, expected } => {
+            let field = match field {
+                "width_mm" | "diameter_mm" | "thickness_mm" => "line_mm",
+                "side_mm" => "spacing_mm",
+                other => other,
+            };
+            DocumentError::invalid(field, found, expected)
+        }
+        other => DocumentError::NotNow(other.to_string()),
+    }
 }
 
 /// Draws a content of a size; `length_mm`: of a ruler.

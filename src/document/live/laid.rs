@@ -90,6 +90,26 @@ pub(crate) fn lattice(size_mm: [f64; 2], tracing: &Tracing, voxel_mm: f64) -> ([
     ([half(w), half(h)], step)
 }
 
+/// The same for what ends where its grid does: of the steps that are not much shorter the first that divides both sides.
+pub(crate) fn even_lattice(size_mm: [f64; 2], tracing: &Tracing, voxel_mm: f64) -> ([u32; 2], f64) {
+    const MISSED: f64 = 0.01;
+    let (half, step) = lattice(size_mm, tracing, voxel_mm);
+    let (long, short) = (size_mm[0].max(size_mm[1]), size_mm[0].min(size_mm[1]));
+    let least = half[0].max(half[1]);
+    // How far the shorter side is from what is wanted, as a share of it.
+    let found = |n: u32| {
+        let of_short = (short / long * f64::from(n)).round().max(1.0);
+        (of_short as u32, (of_short / f64::from(n) * long / short - 1.0).abs())
+    };
+    let counts = least..=(3 * least).min((MOST_VERTICES - 1) / 2).max(least);
+    let fits = counts.clone().find(|n| found(*n).1 <= MISSED);
+    let best = || counts.min_by(|a, b| found(*a).1.total_cmp(&found(*b).1));
+    let Some(n) = fits.or_else(best) else { return (half, step) };
+    let of_short = found(n).0;
+    let half = if size_mm[0] >= size_mm[1] { [n, of_short] } else { [of_short, n] };
+    (half, long / (2.0 * f64::from(n)))
+}
+
 /// The plain grid about a place.
 ///
 /// # Errors

@@ -13,7 +13,9 @@ use crate::annotate::window::patch::Patch;
 use crate::document::error::DocumentError;
 use crate::document::history::step::Refreshed;
 use crate::document::live::graphics::Graphics;
-use crate::document::live::laid::{Ground, Spot, TOWARD_VOXELS, lattice, mesh_of, reach_of, relaxed, touches, traced};
+use crate::document::live::laid::{
+    Ground, Spot, TOWARD_VOXELS, even_lattice, mesh_of, reach_of, relaxed, touches, traced,
+};
 use crate::document::live::voxel_surface::VoxelSurface;
 use crate::document::scene::annotations::Tracing;
 use crate::document::scene::cutaways::{Cutaway, CutawayId, Outline};
@@ -227,7 +229,7 @@ fn open(
             let reach = reach_of(size, voxel) + one.rim.width_mm;
             let step_mm = Some(voxel.max(width_mm.max(*height_mm) / MOST_VERTICES));
             let tracing = Tracing { step_mm, ..Tracing::default() };
-            let plain = traced(state, graphics, spot, lattice(size, &tracing, voxel), &tracing)?;
+            let plain = traced(state, graphics, spot, even_lattice(size, &tracing, voxel), &tracing)?;
             let surface = VoxelSurface::about(state, spot.root, spot.value, spot.centre, reach)?;
             let grid = if at_last { relaxed(&surface, spot, &plain) } else { plain };
             if grid.trimmed() > 0 {
