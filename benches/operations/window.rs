@@ -94,6 +94,8 @@ fn snapshot(document: &Document) -> Result<Snapshot, Failure> {
         centres: [(volume.id, volume.volume.grid().world_bounds().centre())].into(),
         boxes: Default::default(),
         sample_bytes: Default::default(),
+        labels: Default::default(),
+        written: Default::default(),
         voxel_type: volume.source.voxel_type(),
         statistics: volume.statistics,
         histogram: Arc::new(volume.histogram.clone()),

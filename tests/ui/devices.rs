@@ -26,6 +26,7 @@ fn does(interaction: &mut Interaction, state: &State, events: Vec<Event>) -> Vec
         boxes: &boxes,
         sample_bytes: &sample_bytes,
         voxel_mm: 1.0,
+        writing: &Default::default(),
     };
     events.into_iter().flat_map(|event| interaction.handle(event, &context)).collect()
 }
