@@ -2,7 +2,8 @@
 
 use super::driver::{SMALL, Window};
 use super::interact::{Hand, SIZE};
-use burin::document::answers::{Answer, AnnotationSaid, GridSaid, Said};
+use crate::document::maker::labelled;
+use burin::document::answers::{AnnotationSaid, Answer, GridSaid, Said};
 use burin::document::{
     Align, Anchor, Annotation, AnnotationChange, AnnotationCommand, AnnotationId, Command, Content, Cutaway,
     CutawayChange, CutawayCommand, CutawayId, HistoryCommand, Label, LabelAnchor, LabelChange, LabelCommand, LabelId,
@@ -11,12 +12,13 @@ use burin::document::{
 use burin::gpu::ObjectId;
 use burin::interact::{Button, Hit, Mark, Tool, WritingKind, Written};
 use burin::math::DVec3;
-use burin::ui::{Picture, Report};
+use burin::ui::{Picture, Report, Request, Session, spawn};
 use burin::volume::VolumeId;
 use egui::accesskit::Toggled;
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 fn anchor() -> Anchor {
     Anchor {
@@ -104,8 +106,8 @@ fn a_drag_that_leaves_matter_ends_where_it_was_last_over_it() {
     hand.drag(180.0, 90.0);
     let change = added(&hand.release(Button::Primary, 200.0, 90.0));
     assert_eq!(change.toward, pixel(140.0, 90.0));
-    assert_eq!(hand.press(Button::Primary, 10.0, 10.0), [], "a drag from the air turns the view");
-    assert!(matches!(hand.drag(20.0, 10.0)[..], [Command::View(_)]));
+    hand.press(Button::Primary, 10.0, 10.0);
+    assert!(matches!(hand.drag(20.0, 10.0)[..], [Command::View(_)]), "a drag from the air turns the view");
 }
 
 #[test]
@@ -294,15 +296,15 @@ fn the_list_hides_renames_removes_and_changes_what_is_picked() {
     let begin = Command::History(HistoryCommand::Begin {});
     let end = Command::History(HistoryCommand::End {});
     assert_eq!((sent.first(), sent.last()), (Some(&begin), Some(&end)), "a drag is one step: {sent:?}");
-    // While the document works on the first size only the newest waits.
     let sizes = sent.iter().filter(|c| matches!(c, Command::Annotation(AnnotationCommand::Set(AnnotationChange { size_mm: Some(s), .. })) if *s > 4.0));
-    assert!((1..=2).contains(&sizes.count()), "{sent:?}");
+    assert_eq!(sizes.count(), 3, "{sent:?}");
     let unlit = AnnotationChange { id: Some(AnnotationId(0)), lit: Some(false), ..Default::default() };
     assert_eq!(window.click("Lit"), [Command::Annotation(AnnotationCommand::Set(unlit))]);
     window.click("Name of cutaway 0");
     let sent = window.drag("Depth of the cutaway", vec2(20.0, 0.0));
     assert!(
-        sent.iter().any(|c| matches!(c, Command::Cutaway(CutawayCommand::Set(CutawayChange { depth_mm: Some(_), .. })))),
+        sent.iter()
+            .any(|c| matches!(c, Command::Cutaway(CutawayCommand::Set(CutawayChange { depth_mm: Some(_), .. })))),
         "{sent:?}"
     );
     let remove = Command::Cutaway(CutawayCommand::Remove { id: CutawayId(0) });
@@ -360,7 +362,9 @@ fn shown(window: &mut Window, share: f64) {
 fn painted(window: &Window, text: &str) -> Option<u8> {
     let shapes = &window.harness.output().shapes;
     let of = shapes.iter().filter_map(|s| match &s.shape {
-        egui::Shape::Text(shape) if shape.galley.text() == text => shape.override_text_color.or(Some(shape.fallback_color)),
+        egui::Shape::Text(shape) if shape.galley.text() == text => {
+            shape.override_text_color.or(Some(shape.fallback_color))
+        }
         _ => None,
     });
     of.map(|colour| colour.a()).max()
@@ -389,5 +393,55 @@ fn labels_stand_over_the_3d_view_as_long_as_what_they_name_is_seen() {
     assert!(painted(&window, "1").is_some() && painted(&window, "1  Promontorium").is_some());
     window.scene.labels.style.visible = false;
     window.snapshot(|s| s.open.as_mut().unwrap().labels = Arc::new(vec![anchor]));
-    assert_eq!(painted(&window, "1"), None);
+    assert_eq!(painted(&window, "1  Promontorium"), None);
+}
+
+#[test]
+fn while_the_document_works_only_the_newest_length_waits() {
+    let mut window = window();
+    window.key(Modifiers::NONE, Key::C);
+    window.click("Name of cutaway 0");
+    // It never answers what is asked from now on.
+    window.snapshot(|s| s.serial = 0);
+    let sent = window.drag("Depth of the cutaway", vec2(20.0, 0.0));
+    let depths: Vec<f64> = sent
+        .iter()
+        .filter_map(|c| match c {
+            Command::Cutaway(CutawayCommand::Set(CutawayChange { depth_mm, .. })) => *depth_mm,
+            _ => None,
+        })
+        .collect();
+    assert_eq!(depths.len(), 2, "the first and the last of three: {sent:?}");
+    assert!(depths[1] != depths[0]);
+    assert_eq!(sent.last(), Some(&Command::History(HistoryCommand::End {})));
+}
+
+#[test]
+fn the_document_s_thread_says_what_labels_name_and_undo_takes_them_back() {
+    let (mut session, thread) = spawn(labelled(), egui::Context::default()).unwrap();
+    let at = Some(Place::Index([1.0, 2.0, 3.0]));
+    let add = LabelChange { text: Some("Here".into()), at, ..Default::default() };
+    assert!(session.send(Request::Apply(Command::Label(LabelCommand::Add(add)))));
+    let told = |session: &Session, count: usize| {
+        let begun = Instant::now();
+        loop {
+            for report in session.reports() {
+                let Report::Snapshot(snapshot) = report else { continue };
+                let Some(open) = &snapshot.open else { continue };
+                if open.labels.len() == count && open.scene.labels.all.len() == count {
+                    return open.clone();
+                }
+            }
+            assert!(begun.elapsed() < Duration::from_secs(60), "{count} labels never came");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    };
+    let open = told(&session, 1);
+    let place = open.grid.world_from_index.transform_point3(DVec3::new(1.0, 2.0, 3.0));
+    assert_eq!((open.labels[0].text.as_str(), open.labels[0].place), ("Here", place));
+    assert_eq!(open.written.get(&Written::Label(LabelId(0))), Some(&place));
+    assert!(session.send(Request::Apply(Command::History(HistoryCommand::Undo { steps: 1 }))));
+    assert!(told(&session, 0).written.is_empty());
+    session.send(Request::Quit);
+    thread.join().unwrap();
 }

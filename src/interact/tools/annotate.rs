@@ -46,6 +46,8 @@ impl Does for Annotate {
                 let (kind, change) = (context.writing.kind, context.writing.annotation());
                 Press::begins(New { kind, change, size: e.size, from: (e.px, first), to: e.px, on: (e.px, first) })
             }
+            // Shift is for what is there.
+            _ if e.modifiers.shift => Press::Nothing,
             _ => Press::Looks,
         }
     }

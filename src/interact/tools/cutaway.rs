@@ -45,6 +45,8 @@ impl Does for Cutaway {
                 let change = context.writing.cutaway();
                 Press::begins(New { change, size: e.size, mm_per_px, from: e.px, to: e.px })
             }
+            // Shift is for what is there.
+            _ if e.modifiers.shift => Press::Nothing,
             _ => Press::Looks,
         }
     }

@@ -10,7 +10,9 @@ use egui::{Align2, Color32, Grid, Id, RichText, ScrollArea, Ui, vec2};
 /// Width of the page with its groups in two columns, and in one.
 const WIDTHS: [f32; 2] = [1040.0, 540.0];
 /// The groups of each column, and the column's share of the width.
-const COLUMNS: [(&[&str], f32); 2] = [(&["Paint", "Parts", "Panels"], 0.46), (&["Look", "Annotate", "Document"], 0.54)];
+const COLUMNS: [(&[&str], f32); 2] = [(&["Paint", "Parts", "Document"], 0.46), (&["Look", "Annotate", "Panels"], 0.54)];
+/// Height of a line: all of them are in sight in a window of 800 points.
+const LINE: f32 = 18.0;
 
 impl App {
     pub(crate) fn key_page(&mut self, ctx: &egui::Context) {
@@ -60,13 +62,16 @@ fn column(ui: &mut Ui, width: f32, groups: &[&str]) {
     ui.set_width(width - 12.0);
     for &group in groups {
         ui.label(RichText::new(group).color(theme::ACCENT).size(14.0));
-        Grid::new(("keys", group)).num_columns(2).min_col_width(180.0).spacing([14.0, 3.0]).show(ui, |ui| {
-            for line in SHORTCUTS.iter().filter(|s| s.group == group) {
-                ui.label(RichText::new(line.keys).color(Color32::WHITE));
-                ui.label(RichText::new(line.what).color(theme::TEXT));
-                ui.end_row();
-            }
-        });
+        Grid::new(("keys", group)).num_columns(2).min_col_width(180.0).min_row_height(LINE).spacing([14.0, 2.0]).show(
+            ui,
+            |ui| {
+                for line in SHORTCUTS.iter().filter(|s| s.group == group) {
+                    ui.label(RichText::new(line.keys).color(Color32::WHITE));
+                    ui.label(RichText::new(line.what).color(theme::TEXT));
+                    ui.end_row();
+                }
+            },
+        );
         ui.add_space(10.0);
     }
 }

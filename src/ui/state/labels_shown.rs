@@ -5,7 +5,7 @@ use crate::annotate::labels::{Frame, Label, Memory, Style, Viewport, place};
 /// A pause longer than this is no motion, s.
 const LONGEST_STEP_S: f64 = 0.1;
 
-/// See the module.
+/// What the placing of labels needs of the frame before.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LabelsShown {
     memory: Memory,
