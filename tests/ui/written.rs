@@ -280,6 +280,8 @@ fn what_the_panel_says_is_what_a_drag_makes() {
     let [Command::Annotation(AnnotationCommand::Add(change))] = &sent[..] else { panic!("{sent:?}") };
     let Some(Content::Text { text, .. }) = &change.content else { panic!("{change:?}") };
     assert!(text.contains("of mine"), "{text}");
+    window.key(Modifiers::NONE, Key::C);
+    assert_eq!(window.harness.get_by_label("Cutaway").accesskit_node().toggled(), Some(Toggled::True), "keys are free");
 }
 
 #[test]

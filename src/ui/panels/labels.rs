@@ -44,7 +44,7 @@ impl App {
         let rows = labels.len().min(ROWS) as f32;
         let height = rows * ROW + (rows - 1.0) * BETWEEN;
         self.backdrop.detail(ui, Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), height)), theme::DEEP);
-        list(ui, "labels", height, ROW, labels.len(), false, |ui, range| {
+        list(ui, "labels", height, ROW, labels.len(), true, |ui, range| {
             for (id, one) in &labels[range] {
                 let what = match one.at {
                     Named::Point { .. } => "a place",

@@ -148,7 +148,7 @@ impl App {
         let rows = count.min(ROWS) as f32;
         let height = rows * ROW + (rows - 1.0) * BETWEEN;
         self.backdrop.detail(ui, Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), height)), theme::DEEP);
-        list(ui, "annotations", height, ROW, count, false, |ui, range| {
+        list(ui, "annotations", height, ROW, count, true, |ui, range| {
             for at in range {
                 match (annotations.get(at), cutaways.get(at.saturating_sub(annotations.len()))) {
                     (Some((id, one)), _) => self.annotation_row(ui, *id, one),
@@ -178,9 +178,8 @@ impl App {
                     self.edit_slowly(&response, set(change));
                 }
                 let about = (&*format!("Name of annotation {}", id.0), "Click to pick it, double-click to rename it");
-                match self.name_and_trash(ui, about, (&one.name, Written::Annotation(id))) {
-                    Some(name) => self.send(set(AnnotationChange { name: Some(name), ..AnnotationChange::default() })),
-                    None => {}
+                if let Some(name) = self.name_and_trash(ui, about, (&one.name, Written::Annotation(id))) {
+                    self.send(set(AnnotationChange { name: Some(name), ..AnnotationChange::default() }));
                 }
             });
         });
@@ -203,9 +202,8 @@ impl App {
                     self.edit_slowly(&response, set(change));
                 }
                 let about = (&*format!("Name of cutaway {}", id.0), "Click to pick it, double-click to rename it");
-                match self.name_and_trash(ui, about, (&one.name, Written::Cutaway(id))) {
-                    Some(name) => self.send(set(CutawayChange { name: Some(name), ..CutawayChange::default() })),
-                    None => {}
+                if let Some(name) = self.name_and_trash(ui, about, (&one.name, Written::Cutaway(id))) {
+                    self.send(set(CutawayChange { name: Some(name), ..CutawayChange::default() }));
                 }
             });
         });

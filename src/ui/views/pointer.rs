@@ -67,6 +67,10 @@ impl App {
                             if let (Some(text), Button::Primary, false) = (refusal, button, modifiers.pans()) {
                                 self.note(ctx, text);
                             }
+                            // What was typed is entered: keys are the tool's again, also after a drag.
+                            if typing && let Some(field) = ctx.memory(|m| m.focused()) {
+                                ctx.memory_mut(|m| m.surrender_focus(field));
+                            }
                             self.viewports.captured = Some((button, view));
                             self.viewports.last_used = view;
                             let e = self.pointer_event(view, rect, pos, scale, modifiers, time);
