@@ -12,6 +12,9 @@
 #ifdef MARKED_AFTER
 #import burin::body::{view, bodies}
 #endif
+#ifdef BETWEEN_MARKS
+#import burin::dvr::{lay, turn_to}
+#endif
 #import burin::picture::{Picture, before_at}
 #import burin::march::march
 #ifdef HOLES
@@ -84,8 +87,8 @@ fn pass_pieces(r: BodyRay, ray: Ray, within: vec2<f32>, merge: bool) {
 #ifdef BETWEEN_MARKS
 // Lays the next mark behind what the ray has gathered.
 fn lay_mark() {
-    mode::turn_to(layers::mark_body());
-    mode::lay(layers::mark_colour(), layers::mark_at);
+    turn_to(layers::mark_body());
+    lay(layers::mark_colour(), layers::mark_at);
     layers::pass_mark();
 }
 #endif

@@ -3,7 +3,7 @@
 //! Pixels become places on surfaces and surfaces their values before anything is decided, so that a command means the same whatever is seen
 //! when it is done again.
 
-use crate::annotate::surface::normal;
+use crate::annotate::surface::{Surface, normal};
 use crate::document::Document;
 use crate::document::command::annotations::{
     AnnotationChange, AnnotationCommand, CutawayChange, CutawayCommand, LabelChange, LabelCommand,
@@ -14,16 +14,18 @@ use crate::document::command::answers::{
 use crate::document::command::{Command, Place};
 use crate::document::error::DocumentError;
 use crate::document::live::drawings::decoded;
-use crate::document::live::laid::Spot;
+use crate::document::live::graphics::Graphics;
+use crate::document::live::laid::{Spot, traced};
 use crate::document::live::voxel_surface::VoxelSurface;
+use crate::document::live::windows::pose_at;
 use crate::document::place::nothing_there;
 use crate::document::reduce::place::place_in;
-use crate::document::scene::annotations::{Anchor, AnnotationId, Content, MOST_IMAGE_BYTES};
+use crate::document::scene::annotations::{Anchor, AnnotationId, Content, MOST_IMAGE_BYTES, Tracing};
 use crate::document::scene::cutaways::CutawayId;
 use crate::document::state::State;
 use crate::gpu::Layers;
 use crate::io;
-use crate::math::{DQuat, DVec2, DVec3};
+use crate::math::{DQuat, DVec2, DVec3, Projection};
 use crate::volume::{Grid, Mode, VolumeId};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -52,6 +54,15 @@ struct Placing {
     toward: Option<Place>,
     turn_deg: Option<f64>,
     volume: Option<VolumeId>,
+    value: Option<f64>,
+    selected: Option<bool>,
+}
+
+/// The same in numbers of a volume.
+struct Placed {
+    at: Option<Place>,
+    toward: Option<Place>,
+    root: VolumeId,
     value: Option<f64>,
     selected: Option<bool>,
 }
@@ -117,17 +128,30 @@ impl Document {
         }
         let Place::Pixel { px, size, .. } = place else { return Err(nothing_there(field, place)) };
         let hit = self.pick(DVec2::from_array(px), size)?.ok_or_else(|| nothing_there(field, place))?;
-        let state = self.open()?;
+        let state = self.state.as_ref().ok_or(DocumentError::NothingOpen)?;
         let root = hit.object.volume().map_or(root, |id| state.scene.root_of(id));
-        Ok(Found { root, rest: hit.rest, index: None, selected: hit.object.is_selected() })
+        let selected = hit.object.is_selected();
+        let mut rest = hit.rest;
+        if !matches!(state.scene.mode_of(root), Mode::Iso(_)) {
+            let camera = &state.scene.views.camera;
+            let eye = match camera.projection {
+                Projection::Perspective { .. } => camera.eye,
+                Projection::Orthographic { .. } => hit.world - camera.forward(),
+            };
+            let eye = pose_at(state, self.motion.poses(), rest, selected).unapply(eye);
+            // The picked sample's own surface, if there is one that faces the eye: deep in matter that hardly changes there is none.
+            if !bears(state, &mut self.graphics, root, rest, eye)? {
+                let border = border_before(state, root, rest, eye)?;
+                if bears(state, &mut self.graphics, root, border, eye)? {
+                    rest = border;
+                }
+            }
+        }
+        Ok(Found { root, rest, index: None, selected })
     }
 
     /// Centre and direction as indices, and whose surface they are on.
-    fn anchor_in_numbers(
-        &mut self,
-        said: Placing,
-        old: Option<Anchor>,
-    ) -> Result<(Option<Place>, Option<Place>, VolumeId, Option<f64>, Option<bool>), DocumentError> {
+    fn anchor_in_numbers(&mut self, said: Placing, old: Option<Anchor>) -> Result<Placed, DocumentError> {
         let Placing { at, toward, turn_deg, volume, value, selected } = said;
         let meant = volume.or(old.map(|old| old.volume));
         let centre = at.map(|at| self.found("at", at, meant)).transpose()?;
@@ -168,7 +192,8 @@ impl Document {
             }
             _ => way,
         };
-        Ok((centre.map(|found| found.index(&grid)), way.map(|found| found.index(&grid)), root, value, selected))
+        let index = |found: Option<Found>| found.map(|found| found.index(&grid));
+        Ok(Placed { at: index(centre), toward: index(way), root, value, selected })
     }
 
     fn annotation_in_numbers(
@@ -184,7 +209,7 @@ impl Document {
             value: change.value,
             selected: change.selected,
         };
-        let (at, toward, root, value, selected) = self.anchor_in_numbers(said, old)?;
+        let Placed { at, toward, root, value, selected } = self.anchor_in_numbers(said, old)?;
         let to = match change.to {
             Some(to) => {
                 let found = self.found("to", to, Some(root))?;
@@ -262,7 +287,7 @@ impl Document {
             value: change.value,
             selected: None,
         };
-        let (at, toward, root, value, _) = self.anchor_in_numbers(said, old)?;
+        let Placed { at, toward, root, value, .. } = self.anchor_in_numbers(said, old)?;
         let grid = *self.open()?.at(Some(root))?.grid();
         let lasso = lasso.map(|found| found.iter().map(|found| found.index(&grid)).collect());
         Ok(CutawayChange { at, toward, lasso, volume: Some(root), value, ..change })
@@ -366,6 +391,49 @@ impl Document {
         self.revision += 1;
         true
     }
+}
+
+/// Whether the surface of a place's own value faces the eye there and goes on about it, so that something can be laid on it.
+fn bears(
+    state: &State,
+    graphics: &mut Graphics,
+    root: VolumeId,
+    rest: DVec3,
+    eye: DVec3,
+) -> Result<bool, DocumentError> {
+    const HALF_STEPS: u32 = 5;
+    const STEP_VOXELS: f64 = 2.0;
+    let voxel_mm = state.at(Some(root))?.grid().voxel_mm();
+    let Ok(value) = surface_value(state, root, rest) else { return Ok(false) };
+    let surface = VoxelSurface::about(state, root, value, rest, 4.0 * voxel_mm)?;
+    let Some(outward) = normal(&surface, rest).filter(|n| n.dot(eye - rest) > 0.0) else { return Ok(false) };
+    let index = |p: DVec3| Ok::<_, DocumentError>(state.at(Some(root))?.grid().index_from_world().transform_point3(p));
+    let along = outward.any_orthonormal_vector() * voxel_mm;
+    let anchor = Anchor {
+        volume: root,
+        centre: index(rest)?.to_array(),
+        toward: index(rest + along)?.to_array(),
+        value,
+        selected: false,
+    };
+    let spot = Spot::of(state, &anchor)?;
+    let lattice = ([HALF_STEPS; 2], STEP_VOXELS * voxel_mm);
+    let grid = traced(state, graphics, &spot, lattice, &Tracing::default())?;
+    Ok(grid.trimmed() == 0 && grid.distortion().most_area < 2.0)
+}
+
+/// Of the way from a place to the eye, as far as a few voxels before it, the place where matter that faces the eye begins most steeply.
+fn border_before(state: &State, root: VolumeId, rest: DVec3, eye: DVec3) -> Result<DVec3, DocumentError> {
+    const REACH_VOXELS: f64 = 14.0;
+    const STEP_VOXELS: f64 = 0.25;
+    let voxel_mm = state.at(Some(root))?.grid().voxel_mm();
+    let Some(back) = (eye - rest).try_normalize() else { return Ok(rest) };
+    let surface = VoxelSurface::about(state, root, 0.0, rest, (REACH_VOXELS + 3.0) * voxel_mm)?;
+    let slope = |p: DVec3| surface.gradient(p).map_or(0.0, |gradient| -gradient.dot(back));
+    let steps = (REACH_VOXELS / STEP_VOXELS) as u32;
+    let places = (0..=steps).map(|i| rest + back * (f64::from(i) * STEP_VOXELS * voxel_mm));
+    let steepest = places.map(|p| (slope(p), p)).fold((0.0, rest), |best, one| if one.0 > best.0 { one } else { best });
+    Ok(steepest.1)
 }
 
 /// Whether the matter of a volume at a place is selected.

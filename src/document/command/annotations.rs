@@ -81,7 +81,6 @@ pub struct AnnotationChange {
 /// See [`Command::Annotation`](crate::document::Command::Annotation).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-#[expect(clippy::large_enum_variant, reason = "made by hand, one at a time")]
 pub enum AnnotationCommand {
     /// Lays a text, an image, a pattern, an arrow or a ruler on a surface. Answers its number and how its grid lies: the share of its
     /// vertices that the surface has no room for, and how much it had to be stretched.
@@ -214,7 +213,6 @@ pub struct CutawayChange {
 /// See [`Command::Cutaway`](crate::document::Command::Cutaway).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-#[expect(clippy::large_enum_variant, reason = "made by hand, one at a time")]
 pub enum CutawayCommand {
     /// Opens a window into what lies behind a surface: what of volumes lies inside it is not drawn.
     Add(CutawayChange),

@@ -42,7 +42,6 @@ use std::path::PathBuf;
 /// Everything that can be done.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-#[expect(clippy::large_enum_variant, reason = "a change of the brush is made by hand, one at a time")]
 pub enum Command {
     /// The project on disk.
     Project(ProjectCommand),

@@ -8,6 +8,7 @@ use crate::document::history::step::Refreshed;
 use crate::document::state::State;
 use crate::math::DVec3;
 use crate::volume::{Brick, BrickKey, FieldKind, VolumeId};
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Voxels of a box in which a pole is searched: of larger ones every second, or third, and so on.
@@ -48,10 +49,10 @@ impl Poles {
     }
 
     fn bounds(&mut self, state: &State, id: VolumeId) -> Result<&BTreeMap<u16, Bounds>, DocumentError> {
-        if !self.bounds.contains_key(&id) {
-            self.bounds.insert(id, bounds_of(state, id)?);
-        }
-        self.bounds.get(&id).ok_or(DocumentError::NothingOpen)
+        Ok(match self.bounds.entry(id) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(unknown) => unknown.insert(bounds_of(state, id)?),
+        })
     }
 
     /// The deepest place of a segment, continuous index; `None` if it has no voxel.

@@ -20,6 +20,15 @@ use crate::volume::VolumeId;
 
 const RIM: [f32; 3] = [0.93, 0.90, 0.82];
 
+/// What of a place on a surface is said.
+struct AnchorSaid {
+    at: Option<Place>,
+    toward: Option<Place>,
+    value: Option<f64>,
+    selected: Option<bool>,
+    volume: Option<VolumeId>,
+}
+
 fn missing(field: &str, expected: &str) -> DocumentError {
     DocumentError::invalid(field, "nothing", expected)
 }
@@ -115,7 +124,13 @@ impl Scene {
             .ok_or_else(|| missing("content", "a text, or what else the annotation shows"))?;
         let anchor = self.changed_anchor(
             old.map(|old| &old.anchor),
-            (change.at, change.toward, change.value, change.selected, change.volume),
+            AnchorSaid {
+                at: change.at,
+                toward: change.toward,
+                value: change.value,
+                selected: change.selected,
+                volume: change.volume,
+            },
             ground,
         )?;
         if let Content::Ruler { to, .. } = &mut content {
@@ -168,15 +183,10 @@ impl Scene {
     fn changed_anchor(
         &self,
         old: Option<&Anchor>,
-        (at, toward, value, selected, volume): (
-            Option<Place>,
-            Option<Place>,
-            Option<f64>,
-            Option<bool>,
-            Option<VolumeId>,
-        ),
+        said: AnchorSaid,
         ground: &Ground<'_>,
     ) -> Result<Anchor, DocumentError> {
+        let AnchorSaid { at, toward, value, selected, volume } = said;
         let place = |place: Option<Place>, old: Option<[f64; 3]>, field| match place {
             Some(place) => index_of(place, self, ground),
             None => old.ok_or_else(|| missing(field, "a place on a surface")),
@@ -369,7 +379,13 @@ impl Scene {
     ) -> Result<Cutaway, DocumentError> {
         let anchor = self.changed_anchor(
             old.map(|old| &old.anchor),
-            (change.at, change.toward, change.value, None, change.volume),
+            AnchorSaid {
+                at: change.at,
+                toward: change.toward,
+                value: change.value,
+                selected: None,
+                volume: change.volume,
+            },
             ground,
         )?;
         let usual = round_length(ground.bounds.half_diagonal() * 0.3);

@@ -247,7 +247,7 @@ impl Content {
             }
             Self::Image { path, png } => match png {
                 Some(png) if png.len() > MOST_IMAGE_BYTES / 3 * 4 + 4 => {
-                    let found = format!("{path}, of {} MB", png.len() / 4 * 3 >> 20);
+                    let found = format!("{path}, of {} MB", (png.len() / 4 * 3) >> 20);
                     Err(DocumentError::invalid(
                         "path",
                         found,
