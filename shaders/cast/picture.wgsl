@@ -13,7 +13,7 @@
 #import burin::body::{view, bodies}
 #endif
 #ifdef BETWEEN_MARKS
-#import burin::dvr::{lay, turn_to}
+#import burin::dvr::{done as clouded, lay, turn_to}
 #endif
 #import burin::picture::{Picture, before_at}
 #import burin::march::march
@@ -84,6 +84,9 @@ fn pass_pieces(r: BodyRay, ray: Ray, within: vec2<f32>, merge: bool) {
 #endif
 #endif
 
+#ifndef MODES
+#ifndef MERGE
+#ifdef MARKS
 #ifdef BETWEEN_MARKS
 // Lays the next mark behind what the ray has gathered.
 fn lay_mark() {
@@ -91,11 +94,49 @@ fn lay_mark() {
     lay(layers::mark_colour(), layers::mark_at);
     layers::pass_mark();
 }
+
+// An interval of a body's ray, and the marks that come before its end.
+fn pass_marked(r: BodyRay, ray: Ray, within: vec2<f32>, merge: bool) {
+    // Whatever lies in order before a mark comes before it.
+    var begin = within.x;
+    loop {
+        let end = max(begin, min(layers::mark_at, within.y));
+        pass_pieces(r, ray, vec2<f32>(begin, end), merge);
+        if (layers::mark_at >= within.y || mode::over(merge)) {
+            break;
+        }
+        lay_mark();
+        begin = end;
+    }
+}
+
+// What lies behind all bodies.
+fn lay_rest() {
+    while (layers::mark_at < FAR && !clouded()) {
+        lay_mark();
+    }
+}
+#else
+fn pass_marked(r: BodyRay, ray: Ray, within: vec2<f32>, merge: bool) {
+    pass_pieces(r, ray, within, merge);
+}
+
+fn lay_rest() {}
+#endif
+#else
+fn pass_marked(r: BodyRay, ray: Ray, within: vec2<f32>, merge: bool) {
+    pass_pieces(r, ray, within, merge);
+}
+
+fn lay_rest() {}
+#endif
+#endif
 #endif
 
+#ifdef MARKS
 #ifdef MARKED_AFTER
 // Lays marks over a picture that was made as a whole: those before its surface; over a maximum all of them.
-fn marked(picture: Picture) -> Picture {
+fn finished(picture: Picture) -> Picture {
     var out = picture;
 #ifndef CONTINUES
     var over = vec4<f32>(0.0);
@@ -118,6 +159,15 @@ fn marked(picture: Picture) -> Picture {
     out.colour = over + (1.0 - over.a) * picture.colour;
 #endif
     return out;
+}
+#else
+fn finished(picture: Picture) -> Picture {
+    return picture;
+}
+#endif
+#else
+fn finished(picture: Picture) -> Picture {
+    return picture;
 }
 #endif
 
@@ -144,11 +194,7 @@ fn picture_through(px: vec2<f32>) -> Picture {
     layers::look_at(px);
     let before = before_at(px);
     if (!mode::begin(before)) {
-#ifdef MARKED_AFTER
-        return marked(before);
-#else
-        return before;
-#endif
+        return finished(before);
     }
     let listed = listed_at(px);
     let ray = ray_through(px);
@@ -161,38 +207,15 @@ fn picture_through(px: vec2<f32>) -> Picture {
     for (var i = 0u; i < listed.count; i += 1u) {
         let r = body_ray(body_at(listed.first + i), ray);
         let within = layers::in_front(interval(r, ray));
-#ifdef BETWEEN_MARKS
-        // Whatever lies in order before a mark comes before it.
-        var begin = within.x;
-        loop {
-            let end = max(begin, min(layers::mark_at, within.y));
-            pass_pieces(r, ray, vec2<f32>(begin, end), listed.merge);
-            if (layers::mark_at >= within.y || mode::over(listed.merge)) {
-                break;
-            }
-            lay_mark();
-            begin = end;
-        }
-#else
-        pass_pieces(r, ray, within, listed.merge);
-#endif
+        pass_marked(r, ray, within, listed.merge);
         if (mode::over(listed.merge)) {
             break;
         }
     }
+    lay_rest();
 #endif
 #endif
-#ifdef BETWEEN_MARKS
-    // What lies behind all bodies.
-    while (layers::mark_at < FAR && !mode::over(false)) {
-        lay_mark();
-    }
-#endif
-#ifdef MARKED_AFTER
-    return layers::backed(marked(mode::end(before, ray)));
-#else
-    return layers::backed(mode::end(before, ray));
-#endif
+    return layers::backed(finished(mode::end(before, ray)));
 }
 
 #ifdef TILED

@@ -27,9 +27,7 @@
 #endif
 #import burin::span::next_sample
 #import burin::march::march
-#ifdef EVENTS
 #import burin::body::view
-#endif
 #ifdef MARKS
 #import burin::dvr::lay
 #endif
@@ -88,9 +86,10 @@ fn ray_within(body: u32, ray: Ray, within: vec2<f32>) -> BodyRay {
 }
 #endif
 
-#ifdef EVENTS
 // Events that lie no farther apart come in the order of their bodies.
 const TOGETHER: f32 = 0.001;
+
+#ifdef EVENTS
 
 // The sample at which those of an interval end that come before an event. Stretches end at the event; what is left of the one that it
 // lies in begins at it.
@@ -210,9 +209,7 @@ fn march_merged(listed: Listed, ray: Ray) {
 #endif
     }
     loop {
-#ifdef EVENTS
         var next_at = FAR;
-#endif
 #ifdef MODES
         var next = CAPACITY;
         for (var j = 0u; j < event_count; j += 1u) {

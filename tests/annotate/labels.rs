@@ -22,7 +22,9 @@ fn full_turns_of_sixty_labels_have_no_fault() {
     for seed in 0..seeds {
         for perspective in [false, true] {
             for elevation in [0.0, 20.0, 45.0] {
-                for pace in [Pace::OneFrame, Pace::Finish] {
+                // Each elevation at both paces, without a look at all twelve.
+                let other = perspective == (elevation > 10.0);
+                for pace in [Pace::OneFrame, Pace::Finish].into_iter().take(if other { 2 } else { 1 }) {
                     let sums = turn(&Scene::new(seed, 60), perspective, elevation, pace, false, 360);
                     let what = format!("seed {seed}, perspective {perspective}, {elevation}°, {pace:?}");
                     println!("{what}: {}", sums.line());
@@ -36,12 +38,11 @@ fn full_turns_of_sixty_labels_have_no_fault() {
 
 #[test]
 fn a_second_for_each_step_and_hidden_points_do_no_harm() {
-    for elevation in [0.0, 45.0] {
-        for (pace, hidden) in
-            [(Pace::Second, false), (Pace::OneFrame, true), (Pace::Finish, true), (Pace::Second, true)]
-        {
-            let sums =
-                turn(&Scene::new(7, 60), true, elevation, pace, hidden, if pace == Pace::Second { 90 } else { 360 });
+    for (elevation, both) in [(0.0, true), (45.0, false)] {
+        let paces = [(Pace::OneFrame, true), (Pace::Second, true), (Pace::Second, false), (Pace::Finish, true)];
+        for (pace, hidden) in paces.into_iter().take(if both { 4 } else { 1 }) {
+            let steps = if pace == Pace::Second { 45 } else { 360 };
+            let sums = turn(&Scene::new(7, 60), true, elevation, pace, hidden, steps);
             let what = format!("{elevation}°, {pace:?}, hidden {hidden}");
             println!("{what}: {}", sums.line());
             keeps(&sums, &what);
@@ -53,7 +54,7 @@ fn a_second_for_each_step_and_hidden_points_do_no_harm() {
 #[test]
 fn turns_of_points_that_cover_each_other_have_no_fault() {
     for kind in [Kind::Lattice, Kind::Mirrored, Kind::Long] {
-        for (elevation, pace) in [(0.0, Pace::OneFrame), (30.0, Pace::OneFrame), (90.0, Pace::Finish)] {
+        for (elevation, pace) in [(30.0, Pace::OneFrame), (90.0, Pace::Finish)] {
             let sums = turn(&Scene::of(kind, 3, 60), elevation > 0.0, elevation, pace, false, 360);
             let what = format!("{kind:?}, {elevation}°, {pace:?}");
             println!("{what}: {}", sums.line());
