@@ -44,7 +44,9 @@ fn corner(@builtin(vertex_index) i: u32, @builtin(instance_index) decal: u32) ->
 // A texel: of shapes how far inside they and their halo are, in the level's unit, else colour.
 fn texel_at(decal: u32, first: u32, size: vec2<i32>, at: vec2<i32>) -> vec4<f32> {
     let kept = clamp(at, vec2<i32>(0), size - 1);
-    let wrapped = ((at % size) + size) % size;
+    // Without whole divisions, which software Vulkan makes lane by lane.
+    let wide = vec2<f32>(size);
+    let wrapped = vec2<i32>(vec2<f32>(at) - wide * floor(vec2<f32>(at) / wide));
     let p = select(kept, wrapped, decal_places[decal].repeats == 1u);
     let texel = decal_texels[first + u32(p.y * size.x + p.x)];
     return select(unpack4x8unorm(texel), vec4<f32>(unpack2x16snorm(texel), 0.0, 0.0), decal_places[decal].is_shape == 1u);
