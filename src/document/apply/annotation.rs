@@ -20,6 +20,7 @@ use crate::document::live::voxel_surface::VoxelSurface;
 use crate::document::live::windows::pose_at;
 use crate::document::place::nothing_there;
 use crate::document::reduce::place::place_in;
+use crate::document::scene::ViewName;
 use crate::document::scene::annotations::{Anchor, AnnotationId, Content, MOST_IMAGE_BYTES, Tracing};
 use crate::document::scene::cutaways::CutawayId;
 use crate::document::state::State;
@@ -141,9 +142,11 @@ impl Document {
             let eye = pose_at(state, self.motion.poses(), rest, selected).unapply(eye);
             // The picked sample's own surface, if there is one that faces the eye: deep in matter that hardly changes there is none.
             if !bears(state, &mut self.graphics, root, rest, eye)? {
-                let border = border_before(state, root, rest, eye)?;
-                if bears(state, &mut self.graphics, root, border, eye)? {
-                    rest = border;
+                for border in borders_before(state, root, rest, eye)? {
+                    if bears(state, &mut self.graphics, root, border, eye)? {
+                        rest = border;
+                        break;
+                    }
                 }
             }
         }
@@ -212,7 +215,14 @@ impl Document {
         let Placed { at, toward, root, value, selected } = self.anchor_in_numbers(said, old)?;
         let to = match change.to {
             Some(to) => {
-                let found = self.found("to", to, Some(root))?;
+                let mut found = self.found("to", to, Some(root))?;
+                let state = self.open()?;
+                if let (Place::Pixel { view: ViewName::ThreeD, .. }, Some(value)) = (to, value.or(old.map(|o| o.value)))
+                {
+                    let pose = pose_at(state, self.motion.poses(), found.rest, found.selected);
+                    let eye = pose.unapply(state.scene.views.camera.eye);
+                    found.rest = crossing(state, root, value, found.rest, eye)?.unwrap_or(found.rest);
+                }
                 Some(found.index(self.open()?.at(Some(root))?.grid()))
             }
             None => None,
@@ -422,18 +432,48 @@ fn bears(
     Ok(grid.trimmed() == 0 && grid.distortion().most_area < 2.0)
 }
 
-/// Of the way from a place to the eye, as far as a few voxels before it, the place where matter that faces the eye begins most steeply.
-fn border_before(state: &State, root: VolumeId, rest: DVec3, eye: DVec3) -> Result<DVec3, DocumentError> {
+/// Of the way from a place to the eye, as far as a few voxels before it, the places where matter that faces the eye begins: where most steeply,
+/// then the others that are not much flatter, the nearest to the eye first.
+fn borders_before(state: &State, root: VolumeId, rest: DVec3, eye: DVec3) -> Result<Vec<DVec3>, DocumentError> {
+    const STEEP: f64 = 0.3;
     const REACH_VOXELS: f64 = 14.0;
-    const STEP_VOXELS: f64 = 0.25;
+    const STEP_VOXELS: f64 = 0.5;
     let voxel_mm = state.at(Some(root))?.grid().voxel_mm();
-    let Some(back) = (eye - rest).try_normalize() else { return Ok(rest) };
+    let Some(back) = (eye - rest).try_normalize() else { return Ok(Vec::new()) };
     let surface = VoxelSurface::about(state, root, 0.0, rest, (REACH_VOXELS + 3.0) * voxel_mm)?;
     let slope = |p: DVec3| surface.gradient(p).map_or(0.0, |gradient| -gradient.dot(back));
     let steps = (REACH_VOXELS / STEP_VOXELS) as u32;
-    let places = (0..=steps).map(|i| rest + back * (f64::from(i) * STEP_VOXELS * voxel_mm));
-    let steepest = places.map(|p| (slope(p), p)).fold((0.0, rest), |best, one| if one.0 > best.0 { one } else { best });
-    Ok(steepest.1)
+    let place = |i: u32| rest + back * (f64::from(i) * STEP_VOXELS * voxel_mm);
+    let ways: Vec<(f64, DVec3)> = (0..=steps).rev().map(|i| (slope(place(i)), place(i))).collect();
+    let steepest = ways.iter().copied().fold((0.0, rest), |best, one| if one.0 > best.0 { one } else { best });
+    let others = ways.into_iter().filter(|one| one.0 > STEEP * steepest.0).map(|one| one.1);
+    Ok(std::iter::once(steepest.1).chain(others).collect())
+}
+
+/// Where on the way from the eye to a place, and a little beyond, a volume first reaches a value; `None` if it does not near there.
+fn crossing(
+    state: &State,
+    root: VolumeId,
+    value: f64,
+    rest: DVec3,
+    eye: DVec3,
+) -> Result<Option<DVec3>, DocumentError> {
+    const REACH_VOXELS: f64 = 14.0;
+    const STEP_VOXELS: f64 = 0.25;
+    let voxel_mm = state.at(Some(root))?.grid().voxel_mm();
+    let Some(ahead) = (rest - eye).try_normalize() else { return Ok(None) };
+    let surface = VoxelSurface::about(state, root, value, rest, (REACH_VOXELS + 3.0) * voxel_mm)?;
+    let steps = (REACH_VOXELS / STEP_VOXELS) as i32;
+    let place = |i: i32| rest + ahead * (f64::from(i) * STEP_VOXELS * voxel_mm);
+    let mut before: Option<(f64, DVec3)> = None;
+    for p in (-steps..=steps / 2).map(place) {
+        let Some(here) = surface.value(p) else { continue };
+        if let Some((there, q)) = before.filter(|(there, _)| *there < 0.0 && here >= 0.0) {
+            return Ok(Some(q.lerp(p, there / (there - here))));
+        }
+        before = Some((here, p));
+    }
+    Ok(None)
 }
 
 /// Whether the matter of a volume at a place is selected.
