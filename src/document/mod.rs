@@ -122,8 +122,8 @@ impl Document {
         self.opening += 1;
         self.graphics.forget();
         self.motion.forget();
-        self.laid.forget();
-        self.windows.forget();
+        self.laid.finds.forget();
+        self.windows.finds.forget();
         self.poles.forget();
         self.touch.forget();
         self.aim = None;
@@ -341,8 +341,8 @@ impl Document {
         if let Some(state) = &self.state {
             self.graphics.mirror(state, refreshed);
             self.motion.mirror(state, refreshed);
-            self.laid.mirror(state, refreshed);
-            self.windows.mirror(state, refreshed);
+            self.laid.finds.mirror(state, refreshed);
+            self.windows.finds.mirror(state, refreshed);
             self.poles.mirror(refreshed);
         }
     }

@@ -39,11 +39,34 @@ fn resident_kb() -> u64 {
 #[test]
 #[ignore = "a child process of an_hour_of_pictures_and_strokes_takes_no_more_memory_than_its_first_minute"]
 fn draws_paints_and_says_its_memory() {
-    let (Some(mut document), Some(mut boxed)) = (block(), block()) else { return };
+    let (Some(mut document), Some(mut boxed), Some(mut written)) = (block(), block(), block()) else { return };
     cut(&mut document);
     let add = json!({"sub_volume": {"add": {"lo": [20, 8, 20], "hi": [40, 30, 36], "scale": 2}}});
     run(&mut boxed, &add.to_string()).unwrap();
+    let front = json!({"index": [32, 39.5, 20]});
+    for line in [
+        json!({"annotation": {"add": {"at": front, "toward": {"index": [40, 39.5, 20]}, "text": "Text", "size_mm": 5, "value": 100}}}),
+        json!({"label": {"add": {"at": front, "text": "Label"}}}),
+        json!({"cutaway": {"add": {"at": {"index": [46, 39.5, 22]}, "toward": {"index": [50, 39.5, 22]}, "value": 100,
+            "width_mm": 9, "depth_mm": 6}}}),
+    ] {
+        run(&mut written, &line.to_string()).unwrap();
+    }
     for round in 1..=ROUNDS {
+        // Every fourth one of what is written, with its grids found anew in every tenth of them.
+        if round % 4 == 2 {
+            let mut say = |line: Value| drop(run(&mut written, &line.to_string()).unwrap());
+            let mode = [json!("dvr"), json!({"iso": 100.0}), json!("mip")][round / 4 % 3].clone();
+            say(json!({"view": {"look": {"mode": mode, "shaded": round % 24 < 12}}}));
+            say(json!({"view": {"orbit": {"azimuth_deg": round % 17, "elevation_deg": 0.3}}}));
+            if round % 40 == 2 {
+                say(json!({"brush": {"set": {"radius_mm": 3, "target": {"density": 60.0}, "operation": "add"}}}));
+                say(json!({"stroke": {"paint": {"points": [{"at": {"index": [30 + round % 12, 38, 20]}}]}}}));
+                say(json!({"history": {"undo": {}}}));
+            }
+            written.picture(ViewName::ThreeD, [24 + (round % 5) as u32, 24], None).unwrap();
+            written.label_anchors().unwrap();
+        }
         // Every fourth time one with a box of finer voxels, every eighth with a focus.
         if round % 4 == 0 {
             let mut say = |line: Value| drop(run(&mut boxed, &line.to_string()).unwrap());

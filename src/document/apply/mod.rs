@@ -5,6 +5,7 @@
 //! the record of the journal.
 
 mod along;
+pub(crate) mod anchoring;
 pub(crate) mod annotation;
 pub(crate) mod ask;
 pub(crate) mod bake;

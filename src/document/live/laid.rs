@@ -11,72 +11,23 @@ use crate::annotate::relaxing::relax::relax;
 use crate::annotate::surface::{Surface, normal};
 use crate::document::command::answers::GridSaid;
 use crate::document::error::DocumentError;
-use crate::document::history::step::Refreshed;
 use crate::document::live::drawings::{Drawing, drawing};
 use crate::document::live::fonts::FontShelf;
 use crate::document::live::graphics::Graphics;
+use crate::document::live::spots::{Finds, Fresh, Spot};
 use crate::document::live::voxel_surface::VoxelSurface;
 use crate::document::scene::annotations::{
     Anchor, Annotation, AnnotationId, Content, Directions, MOST_VERTICES, Tracing,
 };
 use crate::document::state::State;
 use crate::gpu::{Bend, Decal, DecalCorner, DecalMesh, GridRequest, Heading};
-use crate::math::{DAffine3, DVec2, DVec3};
-use crate::volume::{FieldKind, VolumeId};
-use std::collections::BTreeMap;
+use crate::math::{DVec2, DVec3};
 use std::sync::Arc;
 
 /// Area over which a text is said to be stretched.
 const STRETCHED: f64 = 1.5;
 /// How far toward the eye what lies on a surface is moved along the ray, voxels.
 pub(crate) const TOWARD_VOXELS: f64 = 1.0;
-
-/// What is seen of the surroundings of an anchor: if any of it changes, what was found there is another thing.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Ground {
-    world_from_index: DAffine3,
-    /// The volume and the sub-volumes that are seen in it.
-    family: Vec<VolumeId>,
-}
-
-impl Ground {
-    /// The world at rest of an index of the volume.
-    pub(crate) fn place(&self, index: [f64; 3]) -> DVec3 {
-        self.world_from_index.transform_point3(DVec3::from_array(index))
-    }
-}
-
-/// A place on a surface, in the world at rest.
-#[derive(Clone, Debug)]
-pub(crate) struct Spot {
-    pub root: VolumeId,
-    pub value: f64,
-    pub centre: DVec3,
-    pub along: DVec3,
-    pub voxel_mm: f64,
-    pub ground: Ground,
-}
-
-impl Spot {
-    /// # Errors
-    /// If the volume is gone.
-    pub(crate) fn of(state: &State, anchor: &Anchor) -> Result<Self, DocumentError> {
-        let subject = state.at(Some(anchor.volume))?;
-        let place = |index: [f64; 3]| subject.grid().world_from_index.transform_point3(DVec3::from_array(index));
-        let centre = place(anchor.centre);
-        Ok(Self {
-            root: anchor.volume,
-            value: anchor.value,
-            centre,
-            along: place(anchor.toward) - centre,
-            voxel_mm: subject.grid().voxel_mm(),
-            ground: Ground {
-                world_from_index: subject.grid().world_from_index,
-                family: state.with_sub_volumes(vec![anchor.volume]),
-            },
-        })
-    }
-}
 
 /// Half the steps of a grid over a rectangle, and its step.
 pub(crate) fn lattice(size_mm: [f64; 2], tracing: &Tracing, voxel_mm: f64) -> ([u32; 2], f64) {
@@ -165,48 +116,25 @@ pub(crate) struct Lay {
     pub said: GridSaid,
 }
 
-/// An annotation as it was when its grid was found.
-#[derive(Debug)]
-struct Entry {
-    of: Annotation,
-    ground: Ground,
-    /// What of the world its grid hangs on, mm at rest.
-    ball: (DVec3, f64),
-    is_stale: bool,
-    is_final: bool,
-    lay: Lay,
+/// What of an annotation its grid hangs on.
+type Shape = (Content, Anchor, f64, Tracing);
+
+fn shape_of(one: &Annotation) -> Shape {
+    (one.content.clone(), one.anchor, one.size_mm, one.tracing)
 }
 
 /// The grids of all annotations that were asked for.
 #[derive(Debug, Default)]
 pub(crate) struct Laid {
     pub fonts: FontShelf,
-    entries: BTreeMap<AnnotationId, Entry>,
-}
-
-/// What of an annotation its grid hangs on.
-fn shape_of(one: &Annotation) -> (&Content, &Anchor, f64, &Tracing) {
-    (&one.content, &one.anchor, one.size_mm, &one.tracing)
+    pub finds: Finds<AnnotationId, Shape, Lay>,
 }
 
 impl Laid {
-    /// Another document is open.
-    pub(crate) fn forget(&mut self) {
-        self.entries.clear();
-    }
-
-    /// Voxels have changed: grids near them are found anew.
-    pub(crate) fn mirror(&mut self, state: &State, refreshed: &Refreshed) {
-        for entry in self.entries.values_mut() {
-            entry.is_stale |= touches(state, refreshed, &entry.ground, entry.ball);
-        }
-    }
-
     /// Whether some grid of what pictures show is not the one that is wanted yet.
     pub(crate) fn is_behind(&self, state: &State) -> bool {
-        let shown = state.scene.annotations.all.iter().filter(|(_, one)| one.visible);
-        let mut shown = shown.map(|(id, one)| (self.entries.get(id), one));
-        shown.any(|(entry, one)| entry.is_none_or(|e| e.is_stale || !e.is_final || shape_of(&e.of) != shape_of(one)))
+        let mut shown = state.scene.annotations.all.iter().filter(|(_, one)| one.visible);
+        shown.any(|(id, one)| self.finds.is_behind(id, &shape_of(one)))
     }
 
     /// Where an annotation lies; `at_last`: as it is wanted, whatever that costs, else as it is quickly found.
@@ -222,23 +150,17 @@ impl Laid {
     ) -> Result<&Lay, DocumentError> {
         let one = state.scene.annotations.get(id)?;
         let spot = Spot::of(state, &one.anchor)?;
-        let is_it = |e: &&Entry| {
-            !e.is_stale && e.ground == spot.ground && shape_of(&e.of) == shape_of(one) && (e.is_final || !at_last)
-        };
-        if self.entries.get(&id).filter(is_it).is_none() {
-            let known = self.entries.get(&id).map(|e| (e.of.content.clone(), e.of.size_mm, e.lay.drawing.clone()));
-            let known = known.filter(|k| k.0 == one.content && k.1 == one.size_mm).map(|k| k.2);
-            let (lay, ball, is_final) = lay(state, graphics, &mut self.fonts, one, &spot, (known, at_last))?;
-            let ground = spot.ground;
-            self.entries.insert(id, Entry { of: one.clone(), ground, ball, is_stale: false, is_final, lay });
-        }
-        let entry = self.entries.get(&id).ok_or(DocumentError::NothingOpen)?;
-        Ok(&entry.lay)
+        let fonts = &mut self.fonts;
+        self.finds.get(id, shape_of(one), &spot, at_last, |before| {
+            let known = before.filter(|(shape, _)| shape.0 == one.content && shape.2 == one.size_mm);
+            let known = known.map(|(_, lay)| lay.drawing.clone());
+            lay(state, graphics, fonts, one, &spot, (known, at_last))
+        })
     }
 
     /// What pictures show of all annotations. What cannot be drawn is left out.
     pub(crate) fn decals(&mut self, state: &State, graphics: &mut Graphics, at_last: bool) -> Vec<Decal> {
-        self.entries.retain(|id, _| state.scene.annotations.all.contains_key(id));
+        self.finds.keep(|id| state.scene.annotations.all.contains_key(id));
         let shown = state.scene.annotations.all.iter().filter(|(_, one)| one.visible && one.opacity > 0.0);
         let mut decals = Vec::new();
         for (id, one) in shown {
@@ -260,36 +182,13 @@ impl Laid {
                     toward_mm: TOWARD_VOXELS * voxel_mm,
                     is_cut: true,
                 }),
-                Err(error) => tracing::warn!("{}: {error}", one.name),
+                // It is told where it is asked for, and not with every picture.
+                Err(error) => tracing::debug!("{}: {error}", one.name),
             }
         }
         decals
     }
 }
-
-/// Whether what was refreshed may have changed a surface in a ball.
-pub(crate) fn touches(state: &State, refreshed: &Refreshed, ground: &Ground, (centre, reach): (DVec3, f64)) -> bool {
-    let family = |id: &VolumeId| ground.family.contains(id);
-    if refreshed.remapped.iter().chain(&refreshed.exchanged).any(family) {
-        return true;
-    }
-    refreshed.slots.iter().any(|(key, refresh)| {
-        let Some(subject) = state.subject(key.volume) else { return false };
-        let grid = subject.grid();
-        let bricks = || refresh.slots.iter().filter(|(brick, _)| brick.level == 0);
-        key.kind == FieldKind::Density
-            && family(&key.volume)
-            && bricks().any(|(_, region)| {
-                // The nearest place of the box, near enough for boxes that lie askew.
-                let at = |v: [u32; 3]| DVec3::from_array(v.map(f64::from));
-                let index = grid.index_from_world().transform_point3(centre);
-                let near = index.clamp(at(region.lo) - 1.0, at(region.end) + 1.0);
-                grid.world_from_index.transform_point3(near).distance(centre) <= reach
-            })
-    })
-}
-
-type Found = (Lay, (DVec3, f64), bool);
 
 fn lay(
     state: &State,
@@ -298,7 +197,7 @@ fn lay(
     one: &Annotation,
     spot: &Spot,
     (known, at_last): (Option<Drawing>, bool),
-) -> Result<Found, DocumentError> {
+) -> Result<Fresh<Lay>, DocumentError> {
     if let Content::Ruler { to, .. } = &one.content {
         return ruler(state, fonts, one, spot, *to);
     }
@@ -326,7 +225,8 @@ fn lay(
     };
     let triangles = grid.triangles();
     let mesh = Arc::new(mesh_of(&grid.points, &normals, &triangles, spot.centre, uv));
-    Ok((Lay { mesh, drawing, grid, said }, (spot.centre, reach), relaxes || !wants))
+    let what = Lay { mesh, drawing, grid, said };
+    Ok(Fresh { what, ball: (spot.centre, reach), is_final: relaxes || !wants })
 }
 
 /// A mesh of those vertices that there are.
@@ -417,7 +317,7 @@ fn ruler(
     one: &Annotation,
     spot: &Spot,
     to: [f64; 3],
-) -> Result<Found, DocumentError> {
+) -> Result<Fresh<Lay>, DocumentError> {
     let end = spot.ground.place(to);
     let middle = spot.centre.midpoint(end);
     let reach = 1.2 * spot.centre.distance(end) + 2.0 * one.size_mm + 8.0 * spot.voxel_mm;
@@ -460,5 +360,5 @@ fn ruler(
         ..GridSaid::default()
     };
     let grid = SurfaceGrid { columns, rows: strip.rows, spacing_mm: said.step_mm, points: strip.points.clone() };
-    Ok((Lay { mesh, drawing, grid, said }, (middle, reach), true))
+    Ok(Fresh { what: Lay { mesh, drawing, grid, said }, ball: (middle, reach), is_final: true })
 }

@@ -11,6 +11,7 @@ pub(crate) mod graphics;
 pub(crate) mod laid;
 pub(crate) mod motion;
 pub(crate) mod poles;
+pub(crate) mod spots;
 pub(crate) mod stood;
 pub(crate) mod voxel_surface;
 pub(crate) mod windows;

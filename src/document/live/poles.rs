@@ -7,8 +7,7 @@ use crate::document::error::DocumentError;
 use crate::document::history::step::Refreshed;
 use crate::document::state::State;
 use crate::math::DVec3;
-use crate::volume::{Brick, BrickKey, FieldKind, VolumeId};
-use std::collections::btree_map::Entry;
+use crate::volume::{Brick, BrickIndex, BrickKey, Field, FieldKind, VolumeId};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Voxels of a box in which a pole is searched: of larger ones every second, or third, and so on.
@@ -17,10 +16,21 @@ const MOST_VOXELS: u64 = 1 << 24;
 /// First and last index of a label's voxels.
 type Bounds = [[u32; 3]; 2];
 
+/// What of each label lies in a brick.
+type InBrick = BTreeMap<u16, Bounds>;
+
+/// The labels of a volume, by the brick, so that a stroke costs the bricks that it painted.
+#[derive(Debug, Default)]
+struct Labels {
+    bricks: BTreeMap<BrickIndex, InBrick>,
+    /// Bricks to look at again; `None`: all of them.
+    stale: Option<BTreeSet<BrickIndex>>,
+}
+
 /// What was found of the segments of all volumes that were asked for.
 #[derive(Debug, Default)]
 pub(crate) struct Poles {
-    bounds: BTreeMap<VolumeId, BTreeMap<u16, Bounds>>,
+    labels: BTreeMap<VolumeId, Labels>,
     poles: BTreeMap<(VolumeId, u16), Option<DVec3>>,
 }
 
@@ -32,11 +42,14 @@ impl Poles {
 
     /// Labels have changed.
     pub(crate) fn mirror(&mut self, refreshed: &Refreshed) {
-        let painted =
-            refreshed.slots.iter().filter(|(key, _)| key.kind == FieldKind::Labels).map(|(key, _)| key.volume);
-        for id in painted.chain(refreshed.exchanged.iter().copied()).collect::<BTreeSet<_>>() {
-            self.bounds.remove(&id);
-            self.poles.retain(|(of, _), _| *of != id);
+        for id in &refreshed.exchanged {
+            self.labels.remove(id);
+            self.poles.retain(|(of, _), _| of != id);
+        }
+        for (key, slots) in refreshed.slots.iter().filter(|(key, _)| key.kind == FieldKind::Labels) {
+            if let Some(Labels { stale: Some(stale), .. }) = self.labels.get_mut(&key.volume) {
+                stale.extend(slots.finest());
+            }
         }
     }
 
@@ -45,14 +58,28 @@ impl Poles {
     /// # Errors
     /// If there is no such volume.
     pub(crate) fn present(&mut self, state: &State, id: VolumeId) -> Result<BTreeSet<u16>, DocumentError> {
-        Ok(self.bounds(state, id)?.keys().copied().collect())
+        Ok(self.labels(state, id)?.bricks.values().flat_map(|brick| brick.keys().copied()).collect())
     }
 
-    fn bounds(&mut self, state: &State, id: VolumeId) -> Result<&BTreeMap<u16, Bounds>, DocumentError> {
-        Ok(match self.bounds.entry(id) {
-            Entry::Occupied(known) => known.into_mut(),
-            Entry::Vacant(unknown) => unknown.insert(bounds_of(state, id)?),
-        })
+    /// Labels as they are now: those of which a brick has changed have their poles found anew.
+    fn labels(&mut self, state: &State, id: VolumeId) -> Result<&Labels, DocumentError> {
+        let field = &state.at(Some(id))?.volume.labels;
+        let known = self.labels.entry(id).or_default();
+        let stale = known.stale.replace(BTreeSet::new());
+        let stale = stale.unwrap_or_else(|| field.present().into_iter().collect());
+        let mut changed = BTreeSet::new();
+        for index in stale {
+            // What was not looked at is looked at again.
+            let now = in_brick(field, index).inspect_err(|_| known.stale = None)?;
+            let before = known.bricks.insert(index, now).unwrap_or_default();
+            let now = &known.bricks[&index];
+            changed.extend(before.keys().chain(now.keys()).copied());
+            if now.is_empty() {
+                known.bricks.remove(&index);
+            }
+        }
+        self.poles.retain(|(of, label), _| *of != id || !changed.contains(label));
+        Ok(known)
     }
 
     /// The deepest place of a segment, continuous index; `None` if it has no voxel.
@@ -60,46 +87,40 @@ impl Poles {
     /// # Errors
     /// If there is no such volume, or its labels cannot be read.
     pub(crate) fn pole(&mut self, state: &State, id: VolumeId, label: u16) -> Result<Option<DVec3>, DocumentError> {
+        let of_label = self.labels(state, id)?.bricks.values().filter_map(|brick| brick.get(&label).copied());
+        let bounds = of_label.reduce(both);
         if let Some(known) = self.poles.get(&(id, label)) {
             return Ok(*known);
         }
-        let found = match self.bounds(state, id)?.get(&label).copied() {
-            Some(bounds) => deepest(state, id, label, bounds)?,
-            None => None,
-        };
+        let found = bounds.map_or(Ok(None), |bounds| deepest(state, id, label, bounds))?;
         self.poles.insert((id, label), found);
         Ok(found)
     }
 }
 
-fn bounds_of(state: &State, id: VolumeId) -> Result<BTreeMap<u16, Bounds>, DocumentError> {
-    let field = &state.at(Some(id))?.volume.labels;
-    let mut all: BTreeMap<u16, Bounds> = BTreeMap::new();
-    let mut add = |label: u16, at: [u32; 3], last: [u32; 3]| {
-        let bounds = all.entry(label).or_insert([at, last]);
-        *bounds = std::array::from_fn(|end| {
-            let here = [at, last][end];
-            std::array::from_fn(|a| if end == 0 { bounds[0][a].min(here[a]) } else { bounds[1][a].max(here[a]) })
-        });
+fn both(a: Bounds, b: Bounds) -> Bounds {
+    [std::array::from_fn(|i| a[0][i].min(b[0][i])), std::array::from_fn(|i| a[1][i].max(b[1][i]))]
+}
+
+fn in_brick(field: &Field, index: BrickIndex) -> Result<InBrick, DocumentError> {
+    let mut all = InBrick::new();
+    let mut add = |label: u16, bounds: Bounds| {
+        if label != 0 {
+            all.entry(label).and_modify(|known| *known = both(*known, bounds)).or_insert(bounds);
+        }
     };
-    for index in field.present() {
-        let size = field.valid(0, index);
-        let origin = index.origin();
-        let brick = field.brick(BrickKey { level: 0, index })?;
-        let last: [u32; 3] = std::array::from_fn(|a| origin[a] + size[a] - 1);
-        if let Brick::Uniform(texel) = &brick {
-            add(u16::from_le_bytes([texel[0], texel[1]]), origin, last);
-            continue;
-        }
-        let texels = field.read(0, origin.map(i64::from), size)?;
-        for (i, texel) in texels.chunks_exact(2).enumerate() {
-            let i = i as u32;
-            let at = [i % size[0], i / size[0] % size[1], i / (size[0] * size[1])];
-            let at = std::array::from_fn(|a| origin[a] + at[a]);
-            add(u16::from_le_bytes([texel[0], texel[1]]), at, at);
-        }
+    let (size, origin) = (field.valid(0, index), index.origin());
+    if let Brick::Uniform(texel) = field.brick(BrickKey { level: 0, index })? {
+        let last = std::array::from_fn(|a| origin[a] + size[a] - 1);
+        add(u16::from_le_bytes([texel[0], texel[1]]), [origin, last]);
+        return Ok(all);
     }
-    all.remove(&0);
+    let texels = field.read(0, origin.map(i64::from), size)?;
+    for (i, texel) in (0..).zip(texels.chunks_exact(2)) {
+        let at = [i % size[0], i / size[0] % size[1], i / (size[0] * size[1])];
+        let at = std::array::from_fn(|a| origin[a] + at[a]);
+        add(u16::from_le_bytes([texel[0], texel[1]]), [at; 2]);
+    }
     Ok(all)
 }
 

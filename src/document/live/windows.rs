@@ -11,28 +11,25 @@ use crate::annotate::window::cutaway::{CutPart, Cutaway as Window};
 use crate::annotate::window::lasso::lasso_patch;
 use crate::annotate::window::patch::Patch;
 use crate::document::error::DocumentError;
-use crate::document::history::step::Refreshed;
 use crate::document::live::graphics::Graphics;
-use crate::document::live::laid::{
-    Ground, Spot, TOWARD_VOXELS, even_lattice, mesh_of, reach_of, relaxed, touches, traced,
-};
+use crate::document::live::laid::{TOWARD_VOXELS, even_lattice, mesh_of, reach_of, relaxed, traced};
+use crate::document::live::spots::{Finds, Fresh, Spot};
 use crate::document::live::voxel_surface::VoxelSurface;
-use crate::document::scene::annotations::Tracing;
+use crate::document::scene::annotations::{Anchor, Tracing};
 use crate::document::scene::cutaways::{Cutaway, CutawayId, Outline};
 use crate::document::state::State;
 use crate::explode::Poses;
-use crate::gpu::{CutMesh, Decal, DecalCorner, DecalMesh, DecalPicture, Layers, Texels};
+use crate::gpu::{CutMesh, Decal, DecalCorner, DecalMesh, DecalPicture, Layers, Texels, distance_texel};
 use crate::math::{DVec3, Pose};
 use crate::mesh::TriangleMesh;
-use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 /// Vertices along the longer side of a window's grid at most.
 const MOST_VERTICES: f64 = 160.0;
 /// How dark the floor of a window is.
 const SHADE: f64 = 0.55;
 /// Levels of that.
-const SHADES: u32 = 64;
+const SHADE_LEVELS: u32 = 64;
 
 /// A window as it stands open.
 #[derive(Clone, Debug)]
@@ -48,47 +45,24 @@ pub(crate) struct Opened {
     walls: Arc<DecalMesh>,
 }
 
-#[derive(Debug)]
-struct Entry {
-    of: Cutaway,
-    ground: Ground,
-    ball: (DVec3, f64),
-    is_stale: bool,
-    is_final: bool,
-    opened: Opened,
+/// What of a cutaway its mesh hangs on.
+type Shape = (Outline, Anchor, f64, f64);
+
+fn shape_of(one: &Cutaway) -> Shape {
+    (one.outline.clone(), one.anchor, one.depth_mm, one.rim.width_mm)
 }
 
 /// All windows that were asked for.
 #[derive(Debug, Default)]
 pub(crate) struct Windows {
-    entries: BTreeMap<CutawayId, Entry>,
-}
-
-/// What of a cutaway its mesh hangs on.
-fn shape_of(one: &Cutaway) -> (&Outline, &crate::document::scene::annotations::Anchor, f64, f64) {
-    (&one.outline, &one.anchor, one.depth_mm, one.rim.width_mm)
+    pub finds: Finds<CutawayId, Shape, Opened>,
 }
 
 impl Windows {
-    /// Another document is open.
-    pub(crate) fn forget(&mut self) {
-        self.entries.clear();
-    }
-
-    /// Voxels have changed: windows near them are found anew.
-    pub(crate) fn mirror(&mut self, state: &State, refreshed: &Refreshed) {
-        for entry in self.entries.values_mut() {
-            entry.is_stale |= touches(state, refreshed, &entry.ground, entry.ball);
-        }
-    }
-
     /// Whether some window that pictures show is not the one that is wanted yet.
     pub(crate) fn is_behind(&self, state: &State) -> bool {
         let mut open = state.scene.cutaways.all.iter().filter(|(_, one)| one.open);
-        open.any(|(id, one)| {
-            let entry = self.entries.get(id);
-            entry.is_none_or(|e| e.is_stale || !e.is_final || shape_of(&e.of) != shape_of(one))
-        })
+        open.any(|(id, one)| self.finds.is_behind(id, &shape_of(one)))
     }
 
     /// A window; `at_last`: as it is wanted, whatever that costs.
@@ -104,16 +78,8 @@ impl Windows {
     ) -> Result<&Opened, DocumentError> {
         let one = state.scene.cutaways.get(id)?;
         let spot = Spot::of(state, &one.anchor)?;
-        let is_it = |e: &&Entry| {
-            !e.is_stale && e.ground == spot.ground && shape_of(&e.of) == shape_of(one) && (e.is_final || !at_last)
-        };
-        if self.entries.get(&id).filter(is_it).is_none() {
-            let (opened, ball) = open(state, graphics, one, &spot, at_last)?;
-            let (of, ground) = (one.clone(), spot.ground);
-            self.entries.insert(id, Entry { of, ground, ball, is_stale: false, is_final: at_last, opened });
-        }
-        let entry = self.entries.get(&id).ok_or(DocumentError::NothingOpen)?;
-        Ok(&entry.opened)
+        let shape = shape_of(one);
+        self.finds.get(id, shape, &spot, at_last, |_| open(state, graphics, one, &spot, at_last))
     }
 
     /// Adds what cuts to a frame; `dressed`: also rims and the shade of walls.
@@ -125,7 +91,7 @@ impl Windows {
         layers: &mut Layers,
         (dressed, at_last): (bool, bool),
     ) {
-        self.entries.retain(|id, _| state.scene.cutaways.all.contains_key(id));
+        self.finds.keep(|id| state.scene.cutaways.all.contains_key(id));
         for (id, one) in state.scene.cutaways.all.iter().filter(|(_, one)| one.open) {
             let pose = match Spot::of(state, &one.anchor) {
                 Ok(spot) => pose_at(state, poses, spot.centre, one.anchor.selected),
@@ -134,7 +100,8 @@ impl Windows {
             let opened = match self.get(state, graphics, *id, at_last) {
                 Ok(opened) => opened,
                 Err(error) => {
-                    tracing::warn!("{}: {error}", one.name);
+                    // It is told where it is asked for, and not with every picture.
+                    tracing::debug!("{}: {error}", one.name);
                     continue;
                 }
             };
@@ -162,10 +129,10 @@ fn dress(state: &State, one: &Cutaway, opened: &Opened) -> Vec<Decal> {
     let Ok(subject) = state.at(Some(volume)) else { return Vec::new() };
     let plain = Decal {
         mesh: opened.walls.clone(),
-        picture: Arc::new(shades()),
+        picture: SHADES.clone(),
         volume,
         selected: one.anchor.selected,
-        fill: [0.0; 3],
+        fill: one.rim.colour,
         halo: None,
         opacity: 1.0,
         lighting: None,
@@ -177,12 +144,11 @@ fn dress(state: &State, one: &Cutaway, opened: &Opened) -> Vec<Decal> {
         decals.push(plain.clone());
     }
     if one.rim.width_mm > 0.0 {
-        let picture = Arc::new(plain_picture(one.rim.colour));
         let lighting = state.scene.look_of(volume).lighting;
         let toward_mm = TOWARD_VOXELS * subject.grid().voxel_mm();
         let band = |mesh: &Arc<DecalMesh>| Decal {
             mesh: mesh.clone(),
-            picture: picture.clone(),
+            picture: FILLED.clone(),
             lighting,
             toward_mm,
             ..plain.clone()
@@ -194,23 +160,19 @@ fn dress(state: &State, one: &Cutaway, opened: &Opened) -> Vec<Decal> {
 
 const IDENTITY: [[f32; 2]; 3] = [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]];
 
-fn plain_picture(colour: [f32; 3]) -> DecalPicture {
-    let [r, g, b] = colour.map(|c| (c * 255.0).round() as u8);
-    let levels = vec![([1, 1], vec![u32::from_le_bytes([r, g, b, 255])])];
-    DecalPicture { texels: Texels::Colours, levels, picture_from_uv: IDENTITY, repeats: false }
-}
+/// All of it inside a shape. One for all pictures, so that it comes to the device once.
+static FILLED: LazyLock<Arc<DecalPicture>> = LazyLock::new(|| {
+    let levels = vec![([1, 1], vec![distance_texel([f32::MAX; 2], 0)])];
+    Arc::new(DecalPicture { texels: Texels::Distances, levels, picture_from_uv: IDENTITY, repeats: false })
+});
 
 /// Black that grows denser from top to bottom.
-fn shades() -> DecalPicture {
-    let alpha = |i: u32| (255.0 * SHADE * (f64::from(i) + 0.5) / f64::from(SHADES)).round() as u8;
-    let texels = (0..SHADES).map(|i| u32::from_le_bytes([0, 0, 0, alpha(i)])).collect();
-    DecalPicture {
-        texels: Texels::Colours,
-        levels: vec![([1, SHADES], texels)],
-        picture_from_uv: IDENTITY,
-        repeats: false,
-    }
-}
+static SHADES: LazyLock<Arc<DecalPicture>> = LazyLock::new(|| {
+    let alpha = |i: u32| (255.0 * SHADE * (f64::from(i) + 0.5) / f64::from(SHADE_LEVELS)).round() as u8;
+    let texels = (0..SHADE_LEVELS).map(|i| u32::from_le_bytes([0, 0, 0, alpha(i)])).collect();
+    let levels = vec![([1, SHADE_LEVELS], texels)];
+    Arc::new(DecalPicture { texels: Texels::Colours, levels, picture_from_uv: IDENTITY, repeats: false })
+});
 
 fn open(
     state: &State,
@@ -218,7 +180,7 @@ fn open(
     one: &Cutaway,
     spot: &Spot,
     at_last: bool,
-) -> Result<(Opened, (DVec3, f64)), DocumentError> {
+) -> Result<Fresh<Opened>, DocumentError> {
     let refused = |e: &dyn std::fmt::Display| DocumentError::NotNow(format!("{}: {e}", one.name));
     let voxel = spot.voxel_mm;
     let steps = Steps::of_voxel(voxel);
@@ -265,7 +227,8 @@ fn open(
     let rim = bands.iter().map(|band| Arc::new(band_mesh(band, &surface, origin))).collect();
     let walls = Arc::new(wall_mesh(&window, origin));
     let reach = reach + one.depth_mm;
-    Ok((Opened { mesh: Arc::new(mesh), origin, window, remarks, rim, walls }, (spot.centre, reach)))
+    let what = Opened { mesh: Arc::new(mesh), origin, window, remarks, rim, walls };
+    Ok(Fresh { what, ball: (spot.centre, reach), is_final: at_last })
 }
 
 fn outward_at(surface: &VoxelSurface, grid: &SurfaceGrid) -> Option<DVec3> {

@@ -1,44 +1,37 @@
-//! What commands on annotations, labels and cutaways do to the scene; see `reduce`.
+//! What commands on annotations do to the scene, and what of a place on a surface labels and cutaways share with them; see `reduce`.
 //!
 //! Places come as indices of a volume and values of surfaces as numbers: whoever does a command looks at picture and voxels before.
 
 use crate::document::command::Place;
-use crate::document::command::annotations::{
-    AnnotationChange, AnnotationCommand, CutawayChange, CutawayCommand, LabelChange, LabelCommand,
-};
-use crate::document::command::answers::{
-    AnnotationSaid, CutawaySaid, LabelSaid, LabelStyleSaid, LabelledSaid, RemovedSaid,
-};
+use crate::document::command::annotations::{AnnotationChange, AnnotationCommand};
+use crate::document::command::answers::{AnnotationSaid, RemovedSaid};
 use crate::document::error::DocumentError;
 use crate::document::reduce::place::place_in;
 use crate::document::reduce::{Changed, Ground};
 use crate::document::scene::Scene;
 use crate::document::scene::annotations::{Align, Anchor, Annotation, AnnotationId, Content, Tracing};
-use crate::document::scene::cutaways::{Cutaway, Outline, Rim, Spared};
-use crate::document::scene::labels::{Label, Named};
+use crate::document::scene::labels::Named;
 use crate::volume::VolumeId;
 
-const RIM: [f32; 3] = [0.93, 0.90, 0.82];
-
 /// What of a place on a surface is said.
-struct AnchorSaid {
-    at: Option<Place>,
-    toward: Option<Place>,
-    value: Option<f64>,
-    selected: Option<bool>,
-    volume: Option<VolumeId>,
+pub(super) struct AnchorSaid {
+    pub(super) at: Option<Place>,
+    pub(super) toward: Option<Place>,
+    pub(super) value: Option<f64>,
+    pub(super) selected: Option<bool>,
+    pub(super) volume: Option<VolumeId>,
 }
 
-fn missing(field: &str, expected: &str) -> DocumentError {
+pub(super) fn missing(field: &str, expected: &str) -> DocumentError {
     DocumentError::invalid(field, "nothing", expected)
 }
 
 /// What neither picture nor voxels were asked for is not known here.
-fn unknown(field: &str) -> DocumentError {
+pub(super) fn unknown(field: &str) -> DocumentError {
     missing(field, "what only the surface tells")
 }
 
-fn index_of(place: Place, scene: &Scene, ground: &Ground<'_>) -> Result<[f64; 3], DocumentError> {
+pub(super) fn index_of(place: Place, scene: &Scene, ground: &Ground<'_>) -> Result<[f64; 3], DocumentError> {
     let sample = place_in(place, scene, ground.grid)?.ok_or_else(|| unknown("at"))?;
     // To the last digit.
     if let Place::Index(index) = place {
@@ -56,7 +49,7 @@ pub(crate) fn round_length(length: f64) -> f64 {
 
 impl Scene {
     /// The volume that another one is a box of, or is.
-    fn root_meant(&self, volume: Option<VolumeId>) -> Result<VolumeId, DocumentError> {
+    pub(super) fn root_meant(&self, volume: Option<VolumeId>) -> Result<VolumeId, DocumentError> {
         Ok(self.root_of(self.meant(volume)?))
     }
 
@@ -180,7 +173,7 @@ impl Scene {
         Ok(one)
     }
 
-    fn changed_anchor(
+    pub(super) fn changed_anchor(
         &self,
         old: Option<&Anchor>,
         said: AnchorSaid,
@@ -209,236 +202,6 @@ impl Scene {
         };
         anchor.check()?;
         Ok(anchor)
-    }
-
-    pub(crate) fn apply_label(
-        &mut self,
-        command: &LabelCommand,
-        ground: &Ground<'_>,
-    ) -> Result<Changed, DocumentError> {
-        match command {
-            LabelCommand::Add(change) => {
-                if let Some(id) = change.id {
-                    return Err(DocumentError::invalid("id", id.0, "none: label.set changes what is there"));
-                }
-                let label = self.changed_label(None, change, ground)?;
-                let step = format!("Label {}", label.text);
-                let id = self.labels.put(label.clone());
-                Ok(Changed::new(step, LabelSaid { id, label }))
-            }
-            LabelCommand::Set(change) => {
-                let id = change.id.ok_or_else(|| missing("id", "the label that is changed"))?;
-                let old = self.labels.get(id)?.clone();
-                let label = self.changed_label(Some(&old), change, ground)?;
-                let what = match change.visible {
-                    Some(true) => "Show label",
-                    Some(false) => "Hide label",
-                    None => "Change label",
-                };
-                let step = format!("{what} {}", old.text);
-                self.labels.all.insert(id, label.clone());
-                Ok(Changed::new(step, LabelSaid { id, label }))
-            }
-            LabelCommand::Remove { id } => {
-                let step = format!("Remove label {}", self.labels.get(*id)?.text);
-                self.labels.all.remove(id);
-                Ok(Changed::new(step, RemovedSaid { removed: id.0 }))
-            }
-            LabelCommand::FromSegments { volume, segments } => {
-                let volume = self.meant(*volume)?;
-                let ids = segments.clone().ok_or_else(|| unknown("segments"))?;
-                let mut labels = Vec::new();
-                for segment in ids {
-                    let at = Named::Segment { volume, segment };
-                    if self.labels.all.values().any(|label| label.at == at) {
-                        continue;
-                    }
-                    let table = self.segments_of(volume);
-                    let known =
-                        table.get(segment).ok_or_else(|| DocumentError::no_segment("segments", segment, table))?;
-                    let label = Label { text: known.name.clone(), at, visible: true };
-                    label.check()?;
-                    labels.push(LabelSaid { id: self.labels.put(label.clone()), label });
-                }
-                let step = if labels.is_empty() { "" } else { "Label segments" };
-                Ok(Changed::new(step, LabelledSaid { labels }))
-            }
-            LabelCommand::Style { visible, numbers, size_px, colour, own_colour } => {
-                let style = &mut self.labels.style;
-                style.visible = visible.unwrap_or(style.visible);
-                style.numbers = numbers.unwrap_or(style.numbers);
-                style.size_px = size_px.unwrap_or(style.size_px);
-                style.colour = if *own_colour { None } else { colour.or(style.colour) };
-                let style = *style;
-                style.check()?;
-                let step = match visible {
-                    Some(true) => "Show labels",
-                    Some(false) => "Hide labels",
-                    None => "Style of labels",
-                };
-                Ok(Changed::new(step, LabelStyleSaid { style }))
-            }
-        }
-    }
-
-    fn changed_label(
-        &self,
-        old: Option<&Label>,
-        change: &LabelChange,
-        ground: &Ground<'_>,
-    ) -> Result<Label, DocumentError> {
-        let named = [change.at.is_some(), change.segment.is_some(), change.part.is_some(), change.annotation.is_some()];
-        if named.iter().filter(|named| **named).count() > 1 {
-            let expected = "one of at, segment, part and annotation";
-            return Err(DocumentError::invalid("at", "several things that are named", expected));
-        }
-        let at = if let Some(place) = change.at {
-            let index = index_of(place, self, ground)?;
-            let volume = self.root_meant(change.volume)?;
-            Some(Named::Point { volume, index, selected: change.selected.unwrap_or_default() })
-        } else if let Some(segment) = change.segment {
-            let volume = self.meant(change.volume)?;
-            let table = self.segments_of(volume);
-            if table.get(segment).is_none() {
-                return Err(DocumentError::no_segment("segment", segment, table));
-            }
-            Some(Named::Segment { volume, segment })
-        } else if let Some(part) = change.part {
-            self.explosion.part(part)?;
-            Some(Named::Part(part))
-        } else if let Some(id) = change.annotation {
-            self.annotations.get(id)?;
-            Some(Named::Annotation(id))
-        } else {
-            None
-        };
-        let at = at
-            .or_else(|| old.map(|old| old.at))
-            .ok_or_else(|| missing("at", "a place, a segment, a part or an annotation that the label names"))?;
-        let of_itself = || match at {
-            Named::Segment { volume, segment } => self.segments_of(volume).get(segment).map(|s| s.name.clone()),
-            Named::Part(part) => self.explosion.part(part).ok().map(|part| part.name.clone()),
-            Named::Annotation(id) => self.annotations.get(id).ok().map(|one| one.name.clone()),
-            Named::Point { .. } => None,
-        };
-        let text = change.text.clone().or_else(|| old.map(|old| old.text.clone())).or_else(of_itself);
-        let label = Label {
-            text: text.ok_or_else(|| missing("text", "what the label says"))?,
-            at,
-            visible: change.visible.unwrap_or(old.is_none_or(|old| old.visible)),
-        };
-        label.check()?;
-        Ok(label)
-    }
-
-    pub(crate) fn apply_cutaway(
-        &mut self,
-        command: &CutawayCommand,
-        ground: &Ground<'_>,
-    ) -> Result<Changed, DocumentError> {
-        match command {
-            CutawayCommand::Add(change) => {
-                if let Some(id) = change.id {
-                    return Err(DocumentError::invalid("id", id.0, "none: cutaway.set changes what is there"));
-                }
-                let cutaway = self.changed_cutaway(None, change, ground)?;
-                let step = format!("Open {}", cutaway.name);
-                let id = self.cutaways.put(cutaway.clone());
-                Ok(Changed::new(step, CutawaySaid { id, cutaway, mesh: None }))
-            }
-            CutawayCommand::Set(change) => {
-                let id = change.id.ok_or_else(|| missing("id", "the cutaway that is changed"))?;
-                let old = self.cutaways.get(id)?.clone();
-                let cutaway = self.changed_cutaway(Some(&old), change, ground)?;
-                let what = match change {
-                    CutawayChange { name: Some(_), .. } => "Rename",
-                    CutawayChange { open: Some(true), .. } => "Open",
-                    CutawayChange { open: Some(false), .. } => "Close",
-                    CutawayChange { at: Some(_), .. } => "Move",
-                    CutawayChange { depth_mm: Some(_), .. } => "Deepen",
-                    CutawayChange { width_mm: Some(_), .. } | CutawayChange { height_mm: Some(_), .. } => "Resize",
-                    _ => "Change",
-                };
-                let step = format!("{what} {}", old.name);
-                self.cutaways.all.insert(id, cutaway.clone());
-                Ok(Changed::new(step, CutawaySaid { id, cutaway, mesh: None }))
-            }
-            CutawayCommand::Remove { id } => {
-                let step = format!("Remove {}", self.cutaways.get(*id)?.name);
-                self.cutaways.all.remove(id);
-                Ok(Changed::new(step, RemovedSaid { removed: id.0 }))
-            }
-        }
-    }
-
-    fn changed_cutaway(
-        &self,
-        old: Option<&Cutaway>,
-        change: &CutawayChange,
-        ground: &Ground<'_>,
-    ) -> Result<Cutaway, DocumentError> {
-        let anchor = self.changed_anchor(
-            old.map(|old| &old.anchor),
-            AnchorSaid {
-                at: change.at,
-                toward: change.toward,
-                value: change.value,
-                selected: None,
-                volume: change.volume,
-            },
-            ground,
-        )?;
-        let usual = round_length(ground.bounds.half_diagonal() * 0.3);
-        let outline = match (&change.lasso, old.map(|old| &old.outline)) {
-            (Some(places), _) => {
-                let points = places.iter().map(|place| index_of(*place, self, ground));
-                Outline::Lasso { points: points.collect::<Result<_, _>>()? }
-            }
-            (None, Some(Outline::Lasso { .. })) if change.width_mm.is_some() || change.height_mm.is_some() => {
-                return Err(DocumentError::invalid(
-                    "width_mm",
-                    "a size",
-                    "none: this window has the outline of a lasso",
-                ));
-            }
-            (None, Some(Outline::Lasso { points })) => {
-                // What is moved takes its outline along.
-                let old = old.map_or(anchor.centre, |old| old.anchor.centre);
-                let by: [f64; 3] = std::array::from_fn(|a| anchor.centre[a] - old[a]);
-                Outline::Lasso { points: points.iter().map(|p| std::array::from_fn(|a| p[a] + by[a])).collect() }
-            }
-            (None, Some(Outline::Grid { width_mm, height_mm })) => Outline::Grid {
-                width_mm: change.width_mm.unwrap_or(*width_mm),
-                height_mm: change.height_mm.unwrap_or(*height_mm),
-            },
-            (None, None) => {
-                let width_mm = change.width_mm.or(change.height_mm).unwrap_or(usual);
-                Outline::Grid { width_mm, height_mm: change.height_mm.unwrap_or(width_mm) }
-            }
-        };
-        let mut one = match old {
-            Some(old) => Cutaway { anchor, outline, ..old.clone() },
-            None => Cutaway {
-                name: format!("Window {}", self.cutaways.next + 1),
-                anchor,
-                outline,
-                depth_mm: usual,
-                rim: Rim { width_mm: usual * 0.04, colour: RIM },
-                shaded: true,
-                spares: Spared::default(),
-                open: true,
-            },
-        };
-        one.name = change.name.clone().unwrap_or(one.name);
-        one.depth_mm = change.depth_mm.unwrap_or(one.depth_mm);
-        one.rim.width_mm = change.rim_mm.unwrap_or(one.rim.width_mm);
-        one.rim.colour = change.rim_colour.unwrap_or(one.rim.colour);
-        one.shaded = change.shaded.unwrap_or(one.shaded);
-        one.spares.selection = change.spare_selection.unwrap_or(one.spares.selection);
-        one.spares.segments = change.spare_segments.clone().unwrap_or(one.spares.segments);
-        one.open = change.open.unwrap_or(one.open);
-        one.check()?;
-        Ok(one)
     }
 
     /// The annotation that a label, a question or a cutaway names.

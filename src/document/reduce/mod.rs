@@ -5,6 +5,8 @@
 //! places that only a picture can tell are refused here, and put in numbers by the document before.
 
 pub(crate) mod annotations;
+pub(crate) mod cutaways;
+pub(crate) mod labels;
 pub(crate) mod looks;
 pub(crate) mod parts;
 pub(crate) mod place;

@@ -25,7 +25,8 @@ pub(crate) struct Cuts {
     first: Kernel<Draw>,
     later: Kernel<Draw>,
     join: Kernel<Compute>,
-    meshes: Meshes,
+    /// On the device, by class of bodies: what cuts one is another list than what cuts the others.
+    meshes: Vec<Meshes>,
     /// Peels of the last picture.
     peels: u32,
 }
@@ -41,7 +42,7 @@ impl Cuts {
             first: peel(&[]),
             later: peel(&[Binding::UINT_2D]),
             join: Kernel::new(gpu, shader!("mesh/spans.wgsl"), Compute("join"), &joined),
-            meshes: Meshes::default(),
+            meshes: Vec::new(),
             peels: 3,
         }
     }
@@ -50,7 +51,7 @@ impl Cuts {
     pub(crate) fn draw(
         &mut self,
         gpu: &Gpu,
-        cuts: &[CutMesh],
+        (class, cuts): (usize, &[CutMesh]),
         rays: &Rays<'_>,
     ) -> Result<Option<wgpu::Texture>, GpuError> {
         let placed: Vec<_> = cuts
@@ -58,7 +59,8 @@ impl Cuts {
             .map(|c| Placed { mesh: &c.mesh, pose: &c.pose, code: 0, colour: [0.0; 3], lighting: None })
             .collect();
         let Self { first, later, join, meshes, peels } = self;
-        let Some(meshes) = meshes.bring(gpu, &placed, rays.eye)? else { return Ok(None) };
+        meshes.resize_with(meshes.len().max(class + 1), Meshes::default);
+        let Some(meshes) = meshes[class].bring(gpu, &placed, rays.eye)? else { return Ok(None) };
         let before = [Some(rays.layout), None];
         let pipelines = [first.pipeline(gpu, &[], &before, &[])?, later.pipeline(gpu, &["LATER"], &before, &[])?];
         loop {

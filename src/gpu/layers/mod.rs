@@ -142,9 +142,9 @@ impl LayerRaster {
     ) -> Result<(Option<wgpu::Texture>, Vec<Option<u32>>), GpuError> {
         let mut lists = Vec::new();
         let (mut firsts, mut count) = (Vec::new(), 0);
-        for spared in classes {
+        for (class, spared) in classes.iter().enumerate() {
             let left: Vec<CutMesh> = cuts.iter().filter(|cut| !spared.contains(&cut.id)).cloned().collect();
-            let spans = self.cuts.draw(gpu, &left, rays)?;
+            let spans = self.cuts.draw(gpu, (class, &left), rays)?;
             firsts.push(spans.as_ref().map(|_| count));
             count += spans.as_ref().map_or(0, wgpu::Texture::depth_or_array_layers);
             lists.extend(spans);

@@ -9,7 +9,7 @@ use crate::interact::gesture::{CLICK_PX, Gesture};
 use crate::interact::mark::{Ink, Mark, Pen};
 use crate::interact::tools::{About, Does, Press};
 use crate::interact::writing::{WritingKind, Written};
-use crate::interact::written::{HeldThing, pixel, said, three_digits};
+use crate::interact::written::{pixel, said, three_digits};
 use crate::math::DVec2;
 
 pub(super) const ABOUT: About = About {
@@ -35,11 +35,8 @@ pub(super) struct Annotate;
 
 impl Does for Annotate {
     fn press(&self, e: &PointerEvent, context: &Context<'_>) -> Press {
-        if e.view != ViewName::ThreeD {
-            return Press::Looks;
-        }
-        if let Some(under) = context.writing.under(e, &context.scene.views.camera, of_tool) {
-            return Press::begins(HeldThing::new(e, under));
+        if let Some(press) = Press::on_written(e, context, of_tool) {
+            return press;
         }
         match e.hit {
             Some(first) if !e.modifiers.shift => {

@@ -7,7 +7,7 @@ use crate::interact::gesture::{CLICK_PX, Gesture};
 use crate::interact::mark::{Ink, Mark, Pen};
 use crate::interact::tools::{About, Does, Press};
 use crate::interact::writing::Written;
-use crate::interact::written::{HeldThing, pixel, said, three_digits};
+use crate::interact::written::{pixel, said, three_digits};
 use crate::math::DVec2;
 
 pub(super) const ABOUT: About = About {
@@ -32,16 +32,12 @@ pub(super) struct Cutaway;
 
 impl Does for Cutaway {
     fn press(&self, e: &PointerEvent, context: &Context<'_>) -> Press {
-        if e.view != ViewName::ThreeD {
-            return Press::Looks;
-        }
-        let camera = &context.scene.views.camera;
-        if let Some(under) = context.writing.under(e, camera, of_tool) {
-            return Press::begins(HeldThing::new(e, under));
+        if let Some(press) = Press::on_written(e, context, of_tool) {
+            return press;
         }
         match e.hit {
             Some(hit) if !e.modifiers.shift => {
-                let mm_per_px = camera.mm_per_pixel(hit.depth_mm, e.size[1]);
+                let mm_per_px = context.scene.views.camera.mm_per_pixel(hit.depth_mm, e.size[1]);
                 let change = context.writing.cutaway();
                 Press::begins(New { change, size: e.size, mm_per_px, from: e.px, to: e.px })
             }

@@ -11,6 +11,7 @@ use crate::interact::event::PointerEvent;
 use crate::interact::gesture::Gesture;
 use crate::interact::mark::{Mark, Pen};
 use crate::interact::writing::Written;
+use crate::interact::written::HeldThing;
 use crate::math::DVec2;
 
 /// What a tool says of itself.
@@ -45,6 +46,15 @@ pub(super) enum Press {
 impl Press {
     fn begins(gesture: impl Gesture + 'static) -> Self {
         Self::Begins(Box::new(gesture))
+    }
+
+    /// What it begins for tools that write in the 3D view, if something of theirs is under the hand, or it is in another view.
+    fn on_written(e: &PointerEvent, context: &Context<'_>, is_of_tool: fn(Written) -> bool) -> Option<Self> {
+        if e.view != ViewName::ThreeD {
+            return Some(Self::Looks);
+        }
+        let under = context.writing.under(e, &context.scene.views.camera, is_of_tool)?;
+        Some(Self::begins(HeldThing::new(e, under)))
     }
 }
 
