@@ -181,3 +181,29 @@ fn a_ruler_is_as_long_as_the_arc() {
         assert!((length / RADIUS - 1.0).abs() < 0.003, "{length}");
     }
 }
+
+#[test]
+fn a_ruler_whose_end_is_cut_away_says_so_and_comes_back() {
+    let dir = tempfile::tempdir().unwrap();
+    let Some(mut document) = ball(dir.path()) else { return };
+    let content = json!({"ruler":{"to":[0,0,0]}});
+    let line = json!({"annotation":{"add":{"content":content,"at":on(DVec3::NEG_Y),"to":on(DVec3::X),"size_mm":1}}});
+    let before = say(&mut document, line)["grid"]["length_mm"].take();
+    let brush = json!({"target":{"density":0},"operation":"replace","radius_mm":40,"falloff":"hard"});
+    say(&mut document, json!({"brush":{"set":brush}}));
+    say(&mut document, json!({"stroke":{"paint":{"points":[{"at":{"mm":middle().to_array()}}]}}}));
+    let picture = json!({"render":{"image":{"path":dir.path().join("gone.png")}}});
+    text(&mut document, json!({}));
+    // What failed once is remembered: the second asking answers as the first does.
+    for _ in 0..2 {
+        let said = say(&mut document, json!({"ask":{"annotations":{}}}))["annotations"].take();
+        assert!(said[0]["grid"].is_null(), "{said}");
+        assert!(said[0]["not_shown"].as_str().unwrap().contains("no surface"), "{said}");
+        assert!(said[1]["grid"]["remarks"][0].as_str().unwrap().contains("no surface"), "the other is told of: {said}");
+        say(&mut document, picture.clone());
+    }
+    say(&mut document, json!({"history":{"undo":{}}}));
+    say(&mut document, json!({"history":{"undo":{}}}));
+    let said = say(&mut document, json!({"ask":{"annotations":{}}}))["annotations"][0].take();
+    assert_eq!((&said["grid"]["length_mm"], &said["not_shown"]), (&before, &Value::Null), "{said}");
+}

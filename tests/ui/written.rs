@@ -340,7 +340,7 @@ fn a_remark_stands_under_the_one_concerned_and_offers_the_size_that_fits() {
         fitting_mm: Some(2.345),
         ..GridSaid::default()
     };
-    let said = AnnotationSaid { id, annotation: text("Nasus"), grid: Some(grid) };
+    let said = AnnotationSaid { id, annotation: text("Nasus"), grid: Some(grid), not_shown: None };
     let set = AnnotationChange { id: Some(id), ..Default::default() };
     let answer = Answer { said: Said::from(said), ..Answer::default() };
     window.report(Report::Done(Box::new(Command::Annotation(AnnotationCommand::Set(set))), Box::new(answer)));

@@ -5,6 +5,7 @@ use crate::document::command::answers::{
     AnnotationSaid, AnnotationsSaid, CutawayMeshSaid, CutawaySaid, CutawaysSaid, GridSaid, Said,
 };
 use crate::document::error::DocumentError;
+use crate::document::live::spots::why;
 use crate::document::scene::annotations::AnnotationId;
 use crate::document::scene::cutaways::CutawayId;
 use crate::gpu::Layers;
@@ -46,10 +47,16 @@ impl Document {
         };
         let mut annotations = Vec::new();
         for id in ids {
-            let lay = self.laid.get(state, &mut self.graphics, id, true)?;
-            let points = || lay.grid.points.iter().map(|p| p.map(|p| p.to_array())).collect();
-            let grid = GridSaid { vertices: vertices.then(points), ..lay.said.clone() };
-            annotations.push(AnnotationSaid { id, annotation: all.get(id)?.clone(), grid: Some(grid) });
+            let annotation = all.get(id)?.clone();
+            let (grid, not_shown) = match self.laid.get(state, &mut self.graphics, id, true) {
+                Ok(lay) => {
+                    let points = || lay.grid.points.iter().map(|p| p.map(|p| p.to_array())).collect();
+                    (Some(GridSaid { vertices: vertices.then(points), ..lay.said.clone() }), None)
+                }
+                // Those that can be told of are told of.
+                Err(error) => (None, Some(why(error)?)),
+            };
+            annotations.push(AnnotationSaid { id, annotation, grid, not_shown });
         }
         Ok(AnnotationsSaid { annotations })
     }
@@ -62,8 +69,12 @@ impl Document {
         };
         let mut cutaways = Vec::new();
         for id in ids {
-            let mesh = Some(self.cutaway_mesh(id, mesh)?);
-            cutaways.push(CutawaySaid { id, cutaway: all.get(id)?.clone(), mesh });
+            let cutaway = all.get(id)?.clone();
+            let (mesh, not_shown) = match self.cutaway_mesh(id, mesh) {
+                Ok(mesh) => (Some(mesh), None),
+                Err(error) => (None, Some(why(error)?)),
+            };
+            cutaways.push(CutawaySaid { id, cutaway, mesh, not_shown });
         }
         Ok(CutawaysSaid { cutaways })
     }

@@ -16,6 +16,9 @@ pub struct AnnotationSaid {
     /// How its grid lies; left out where it was not asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid: Option<GridSaid>,
+    /// Why no picture shows it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_shown: Option<String>,
 }
 
 /// How a grid lies on its surface.
@@ -126,6 +129,9 @@ pub struct CutawaySaid {
     /// Its mesh; left out where it was not asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh: Option<CutawayMeshSaid>,
+    /// Why no picture shows it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_shown: Option<String>,
 }
 
 /// The closed mesh of a cutaway.

@@ -134,13 +134,7 @@ impl<K: Ord, S: PartialEq, T> Finds<K, S, T> {
             let before = known.and_then(|f| Some((&f.shape, f.what.as_ref().ok()?)));
             let (what, ball, is_final) = match find(before) {
                 Ok(Fresh { what, ball, is_final }) => (Ok(what), ball, is_final),
-                // Of the place; what a device or a disk fails with may be gone the next time.
-                Err(error @ (DocumentError::Invalid { .. } | DocumentError::NotNow(_))) => {
-                    let why = Err(error.to_string());
-                    self.put(key, shape, spot, (why, (spot.centre, f64::INFINITY), true));
-                    return Err(error);
-                }
-                Err(error) => return Err(error),
+                Err(error) => (Err(why(error)?), (spot.centre, f64::INFINITY), true),
             };
             self.put(key, shape, spot, (what, ball, is_final));
         }
@@ -151,6 +145,17 @@ impl<K: Ord, S: PartialEq, T> Finds<K, S, T> {
     fn put(&mut self, key: K, shape: S, spot: &Spot, (what, ball, is_final): (Result<T, String>, (DVec3, f64), bool)) {
         let ground = spot.ground.clone();
         self.0.insert(key, Find { shape, ground, ball, is_stale: false, is_final, what });
+    }
+}
+
+/// Why nothing can be found at a place.
+///
+/// # Errors
+/// What is not of the place: what a device or a disk fails with may be gone the next time.
+pub(crate) fn why(error: DocumentError) -> Result<String, DocumentError> {
+    match error {
+        DocumentError::Invalid { .. } | DocumentError::NotNow(_) => Ok(error.to_string()),
+        other => Err(other),
     }
 }
 

@@ -66,7 +66,7 @@ impl Scene {
                 let one = self.changed_annotation(None, change, ground)?;
                 let name = format!("Add {}", one.name);
                 let id = self.annotations.put(one.clone());
-                Ok(Changed::new(name, AnnotationSaid { id, annotation: one, grid: None }))
+                Ok(Changed::new(name, AnnotationSaid { id, annotation: one, grid: None, not_shown: None }))
             }
             AnnotationCommand::Set(change) => {
                 let id = change.id.ok_or_else(|| missing("id", "the annotation that is changed"))?;
@@ -83,7 +83,7 @@ impl Scene {
                 };
                 let step = format!("{what} {}", old.name);
                 self.annotations.all.insert(id, one.clone());
-                Ok(Changed::new(step, AnnotationSaid { id, annotation: one, grid: None }))
+                Ok(Changed::new(step, AnnotationSaid { id, annotation: one, grid: None, not_shown: None }))
             }
             AnnotationCommand::Remove { id } => {
                 let step = format!("Remove {}", self.annotations.get(*id)?.name);

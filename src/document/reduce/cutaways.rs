@@ -24,7 +24,7 @@ impl Scene {
                 let cutaway = self.changed_cutaway(None, change, ground)?;
                 let step = format!("Open {}", cutaway.name);
                 let id = self.cutaways.put(cutaway.clone());
-                Ok(Changed::new(step, CutawaySaid { id, cutaway, mesh: None }))
+                Ok(Changed::new(step, CutawaySaid { id, cutaway, mesh: None, not_shown: None }))
             }
             CutawayCommand::Set(change) => {
                 let id = change.id.ok_or_else(|| missing("id", "the cutaway that is changed"))?;
@@ -41,7 +41,7 @@ impl Scene {
                 };
                 let step = format!("{what} {}", old.name);
                 self.cutaways.all.insert(id, cutaway.clone());
-                Ok(Changed::new(step, CutawaySaid { id, cutaway, mesh: None }))
+                Ok(Changed::new(step, CutawaySaid { id, cutaway, mesh: None, not_shown: None }))
             }
             CutawayCommand::Remove { id } => {
                 let step = format!("Remove {}", self.cutaways.get(*id)?.name);
